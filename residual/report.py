@@ -57,6 +57,7 @@ def render_report(
         headings=() if other is None else headings(evaluation, other),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
+        clearance=[] if (parts := t.scene.operating_clearance()) is None else parts.rows(),
         errors=tables.error_rows(evaluation),
         paper=paper_rows(evaluation),
         budget=tables.budget_rows(evaluation),

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from fem.contacts.model import Motion, unloaded
-from fem.elastic.tangential import spinning_growth
 from fem.kernels.ring_kernels import HALO
 from fem.statics.contact_balance import LOOSE_SPRING
 from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
+from lagrange.spinning import spinning_growth
 from tests.reference.bearings import (
     LOAD,
     ON_A_ROLLER,

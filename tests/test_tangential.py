@@ -8,15 +8,14 @@ from numpy.polynomial import legendre
 from scipy.integrate import solve_bvp
 
 from fem.elastic.tangential import (
-    SLOW,
     disc_shear_approach,
     disc_shear_compliance,
     ring_cross_compliance,
     ring_shear_approach,
     ring_shear_compliance,
-    spinning_growth,
 )
 from lagrange import Material
+from lagrange.spinning import SLOW, spinning_growth
 from tests.reference.polar_navier import PolarNavier
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)

@@ -39,6 +39,7 @@ def print_plan(plan: Plan) -> None:
     console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
+    _print_clearance(console, plan.scene)
     for name, value in (_of_the_bearing(plan.scene) | rows).items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
     _print_choices(console, plan, seconds)
@@ -66,10 +67,22 @@ def print_meshes(name: str, found: "MeshTable") -> None:
     console.print(table)
 
 
+def _print_clearance(console: Console, scene: Scene) -> None:
+    """How the clearance in operation comes about, where the scene has fits."""
+    if (found := scene.operating_clearance()) is None:
+        return
+    table = Table(title="Diametral clearance", title_justify="left", title_style="")
+    for heading in ("part", "µm", ""):
+        table.add_column(heading, justify="right" if heading == "µm" else "left")
+    for row in found.rows():
+        table.add_row(*row)
+    console.print(table)
+
+
 def _of_the_bearing(scene: Scene) -> dict[str, str]:
     """What the scene alone decides and its file does not say."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    rows = {"diametral clearance": f"{2e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
+    rows = {} if scene.fit else {"diametral clearance": f"{2e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
     if operation.course is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:

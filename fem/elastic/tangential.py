@@ -1,4 +1,4 @@
-"""Exact plane-strain series of rings and rollers under tangential tractions, and how far they grow as they spin.
+"""Exact plane-strain series of rings and rollers under tangential tractions.
 
 The tangential half of `continuum`, with its conventions: displacement per unit line load, along the push, relative to
 what the body does as a whole.
@@ -47,9 +47,6 @@ def moving_softening(material: Material, speed: float) -> float:
     # Rayleigh's function 4 √(1 − (v/c₁)²) √(1 − (v/c₂)²) − (2 − (v/c₂)²)² over (v/c₂)², without the difference
     rayleigh = 4.0 * (slow * squared - 1.0 - slow) / (1.0 + product) + 4.0 - squared
     return pressure / rayleigh / (1.0 - material.poisson_ratio)
-
-
-SLOW = 1e-4  # (ωr/c)², c the waves' speed: below, carrying around what has grown adds 2e-5 of it at most
 
 
 def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
@@ -157,49 +154,3 @@ def ring_stick_approach(loaded_radius: float, held_radius: float, material: Mate
     """As `disc_stick_approach`, of a ring held on its other circle."""
     less = 1.0 / (pi * material.plane_strain_modulus)
     return ring_shear_approach(loaded_radius, held_radius, material, half_width) - less
-
-
-def spinning_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:
-    """Radial displacement, m, of a free circle of a body that spins at a speed, rad/s.
-
-    `held_radius`, m: a circle that does not give; 0: a solid disc. What has grown is carried around, too, where that
-    matters. Errors: 2e-5 of the growth.
-
-    Source: Timoshenko and Goodier, Theory of Elasticity, section 32, in plane strain: u = a r + b/r − ρω² r³/8(λ+2μ).
-    """
-    if material.rigid:
-        return 0.0
-    mu, lame = material.lame_mu, material.lame_lambda
-    if material.density * (speed * radius) ** 2 > SLOW * (lame + 2.0 * mu):
-        return _carried_growth(radius, held_radius, material, speed)
-    cubic = -material.density * speed**2 / (8.0 * (lame + 2.0 * mu))
-    # σ_rr = (λ + 2μ) u' + λ u/r, nothing at `radius`
-    stress = [2.0 * (lame + mu), -2.0 * mu / radius**2, (3.0 * (lame + 2.0 * mu) + lame) * cubic * radius**2]
-    if held_radius == 0.0:
-        a, b = -stress[2] / stress[0], 0.0
-    else:
-        matrix = [stress[:2], [held_radius, 1.0 / held_radius]]
-        a, b = np.linalg.solve(matrix, [-stress[2], -cubic * held_radius**3])
-    return float(a * radius + b / radius + cubic * radius**3)
-
-
-def _carried_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:
-    """`spinning_growth` with (λ+2μ)(u'' + u'/r − u/r²) = −ρω²(r + u): r + u is a combination of J₁(kr) and Y₁(kr)."""
-    from scipy.special import j0, j1, y0, y1  # takes its time to load, and most bodies are slow
-
-    mu, lame = material.lame_mu, material.lame_lambda
-    k = abs(speed) * sqrt(material.density / (lame + 2.0 * mu))
-
-    def reaches(r):
-        """r + u of two solutions, near r and 1/r where k is small."""
-        return np.array([2.0 / k * j1(k * r), -0.5 * pi * k * y1(k * r)])
-
-    def slope(r):
-        return np.array([2.0 * j0(k * r), -0.5 * pi * k**2 * y0(k * r)]) - reaches(r) / r
-
-    stress = (lame + 2.0 * mu) * slope(radius) + lame / radius * reaches(radius)
-    if held_radius == 0.0:
-        weights = np.array([2.0 * (lame + mu) / stress[0], 0.0])
-    else:
-        weights = np.linalg.solve([stress, reaches(held_radius)], [2.0 * (lame + mu), held_radius])
-    return float(weights @ reaches(radius) - radius)

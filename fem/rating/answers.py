@@ -12,6 +12,8 @@ from lagrange import BallBearing, Bearing, Operation, contact_laws
 from lagrange.catalogue import listed, width_of
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.first_state import equilibrium_state
+from lagrange.fits import OperatingClearance
+from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating import sources
 from lagrange.rating.capacity import Dimensions, dynamic_capacity, fatigue_load_limit, static_capacity
@@ -31,6 +33,7 @@ from lagrange.rating.reference_life import LaminaLoads, reference_life, rigid_lo
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.rating.stiffness import Pitch, in_series, lagrangian_pitch
 from lagrange.scene.scene import Scene
+from lagrange.spinning import growths
 
 RPM = 2.0 * pi / 60.0
 POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
@@ -121,7 +124,7 @@ class Case:
 
     @cached_property
     def row(self) -> Dimensions:
-        return Dimensions.of(self.bearing)
+        return Dimensions.of(self.scene.unmounted_bearing())
 
     @cached_property
     def laws(self):
@@ -299,20 +302,27 @@ class Case:
         """Of clearance by the inner ring and the rollers as they grow with speed, µm."""
         if any(material.rigid for material in (self.bearing.roller, self.bearing.inner_ring)):
             return 0.0
-        from fem.statics.reduced_bearing import growths
-        from lagrange.kinematics import kinematics
-
         inner, roller = growths(self.bearing, kinematics(self.bearing, self.operation.speed))
         return 2e6 * (inner + 2.0 * roller)
 
     @cached_property
+    def build_up(self) -> OperatingClearance:
+        """Of the scene's [fit]."""
+        found = self.scene.operating_clearance()
+        return _refuse(NO_FIT) if found is None else found
+
+    @cached_property
     def clearance_parts(self) -> dict[str, float | None]:
+        """µm."""
+        if self.scene.fit is not None:
+            return {name: round(1e6 * part, 6) for name, part in self.build_up.parts.items()}
         return {
             "given": round(2e6 * self.bearing.radial_clearance, 6),
             "shaft_fit": None,
             "housing_fit": None,
             "temperature": None,
             "speed": -self.spinning_loss,
+            "film": 1e6 * self.scene.film_loss(),
         }
 
     def with_housing(self) -> np.ndarray:
@@ -392,6 +402,8 @@ DECLARED: tuple[_Declared, ...] = (
     ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
      lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
     ("operating_clearance_parts_um", "µm", "parts of that clearance", s.CLEARANCE, lambda c: c.clearance_parts),
+    ("fit_pressure_MPa", "MPa", "pressure of the fits in operation", s.FITS,
+     lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure}),
     ("stiffness_N_per_m", "N/m", "stiffness kxx, kxy; kyx, kyy, mean over a pitch", s.LINEARISED,
      lambda c: c.pitch.mean),
     ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest by entry", s.LINEARISED, lambda c: c.pitch.range),

@@ -31,7 +31,7 @@ PER_UM = 1e-6
 def rating_figures(case: Case) -> list[Figure]:
     """All that a scene allows."""
     look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
-    makers = _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction
+    makers = _clearance, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction
     with plt.rc_context(look):
         return [figure for maker in makers for figure in _possible(maker, case)]
 
@@ -53,6 +53,26 @@ def _contacts(case: Case) -> Iterator[tuple[str, Pitch, str]]:
             yield words, getattr(case, name), colour
         except Unavailable:
             continue
+
+
+def _clearance(case: Case) -> Figure:
+    """Parts of the operating clearance, one hanging from the other."""
+    found = case.build_up
+    figure, axis = plt.subplots(figsize=(WIDTH, 2.7))
+    rows, level = found.rows(), 0.0
+    for place, ((_, told, _), part) in enumerate(zip(rows, [*found.parts.values(), found.total], strict=True)):
+        whole = place in (0, len(rows) - 1)
+        start, step = (0.0, UM * part) if whole else (level, UM * part)
+        axis.bar(place, step, bottom=start, width=0.6, color=BLUE if whole else RED if part < 0.0 else GREEN)
+        axis.annotate(told, (place, max(start, start + step)), (0, 3), textcoords="offset points", ha="center")
+        level = start + step
+    axis.axhline(0.0, color=GREY, linewidth=0.9)
+    axis.set_xticks(range(len(rows)), [words.replace(" ", "\n", 1) for words, *_ in rows], fontsize=8)
+    axis.set(ylabel="diametral clearance, µm")
+    axis.margins(y=0.15)
+    remarks = "; ".join(f"{words}: {remark}" for words, _, remark in rows if remark)
+    caption = f"From the unmounted to the operating bearing; below 0: preload. {remarks}".strip()
+    return finished(figure, "clearance", "Operating clearance", caption)
 
 
 def _load_zone(case: Case) -> Figure:

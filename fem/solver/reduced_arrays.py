@@ -20,9 +20,9 @@ from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, rigid_dampers, springs_on
 from fem.solver.samples import row_width
 from fem.solver.vibrations import vibrations
-from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
 from lagrange.equations import touching_distances
+from lagrange.spinning import growths
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:

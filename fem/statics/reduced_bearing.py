@@ -11,7 +11,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach, ring_harmonic_compliance, ring_sag
-from fem.elastic.tangential import disc_stick_approach, moving_softening, ring_stick_approach, spinning_growth
+from fem.elastic.tangential import disc_stick_approach, moving_softening, ring_stick_approach
 from fem.elastic.vibration import Modes
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts
@@ -19,6 +19,7 @@ from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
 from lagrange.kinematics import roller_angles
+from lagrange.spinning import growths
 from lagrange.surface.deviation import Turns
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
@@ -214,12 +215,6 @@ def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
     inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
     outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
     return ring_sag(*inner, gravity), ring_sag(*outer, gravity)
-
-
-def growths(bearing: Bearing, motion: Kinematics) -> tuple[float, float]:
-    """How much the radii of the inner raceway and of free rollers grow as they spin, m."""
-    inner = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
-    return inner, spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
 
 
 def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:

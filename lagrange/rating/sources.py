@@ -51,5 +51,8 @@ SKF = Source(
 PALMGREN = Source("Palmgren", "M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2, f1 = 3e-4", _RECALLED)
 BOTH_FRICTIONS = Source("SKF, Palmgren", f"{SKF.text}; {PALMGREN.text}", SKF.second_hand)
 HEAT = Source("ISO 15312", "reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
-CLEARANCE = Source("scene", "the scene's clearance; growth of inner ring and rollers as they spin: discs, plane strain")
+CLEARANCE = Source("scene, Lamé", "the scene's clearance; fits and temperatures of its [fit]; spin; the films")
+FITS = Source(
+    "Lamé", "Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3: rings in plane stress", "book not read"
+)
 LINEARISED = Source("balance", "of hub and rollers, linearised at the operating point (implicit function theorem)")

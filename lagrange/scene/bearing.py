@@ -14,6 +14,8 @@ from lagrange.surface.film import Lubricant
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
+LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
+
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
 
 
@@ -136,15 +138,15 @@ class BearingTable(Table):
     def _clearance(self) -> Iterator[str]:
         roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
         clearance = outer - self.inner_raceway_diameter_mm - 2.0 * roller
-        if clearance < -0.005 * roller:
+        if clearance < -LARGEST_PRELOAD * roller:
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
-                f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
+                f"bears (at least {-LARGEST_PRELOAD * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
             )
-        if clearance > 0.2 * roller:
+        if clearance > LARGEST_CLEARANCE * roller:
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
-                f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
+                f"{LARGEST_CLEARANCE * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
             )
 
     def _room(self) -> Iterator[str]:

@@ -32,6 +32,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "bodies' damping": lambda scene: f"damping.bodies_1_s = {r:g}" if (r := scene.damping.bodies_1_s) > 0.0 else None,
     "contacts' damping": lambda scene: "[damping] of contacts" if scene.damping.contacts.acts else None,
     "load history": lambda scene: f"operation.{key}" if (key := scene.operation.changes) else None,
+    "fit in the housing": lambda scene: scene.fit.of_housing if scene.fit else None,
     "surfaces": _surfaces,
     "lubricant": lambda scene: "[lubricant]" if scene.lubricant else None,
 }
@@ -42,6 +43,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "other contacts on meshes": lambda scene: scene.model == "fem" and scene.contact.model != "subgrid",
     "modes": lambda scene: scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0,
     "rigid outer ring": lambda scene: scene.bodies.outer_ring == "rigid",
+    "outer ring moves": lambda scene: scene.mounting().bore is not None or scene.mounting().points is not None,
     "balls": lambda scene: scene.bearing.type == "ball",
     "no housing": lambda scene: scene.mounting().housing is None,
 }
@@ -70,6 +72,8 @@ REFUSED = (
     ("contacts' damping", "other contacts on meshes",
      f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
     ("contacts' damping", "modes", f"{{modes}}: not together with {{given}}, which would feed the modes{EITHER}"),
+    ("fit in the housing", "outer ring moves",
+     f"{{given}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
     ("load history", "other contacts on meshes", COMPARES),
     ("lubricant", "balls", '{given}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),

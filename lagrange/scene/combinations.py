@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from math import pi
 
 from lagrange.contact.raceway_laws import OWN, law_names
-from lagrange.scene.bearing import cage_faults
+from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
+from lagrange.scene.fit import fit_faults, interference_faults
 from lagrange.scene.surfaces import SURFACES, profile_faults, roller_faults, size_faults, spall_faults
 from lagrange.scene.tables import SceneTables
 
@@ -74,6 +75,31 @@ def _bore(scene: SceneTables) -> Iterator[str]:
         yield f'cage.guidance = "outer_ring": not with {given}, in which that ring moves; take another guidance'
 
 
+def _fit(scene: SceneTables) -> Iterator[str]:
+    if scene.fit is None:
+        return
+    faults = list(fit_faults(scene.bearing, scene.fit))
+    yield from faults
+    if faults:
+        return
+    found, roller = scene.clearance_without_films(), scene.bearing.roller_diameter_mm
+    if found is None:
+        return
+    yield from interference_faults(scene.bearing, found)
+    if -LARGEST_PRELOAD * roller <= 1e3 * found.total <= LARGEST_CLEARANCE * roller:
+        return
+    parts = ", ".join(f"{name} {value} µm" for name, value, _ in found.rows())
+    limit, remedy = (
+        (
+            -LARGEST_PRELOAD,
+            "more preload than the model bears (at least {:.4g} µm); less interference, or more clearance",
+        )
+        if found.total < 0.0
+        else (LARGEST_CLEARANCE, "too large a clearance (at most {:.4g} µm); check temperatures and clearance")
+    )
+    yield f"fit: {remedy.format(1e3 * limit * roller)}: {parts}"
+
+
 def _cage(scene: SceneTables) -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
@@ -114,6 +140,7 @@ COMBINATIONS: tuple[Callable[[SceneTables], Iterator[str]], ...] = (
     refusals,
     _fields,
     _bore,
+    _fit,
     _cage,
     _courses,
     _rollers_with_faults,

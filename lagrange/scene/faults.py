@@ -19,12 +19,11 @@ MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some mi
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "axial loads": ("axial", "thrust"),
-    "temperature": ("temperature", "thermal", "heat"),
+    "temperatures that follow from heat ([fit] takes given ones)": ("temperature", "thermal", "heat"),
     "profiles along the axis (crowning)": ("crown", "crowning", "crowned", "profile"),
     "misalignment and moments": ("misalignment", "tilt", "skew", "moment"),
     "contact angles": ("contact_angle",),
     "a turning outer ring": ("outer_ring_speed", "outer_speed"),
-    "fits of the inner ring (clearance_um is the mounted one)": ("fit", "fits", "interference"),
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),

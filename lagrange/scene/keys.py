@@ -22,7 +22,7 @@ UNITS = {  # endings of keys
     "N_per_m_n": "N/mⁿ",
     "kg_m2": "kg m²", "kg": "kg", "g_mm": "g mm", "m_s2": "m/s²", "deg": "°", "mm": "mm", "um": "µm", "us": "µs",
     "ms": "ms", "kHz": "kHz", "Hz": "Hz", "s_m": "s/m", "1_s": "1/s",
-    "Pa_s": "Pa s", "1_Pa": "1/Pa",
+    "Pa_s": "Pa s", "1_Pa": "1/Pa", "1_K": "1/K", "C": "°C",
 }  # fmt: skip
 WIDTH, COMMENT_AT = 120, 38  # characters
 LOWEST = {annotated_types.Ge: "from", annotated_types.Gt: "above"}

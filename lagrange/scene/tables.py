@@ -6,14 +6,18 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import BallBearing, Bearing, Cage, Operation
+from lagrange.fits import OperatingClearance, in_operation, operating_clearance
+from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting
 from lagrange.scene.bearing import BearingTable, BodiesTable, CageTable, LubricantTable, MaterialTable
 from lagrange.scene.columns import Columns
 from lagrange.scene.faults import Table
+from lagrange.scene.fit import FitTable
 from lagrange.scene.mounting import SensorTable, SupportTable
 from lagrange.scene.operation import OperationTable
 from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, NumericsTable, OutputTable, ReducedTable
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.spinning import growths
 from lagrange.surface.faults import Fault
 from lagrange.surface.film import films
 
@@ -37,6 +41,7 @@ class SceneTables(Table):
     )
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
+    fit: FitTable | None = None
     bodies: BodiesTable = BodiesTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
@@ -82,7 +87,38 @@ class SceneTables(Table):
         return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
 
     def perfect_bearing(self) -> Bearing:
-        """The bearing in SI, without faults of its surfaces."""
+        """The bearing in SI with the sizes that it has in operation, without faults of its surfaces."""
+        bearing, found = self.unmounted_bearing(), self.clearance_without_films()
+        if found is None:
+            return bearing
+        return in_operation(bearing, found, (0.0, 0.0) if self.model == "lagrange" else self._growths(bearing))
+
+    def operating_clearance(self) -> OperatingClearance | None:
+        """How the clearance in operation comes about, films included; None: the scene has no [fit]."""
+        found = self.clearance_without_films()
+        return None if found is None else replace(found, film=self.film_loss())
+
+    def film_loss(self) -> float:
+        """Of clearance, diametral, by the films of a lubricant, m; < 0."""
+        if self.lubricant is None:
+            return 0.0
+        found = films(self.perfect_bearing(), self.ideal_operation(), self.lubricant.lubricant())
+        return -2.0 * sum(film.thickness for film in found)
+
+    def clearance_without_films(self) -> OperatingClearance | None:
+        """The same but for the films, which need the bearing that this makes."""
+        if self.fit is None:
+            return None
+        bearing = self.unmounted_bearing()
+        roller = self._growths(bearing)[1]
+        return operating_clearance(bearing, self.fit.fit(), self.operation.ideal().speed, roller)
+
+    def _growths(self, bearing: Bearing) -> tuple[float, float]:
+        """Of the radii of inner raceway and rollers, m, that elastic models give to bodies as they spin."""
+        return growths(bearing, kinematics(bearing, self.operation.ideal().speed))
+
+    def unmounted_bearing(self) -> Bearing:
+        """The bearing in SI with the sizes of the scene, without faults of its surfaces."""
         b = self.bearing
         shape: dict[str, Any] = dict(
             n_rollers=b.rollers,

@@ -1,0 +1,227 @@
+"""From the clearance of the unmounted bearing to the operating one: fits, temperatures, spin, film. SI.
+
+Rings, shaft and housing are tubes in plane stress (Lamé); what widens the inner raceway, or narrows the outer one,
+takes clearance. Steps follow one another: fits at 20 °C and at rest, then temperatures, then spin. Each step changes
+the interferences, so that the growth of a raceway by its fit is computed anew, and a fit that has opened presses no
+more.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Material
+
+REFERENCE_C = 20.0  # °C, at which sizes are given
+STEEL_EXPANSION = 11.5e-6  # 1/K, of bearing steel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tube:
+    """A round body between two diameters, m: 0 inside of a solid one, infinite outside of a very thick one."""
+
+    inside: float
+    outside: float
+    material: Material
+
+    def __post_init__(self):
+        if not 0.0 <= self.inside < self.outside:
+            raise ValueError(f"inside {self.inside:.6g} m must lie between 0 and the outside, {self.outside:.6g} m")
+
+    @property
+    def _spread(self) -> float:
+        """(b² + a²)/(b² − a²) of diameters a inside, b outside."""
+        share = (self.inside / self.outside) ** 2
+        return (1.0 + share) / (1.0 - share)
+
+    @property
+    def widening(self) -> float:
+        """Of the inside by pressure in it, 1/Pa of its diameter."""
+        return (self._spread + self.material.poisson_ratio) / self.material.youngs_modulus
+
+    @property
+    def narrowing(self) -> float:
+        """Of the outside by pressure on it, 1/Pa of its diameter."""
+        return (self._spread - self.material.poisson_ratio) / self.material.youngs_modulus
+
+    @property
+    def through(self) -> float:
+        """Widening of the outside by pressure inside, 1/Pa of its diameter.
+
+        That of the inside by pressure outside is `through` + 2/E, and negative.
+        """
+        return (self._spread - 1.0) / self.material.youngs_modulus
+
+    def spun(self, diameter: float, speed: float) -> float:
+        """Growth of its inside's or outside's diameter, m, as it spins freely at a speed, rad/s.
+
+        ρω² d/16E · [(3 + ν) e² + (1 − ν) d²], e the other diameter; of a thin ring ρω² d³/4E.
+
+        Source: Timoshenko and Goodier, Theory of Elasticity (1970), section 32, rotating disc with a hole.
+        """
+        nu, other = self.material.poisson_ratio, self.inside if diameter == self.outside else self.outside
+        square = (3.0 + nu) * other**2 + (1.0 - nu) * diameter**2
+        return self.material.density * speed**2 * diameter * square / (16.0 * self.material.youngs_modulus)
+
+
+def fit_pressure(inner: Tube, outer: Tube, interference: float) -> float:
+    """Between a body and the one pressed on it, Pa, of an interference of diameters, m; 0 where that is not positive.
+
+    Source: Lamé, as in Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3.
+    """
+    return max(interference, 0.0) / outer.inside / (inner.narrowing + outer.widening)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """What the rings sit on and in, and how warm all are. Interferences of diameters, m; temperatures, °C."""
+
+    shaft_interference: float  # at 20 °C and at rest, < 0: loose
+    housing_interference: float
+    shaft_bore: float  # m, diameter; 0: solid
+    housing_outside: float  # m, diameter; may be infinite
+    shaft: Material
+    housing: Material
+    shaft_expansion: float  # 1/K
+    ring_expansion: float
+    roller_expansion: float
+    housing_expansion: float
+    shaft_C: float
+    inner_ring_C: float
+    rollers_C: float
+    outer_ring_C: float
+    housing_C: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperatingClearance:
+    """How a diametral clearance comes about: parts add up, negative ones take clearance. m, but for pressures."""
+
+    given: float  # unmounted
+    shaft_fit: float
+    housing_fit: float
+    temperature: float
+    speed: float  # as rings and rollers spin, and what that changes of fits
+    film: float
+    rule_of_thumb: float  # temperature's part by α (T_inner − T_outer)(F + E)/2: rollers between both rings
+    thin_ring: float  # speed's part by 2ρR³ω²/E of the inner raceway: a ring that nothing holds
+    shaft_interference: float  # in operation; < 0: loose
+    housing_interference: float
+    shaft_pressure: float  # Pa, of the fit in operation
+    housing_pressure: float
+    grown: tuple[float, float, float]  # diameters of inner raceway, outer raceway, rollers, in operation
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """Names and values of what adds up."""
+        names = "given", "shaft_fit", "housing_fit", "temperature", "speed", "film"
+        return {name: getattr(self, name) + 0.0 for name in names}  # −0 of what a fit does not change
+
+    @property
+    def total(self) -> float:
+        """In operation, diametral."""
+        return sum(self.parts.values())
+
+    def rows(self) -> list[tuple[str, str, str]]:
+        """For people: what it is, µm, and what else is known of it."""
+        thumb = f"rule of thumb α ΔT (F + E)/2: {_microns(self.rule_of_thumb):+.3f}" if self.rule_of_thumb else ""
+        thin = f"ring held by nothing, 2ρR³ω²/E: {_microns(self.thin_ring):+.3f}" if self.thin_ring else ""
+        words = {
+            "given": ("unmounted", ""),
+            "shaft_fit": ("fit on the shaft", _fit_in_words(self.shaft_interference, self.shaft_pressure)),
+            "housing_fit": ("fit in the housing", _fit_in_words(self.housing_interference, self.housing_pressure)),
+            "temperature": ("temperatures", thumb),
+            "speed": ("spin", thin),
+            "film": ("lubricant's films", ""),
+        }
+        rows = [
+            (words[name][0], f"{_microns(value):{'' if name == 'given' else '+'}.3f}", words[name][1])
+            for name, value in self.parts.items()
+        ]
+        return [*rows, ("in operation", f"{_microns(self.total):.3f}", "")]
+
+
+def _fit_in_words(interference: float, pressure: float) -> str:
+    if pressure > 0.0:
+        return f"in operation {_microns(interference):.4g} µm of interference, {1e-6 * pressure:.3g} MPa"
+    return f"in operation loose by {_microns(-interference):.4g} µm" if interference < 0.0 else ""
+
+
+def _microns(value: float) -> float:
+    """Of m, rounded; 0 has no sign."""
+    return round(1e6 * value, 3) + 0.0
+
+
+def operating_clearance(bearing: Bearing, fit: Fit, speed: float, roller_growth: float) -> OperatingClearance:
+    """The build-up of a bearing of these sizes at 20 °C, without film.
+
+    Parameters
+    ----------
+    speed : of the inner ring, rad/s
+    roller_growth : m, of a roller's radius as it spins
+    """
+    raceway, far, roller = (
+        2.0 * r for r in (bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.roller_radius)
+    )
+    shaft = Tube(inside=fit.shaft_bore, outside=2.0 * bearing.bore_radius, material=fit.shaft)
+    inner = Tube(inside=shaft.outside, outside=raceway, material=bearing.inner_ring.elastic)
+    outer = Tube(inside=far, outside=2.0 * bearing.outside_radius, material=bearing.outer_ring.elastic)
+    housing = Tube(inside=outer.outside, outside=fit.housing_outside, material=fit.housing)
+
+    hotter = {
+        body: getattr(fit, f"{body}_C") - REFERENCE_C
+        for body in ("shaft", "inner_ring", "rollers", "outer_ring", "housing")
+    }
+    swell_in, swell_out = fit.ring_expansion * hotter["inner_ring"], fit.ring_expansion * hotter["outer_ring"]
+    interference = {"cold": np.array([fit.shaft_interference, fit.housing_interference])}
+    interference["warm"] = interference["cold"] + [
+        (fit.shaft_expansion * hotter["shaft"] - swell_in) * shaft.outside,
+        (swell_out - fit.housing_expansion * hotter["housing"]) * housing.inside,
+    ]
+    opened = shaft.spun(shaft.outside, speed) - inner.spun(inner.inside, speed)
+    interference["spinning"] = interference["warm"] + [opened, 0.0]
+
+    def pressures(state: str) -> tuple[float, float]:
+        on_shaft, in_housing = interference[state]
+        return fit_pressure(shaft, inner, on_shaft), fit_pressure(outer, housing, in_housing)
+
+    def fitted(state: str) -> np.ndarray:
+        """Growth of inner raceway, outer raceway, rollers by pressures of the fits, m."""
+        on_shaft, in_housing = pressures(state)
+        narrower = outer.through + 2.0 / outer.material.youngs_modulus
+        return np.array([inner.through * on_shaft * raceway, -narrower * in_housing * far, 0.0])
+
+    warmed = np.array([swell_in * raceway, swell_out * far, fit.roller_expansion * hotter["rollers"] * roller])
+    spun = np.array([inner.spun(raceway, speed), 0.0, 2.0 * roller_growth])
+    cold, warm, spinning = fitted("cold"), fitted("warm") + warmed, fitted("spinning") + warmed + spun
+    gained = np.array([-1.0, 1.0, -2.0])  # of clearance, by growth
+    at_work = pressures("spinning")
+    return OperatingClearance(
+        given=2.0 * bearing.radial_clearance,
+        shaft_fit=-float(cold[0]),
+        housing_fit=float(cold[1]),
+        temperature=float(gained @ (warm - cold)),
+        speed=float(gained @ (spinning - warm)),
+        film=0.0,
+        rule_of_thumb=-fit.ring_expansion * (fit.inner_ring_C - fit.outer_ring_C) * 0.5 * (raceway + far),
+        thin_ring=-inner.material.density * speed**2 * raceway**3 / (4.0 * inner.material.youngs_modulus),
+        shaft_interference=float(interference["spinning"][0]),
+        housing_interference=float(interference["spinning"][1]),
+        shaft_pressure=at_work[0],
+        housing_pressure=at_work[1],
+        grown=(float(spinning[0]), float(spinning[1]), float(spinning[2])),
+    )
+
+
+def in_operation(bearing: Bearing, found: OperatingClearance, own: tuple[float, float]) -> Bearing:
+    """The bearing with the sizes that it has in operation.
+
+    `own` : m, growth of the radii of inner raceway and rollers that the model itself gives to bodies as they spin
+    """
+    inner, outer, roller = (0.5 * grown for grown in found.grown)
+    return replace(
+        bearing,
+        inner_raceway_radius=bearing.inner_raceway_radius + inner - own[0],
+        outer_raceway_radius=bearing.outer_raceway_radius + outer,
+        roller_radius=bearing.roller_radius + roller - own[1],
+    )

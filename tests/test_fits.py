@@ -1,0 +1,259 @@
+"""From the unmounted to the operating clearance: Lamé's fits, temperatures, spin; runs and pages with it."""
+
+import re
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from fem.commands.run_fem import run_main
+from fem.elastic.assembly import assemble
+from fem.elastic.outer_support import bored_ring
+from fem.interface import rating
+from fem.rating.page import write_page
+from fem.statics.reduced_bearing import reduced_bearing
+from lagrange import BallBearing, Material, kinematics
+from lagrange.bearing import Bearing
+from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clearance
+from lagrange.mounting import Bore
+from lagrange.scene.fit import FitTable
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
+from lagrange.spinning import spinning_growth
+from meshes import Mesh
+from residual.cli import main as check_main
+from tests.documented import ROOT, blocks
+from tests.reference.bearings import LENGTH, STEEL, STEEL_ON_STEEL, ring
+
+NU206 = Bearing(
+    n_rollers=13, roller_radius=4.5e-3, roller_length=8.8e-3, inner_raceway_radius=18.75e-3,
+    outer_raceway_radius=27.75e-3, bore_radius=15e-3, outside_radius=31e-3, **STEEL_ON_STEEL,
+)  # fmt: skip
+ALUMINIUM = {"housing_youngs_modulus_GPa": 70.0, "housing_poisson_ratio": 0.33, "housing_expansion_1_K": 23.8e-6}
+SHAFT, HOUSING = (
+    {"shaft_interference_um": 10.0},
+    {"housing_interference_um": 10.0, "housing_outside_diameter_mm": 100.0},
+)
+OIL = "lubricant={}"
+
+
+def build_up(speed: float = 0.0, bearing: Bearing = NU206, **keys) -> OperatingClearance:
+    """Of a bearing and keys of [fit]; speed in rad/s."""
+    roller = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, kinematics(bearing, speed).roller)
+    return operating_clearance(bearing, FitTable(**keys).fit(), speed, roller)
+
+
+def part(name: str, speed: float = 0.0, **keys) -> float:
+    """One of it, µm."""
+    return 1e6 * build_up(speed, **keys).parts[name]
+
+
+def scene(*overrides: str):
+    return read_scene(None, ('bearing={designation="NU206"}', *overrides))
+
+
+def lame_inner(u, bore, raceway, shaft_bore=0.0, ratio=1.0, nu=0.3):
+    """Growth of the raceway as handbooks have it; `ratio`: modulus of the ring over the shaft's."""
+    k = raceway / bore
+    s = 1.0 - nu if shaft_bore == 0.0 else ((bore / shaft_bore) ** 2 + 1) / ((bore / shaft_bore) ** 2 - 1) - nu
+    return 2.0 * u * k / ((k**2 - 1) * ((k**2 + 1) / (k**2 - 1) + 0.3 + ratio * s))
+
+
+def lame_outer(u, outside, raceway, housing, ratio=1.0, nu=0.3):
+    k, h = outside / raceway, (housing / outside) ** 2
+    return 2.0 * u * k / ((k**2 - 1) * ((k**2 + 1) / (k**2 - 1) - 0.3 + ratio * ((h + 1) / (h - 1) + nu)))
+
+
+@pytest.mark.parametrize(
+    ("keys", "name", "handbook", "microns"),
+    [
+        (SHAFT, "shaft_fit", lame_inner(10, 30, 37.5), 8.000),
+        (SHAFT | {"shaft_bore_mm": 15.0}, "shaft_fit", lame_inner(10, 30, 37.5, 15), 7.143),
+        (HOUSING, "housing_fit", lame_outer(10, 62, 55.5, 100), 7.964),
+        (HOUSING | ALUMINIUM, "housing_fit", lame_outer(10, 62, 55.5, 100, 3.0, 0.33), 5.460),
+    ],
+)  # fmt: skip
+def test_fits_of_an_nu206_are_lames(keys, name, handbook, microns):
+    found = -part(name, **keys)
+    assert found == pytest.approx(handbook, rel=1e-6)
+    assert found == pytest.approx(microns, abs=5e-4)
+    other = {"shaft_fit": "housing_fit", "housing_fit": "shaft_fit"}[name]
+    assert part(other, **keys) == 0.0 == part("temperature", **keys) == part("speed", **keys)
+
+
+def test_rollers_and_inner_ring_hotter_than_the_outer_one():
+    """11.5e-6 · 55.5 mm · 10 K; the rule of thumb is that of rollers halfway between both rings."""
+    found = build_up(inner_ring_C=30.0, rollers_C=30.0)
+    assert 1e6 * found.temperature == pytest.approx(-6.3825, rel=1e-9)
+    assert 1e6 * found.rule_of_thumb == pytest.approx(-5.3475, rel=1e-9)
+    assert build_up(inner_ring_C=30.0).temperature == pytest.approx(found.rule_of_thumb, rel=1e-9)
+    both = build_up(inner_ring_C=70.0, outer_ring_C=70.0, bearing=replace(NU206, outer_raceway_radius=27.77e-3))
+    assert both.temperature == pytest.approx(50 * 11.5e-6 * 40e-6, rel=1e-6)  # the clearance itself grows
+    assert part("temperature", roller_expansion_1_K=3.2e-6, rollers_C=70.0) == pytest.approx(-2 * 9e3 * 3.2e-6 * 50)
+
+
+def test_temperature_loosens_what_expands_more():
+    """An aluminium housing 40 K warm; a shaft colder than its ring."""
+    keys = HOUSING | ALUMINIUM | {"outer_ring_C": 60.0, "inner_ring_C": 60.0}
+    found = build_up(**keys)
+    left = 10.0 - 40.0 * (23.8e-6 - 11.5e-6) * 62e3
+    assert 1e6 * found.housing_interference == pytest.approx(left, rel=1e-9) and left < 0.0
+    assert found.housing_pressure == 0.0
+    assert found.housing_fit + found.temperature == pytest.approx(0.0, abs=1e-12)  # nothing of the fit is left
+    cold = build_up(**SHAFT, shaft_C=10.0)
+    assert 1e6 * cold.shaft_interference == pytest.approx(10.0 - 10.0 * 11.5e-6 * 30e3)
+    assert 1e6 * cold.temperature == pytest.approx(lame_inner(3.45, 30, 37.5), rel=1e-6)
+
+
+def test_a_thin_ring_grows_by_its_hoop_stress():
+    """Paper's raceway, 36 mm, at 4500 and 20 000 rpm."""
+    speeds = np.array([4500.0, 20_000.0]) * np.pi / 30.0
+    thin = Tube(inside=35.99e-3, outside=36e-3, material=STEEL)
+    np.testing.assert_allclose([1e6 * thin.spun(36e-3, w) for w in speeds], [0.0968, 1.912], rtol=1e-3)
+    paper = replace(NU206, inner_raceway_radius=18e-3, bore_radius=12.5e-3)
+    assert 1e6 * build_up(speeds[0], paper).thin_ring == pytest.approx(-0.0968, rel=1e-3)
+
+
+def test_a_ring_pressed_on_a_shaft_of_its_steel_spins_as_one_disc():
+    """And one that has come loose as a ring alone: by superposition, Timoshenko and Goodier, section 32."""
+    speed, steel, ends = 15_000 * np.pi / 30.0, STEEL, 2.0 * NU206.inner_raceway_radius
+    rollers = 4e6 * spinning_growth(NU206.roller_radius, 0.0, steel, kinematics(NU206, speed).roller)
+    disc = 1e6 * steel.density * speed**2 * ends**3 * (1.0 - steel.poisson_ratio) / (16.0 * steel.youngs_modulus)
+    assert part("speed", speed, **SHAFT) == pytest.approx(-disc - rollers, rel=1e-9)
+    loose = build_up(speed, shaft_interference_um=0.1)
+    free = Tube(inside=30e-3, outside=ends, material=steel).spun(ends, speed)
+    assert loose.shaft_pressure == 0.0 and loose.shaft_interference < 0.0
+    assert 1e6 * (loose.speed + loose.shaft_fit) == pytest.approx(-1e6 * free - rollers, rel=1e-9)
+    assert disc < 0.5e6 * free
+
+
+PLANE = Material(youngs_modulus=STEEL.plane_strain_modulus, poisson_ratio=0.3 / 0.7, density=STEEL.density)
+
+
+def test_the_mesh_of_a_ring_under_pressure_in_its_bore_grows_as_the_tube():
+    """Plane strain, as the finite elements are: E/(1 − ν²), ν/(1 − ν) in the formulas."""
+    body = ring(15e-3, 18.75e-3, 64, 8, True)
+    mesh, n = Mesh(points=body.points, cells=body.cells), body.n_sectors
+    stiffness = assemble(mesh, STEEL, LENGTH).stiffness
+    radius = np.hypot(*mesh.points.T)
+    inside, outside = np.flatnonzero(radius < 15.001e-3), np.flatnonzero(radius > 18.749e-3)
+    force, pressure = np.zeros_like(mesh.points), 10e6
+    edge = 2.0 * 15e-3 * np.tan(np.pi / n)
+    force[inside] = pressure * LENGTH * edge * mesh.points[inside] / radius[inside, None]
+    held = [2 * inside[0], 2 * inside[0] + 1, 2 * inside[n // 2] + 1]  # three of a plane body's freedoms
+    free = np.setdiff1d(np.arange(force.size), held)
+    found = np.zeros(force.size)
+    found[free] = spsolve(stiffness.tocsc()[free][:, free], force.ravel()[free])
+    found = found.reshape(-1, 2)
+    across = {}
+    for name, rows in (("inside", inside), ("outside", outside)):
+        centred = found[rows] - found[rows].mean(axis=0)
+        across[name] = 2.0 * np.sum(centred * mesh.points[rows], axis=1).mean() / radius[rows[0]]
+    tube = Tube(inside=30e-3, outside=37.5e-3, material=PLANE)
+    assert across["outside"] == pytest.approx(tube.through * pressure * 37.5e-3, rel=5e-3)
+    assert across["inside"] == pytest.approx(tube.widening * pressure * 30e-3, rel=5e-3)
+
+
+def test_the_mesh_of_an_outer_ring_pressed_into_its_bore_shrinks_as_the_tube():
+    """The bore of [support] is a thick wall of the ring's steel."""
+    body = bored_ring(ring(27.75e-3, 31e-3, 176, 4, False), Bore(clearance=-20e-6), LENGTH)
+    raceway = 2.0 * body.rested(np.zeros((body.n_rows, 2, body.n_sectors)))[0, 0]
+    outer = Tube(inside=55.5e-3, outside=62e-3, material=PLANE)
+    wall = Tube(inside=62e-3, outside=inf, material=PLANE)
+    narrower = fit_pressure(outer, wall, 20e-6) * (outer.through + 2.0 / PLANE.youngs_modulus) * 55.5e-3
+    np.testing.assert_allclose(raceway, -narrower, rtol=1e-3)
+
+
+FITTED = ("fit.shaft_interference_um=10", "fit.inner_ring_C=60", "fit.outer_ring_C=50")
+
+
+@pytest.mark.parametrize("model", ["lagrange", "reduced", "fem"])
+def test_runs_have_the_clearance_in_operation(model):
+    """Elastic models let their bodies grow as they spin: with that they have it."""
+    found = scene(*FITTED, "operation.speed_rpm=15000", f"model={model}", OIL)
+    told, bearing = found.operating_clearance(), found.ideal_bearing()
+    left = 2.0 * bearing.radial_clearance
+    if model != "lagrange":
+        motion = kinematics(bearing, found.ideal_operation().speed)
+        reduced = reduced_bearing(found.perfect_bearing(), motion)
+        left -= 2.0 * (reduced.inner_growth + 2.0 * reduced.roller_growth)
+    left -= 2.0 * sum(film.thickness for film in bearing.faults)
+    assert left == pytest.approx(
+        told.total, abs=5e-10
+    )  # a model rolls with the sizes that it is given, not those of 20 °C
+    assert told.film < -0.5e-6 and told.total < told.given - 10e-6
+
+
+def test_a_scene_without_fits_is_what_it_was():
+    plain = scene()
+    assert plain.perfect_bearing() == plain.unmounted_bearing() and plain.operating_clearance() is None
+    assert "fit" not in plain.to_toml()
+    cold = scene("fit.shaft_interference_um=0", "operation.speed_rpm=0")
+    assert cold.perfect_bearing() == plain.perfect_bearing()
+    again = parse_scene_text(scene(*FITTED).to_toml(), "again")
+    assert again.operating_clearance() == scene(*FITTED).operating_clearance()
+    balls = read_scene(None, ("bearing.type=ball", "model=lagrange", *FITTED)).perfect_bearing()
+    assert isinstance(balls, BallBearing)
+
+
+def test_the_plan_the_report_and_the_rating_tell_the_same(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = 'name = "own"\nmodel = "lagrange"\nnumerics.duration_ms = 2\nbearing.designation = "NU206"\n'
+    (tmp_path / "own.toml").write_text(
+        text + "[lubricant]\n[fit]\nshaft_interference_um = 10\ninner_ring_C = 60\n", encoding="utf-8"
+    )
+    found = read_scene("own.toml")
+    rows = found.operating_clearance().rows()
+    assert run_main(["own.toml", "--dry-run"]) == 0
+    shown = capsys.readouterr().out
+    assert run_main(["own.toml", "--quiet"]) == 0
+    assert check_main(["runs/own.nc", "--no-figures", "--quiet"]) == 0
+    report = (tmp_path / "runs" / "own-residual" / "report.html").read_text(encoding="utf-8")
+    for words, number, _ in rows:
+        assert re.search(rf"{words.split()[0]}\S* .*{re.escape(number)}", shown), words
+        assert f"<td>{number}</td>" in report
+    rated = rating(found)
+    parts = rated["operating_clearance_parts_um"]
+    assert sum(parts.values()) == pytest.approx(rated["operating_clearance_um"], abs=1e-5)
+    assert rated["operating_clearance_um"] == pytest.approx(float(rows[-1][1]), abs=1e-3)
+    assert parts["shaft_fit"] == pytest.approx(-8.0) and rated["fit_pressure_MPa"]["housing"] == 0.0
+    assert rated["C_N"] == pytest.approx(rating(scene("model=lagrange"))["C_N"])  # not of warm, wide rings
+    write_page(tmp_path / "rating.html", rated)
+    assert '<figure id="clearance">' in (tmp_path / "rating.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        (["fit.shaft_interference_um=70"], "more than 0.002 of the diameter, 30 mm; between -60 and 60"),
+        (["fit.housing_interference_um=200"], "more than 0.002 of the diameter, 62 mm"),
+        (["fit.shaft_bore_mm=30"], "must be below bearing.bore_diameter_mm = 30"),
+        (["fit.housing_outside_diameter_mm=62"], "must be above bearing.outside_diameter_mm = 62"),
+        (["fit.shaft_interference_um=60", "fit.inner_ring_C=80"],
+         r"more preload than the model bears \(at least -45 µm\); less interference, or more clearance: unmounted 32"),
+        (["fit.outer_ring_C=400", "fit.ring_expansion_1_K=1e-4", "fit.housing_expansion_1_K=1e-4"],
+         "too large a clearance"),
+        (["fit.inner_ring_C=-150", "fit.shaft_C=500"], "of interference in operation, more than 0.002 of the diameter"),
+        (["fit.shaft_interferenc_um=1"], "did you mean shaft_interference_um"),
+        (["fit.temperature_C=50"], r"temperatures that follow from heat \(\[fit\] takes given ones\)"),
+        (["bearing.shaft_interference_um=5"], "did you mean fit.shaft_interference_um"),
+        (["support.kind=bore", "fit.housing_interference_um=5"],
+         "fit.housing_interference_um = 5: not with the .support. of an outer ring that its housing does not hold"),
+    ],
+)  # fmt: skip
+def test_nonsense_is_refused(keys, words):
+    with pytest.raises(SceneError, match=words):
+        scene(*keys)
+
+
+def test_warm_rings_in_a_bore_of_support_are_allowed():
+    assert scene("support.kind=bore", "fit.inner_ring_C=40").operating_clearance().temperature < 0.0
+
+
+def test_the_page_shows_what_its_scene_gives():
+    page = ROOT / "docs" / "clearance.md"
+    told = parse_scene_text(blocks(page, "toml")[0], "spindle").operating_clearance().rows()
+    shown = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    for row in told:
+        assert f"| {' | '.join(row)} |".replace("|  |", "| |") in shown

@@ -44,7 +44,9 @@ def _command(
     contact_angle: Annotated[float, Parameter(help="degrees")] = 0.0,
     speed: Annotated[float | None, Parameter(help="of the shaft, rpm")] = None,
     speed_tolerance: Annotated[str, Parameter(help="by which the speed may be wrong, per cent")] = "1%",
-    against: Annotated[Path | None, Parameter(help="another record, as of a healthy bearing, or a result file")] = None,
+    against: Annotated[
+        Path | None, Parameter(help="another record, as of a healthy bearing, a result file, or a scene to simulate")
+    ] = None,
     output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration beside the record")] = None,
     no_figures: Annotated[bool, Parameter(negative="", help="draw no figures")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,

@@ -3,12 +3,16 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import exponnorm
 
 from residual.check_vibration import main
+from residual.measured import simulated
 from residual.measured.diagnosis import BODIES, Geometry
+from residual.measured.pulse import mean_pulse
 from residual.measured.synthetic import synthetic_record
 
 NU206 = ("--bearing", "NU206", "--speed", "1480")
@@ -60,7 +64,7 @@ def test_page_says_the_verdict_first_and_fetches_nothing(checked):
     page = (checked[0] / "vibration.html").read_text(encoding="utf-8")
     body = page[page.index("<body>") :]
     assert body.index("The outer ring is damaged.") < body.index("Evidence") < body.index("Comparison")
-    assert body.count("data:image/") == 2
+    assert body.count("data:image/") == 3
     assert "http" not in body.replace("http://www.w3.org", "")
 
 
@@ -125,7 +129,8 @@ REFUSED = {
     "tolerance": ([*NU206, "--speed-tolerance", "much"], "must be a number of per cent"),
     "wide tolerance": ([*NU206, "--speed-tolerance", "50%"], "from 0 to 10%"),
     "slow": (["--bearing", "NU206", "--speed", "1"], "passes of rolling elements"),
-    "scene against": ([*NU206, "--against", "scene.toml"], "run it by run-fem first"),
+    "scene against": ([*NU206, "--against", "scene.toml"], "scene.toml: no such file"),
+    "scene without one speed": ([*NU206, "--against", "table.toml"], "at one steady speed"),
     "missing against": ([*NU206, "--against", "none.csv"], "No such file"),
 }
 
@@ -134,11 +139,65 @@ REFUSED = {
 def test_unusable_input_is_refused_in_one_line(case, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     written(tmp_path / "record.npz")
+    Path("table.toml").write_text('operation.speed_table = "speeds.csv"\n')
+    Path("speeds.csv").write_text("time_ms,speed_rpm\n0,1000\n100,2000\n")
     options, words = REFUSED[case]
     assert main(["record.npz", *options]) == 2
     told = capsys.readouterr().err
     assert words in told and told.startswith("error: ") and told.count("\n") == 1
     assert not (tmp_path / "record-vibration").exists()
+
+
+MOTOR = """
+model = "lagrange"
+bearing.designation = "NU206"
+operation.radial_load_N = 500.0
+damping.contact_time_us = 12.5
+support = { kind = "housing", stiffness_N_per_m = 3e7 }
+sensor.frequency_Hz = 4000.0
+spall = [{ body = "outer_ring", width_mm = 1.0 }]
+"""
+
+
+def test_scene_is_simulated_at_the_record_s_speed_and_rate(tmp_path):
+    truth = synthetic_record(np.random.default_rng(5), GEOMETRY, SHAFT, "BPFO", 1.0, duration=0.2, rate=10_240.0)
+    np.savez(tmp_path / "record.npz", acc=truth.signal.values, rate=truth.signal.rate)
+    (tmp_path / "motor.toml").write_text(MOTOR, encoding="utf-8")
+    options = ["--speed", "1480", "--against", str(tmp_path / "motor.toml"), "--no-figures", "--quiet"]
+    assert main([str(tmp_path / "record.npz"), *options]) == 0  # the bearing is the scene's
+    summary = json.loads((tmp_path / "record-vibration" / "summary.json").read_text(encoding="utf-8"))
+    beside = summary["against"]
+    assert beside["rate_Hz"] == pytest.approx(10_240.0, rel=1e-6)
+    assert beside["seconds"] == pytest.approx(0.2, rel=1e-2)
+    first = next(line for line in beside["lines"] if line["name"] == "BPFO")
+    assert first["found_Hz"] == pytest.approx(GEOMETRY.lines(SHAFT)["BPFO"], rel=3e-3)  # the cage does not slip
+    assumed = {each["key"]: (each["value"], each["given"]) for each in beside["assumed"]}
+    assert assumed["support.stiffness_N_per_m"] == (3e7, True)
+    assert assumed["support.mass_kg"] == (12.638, False)
+    assert assumed["spall.0.width_mm"] == (1.0, True)
+    assert "operation.speed_rpm=1480" in beside["command"]
+
+
+def test_scene_that_run_fem_refuses_is_refused_in_its_words(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(simulated, "RUN_FEM", (sys.executable, "-c", "raise SystemExit('error: no equilibrium')"))
+    written(tmp_path / "record.npz")
+    (tmp_path / "motor.toml").write_text(MOTOR, encoding="utf-8")
+    assert main([str(tmp_path / "record.npz"), *NU206, "--against", str(tmp_path / "motor.toml")]) == 2
+    assert capsys.readouterr().err.endswith("motor.toml: run-fem: no equilibrium\n")
+
+
+def test_length_of_a_pulse_is_that_of_the_ringing():
+    rate, line, decay = 50_000.0, 50.0, 2e-3  # s, in which the amplitude falls to 1/e
+    time = np.arange(int(2.0 * rate)) / rate
+    since = np.mod(time, 1.0 / line)
+    found = mean_pulse(np.exp(-since / decay) * np.sin(2.0 * np.pi * 5e3 * since), rate, line)
+    smoothing = 0.01 / line  # of an exponential by a Gaussian
+    at = np.linspace(-5e-3, 15e-3, 100_001)
+    shape = exponnorm(0.5 * decay / smoothing, scale=smoothing).pdf(at)
+    above = np.count_nonzero(shape >= 0.5 * shape.max()) * (at[1] - at[0])
+    assert found.length == pytest.approx(above, rel=0.03)  # two samples
+    assert found.contrast > 1e3
+    assert found.power.mean() == pytest.approx(1.0, rel=0.02)
 
 
 def test_foreign_folder_is_not_touched(tmp_path, capsys):

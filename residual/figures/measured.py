@@ -9,6 +9,7 @@ from residual.figures.saved import BLUE, ORANGE, SavedFigure
 from residual.figures.style import STYLE, legend_above, line_handles, mark_lines, panels, save, without_minor_ticks
 from residual.formatting import text
 from residual.measured.checks import Check, Judged
+from residual.measured.pulse import PASSES_IN_BAND, SMOOTHING, Pulse
 
 PASSES_SHOWN = 8.0
 LINES_TO = 3.2  # times BPFI
@@ -16,16 +17,19 @@ MOST_POINTS = 4000  # of a curve: beyond, the largest of neighbours
 
 
 def measured_figures(check: Check, folder: Path) -> list[SavedFigure]:
-    """Draw the envelope's spectrum, the record's spectrum and an excerpt."""
+    """Draw the envelope's spectrum, the record's spectrum and an excerpt, and where a line stands out its pulse."""
     with rc_context(STYLE):
-        return [_envelope(check, folder), _record(check, folder)]
+        drawn = [_envelope(check, folder), _record(check, folder)]
+        if check.record.pulse is not None and check.record.diagnosis.findings[0].stands_out:
+            drawn.append(_pulse(check, check.record.pulse, folder))
+        return drawn
 
 
 def _envelope(check: Check, folder: Path) -> SavedFigure:
     """Depth of modulation over frequency, or over turns of the shaft where two records are compared."""
     found = check.record.diagnosis
     judged = [check.record] if check.other is None else [check.record, check.other]
-    figure, axes = panels(len(judged), 3.4 + 2.2 * (len(judged) - 1), lines=3)
+    figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
     by_turns = len(judged) > 1
     for axis, each in zip(axes, judged, strict=True):
         spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
@@ -42,7 +46,7 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
             axis.plot([line.found / unit for line in inside], [line.depth for line in inside], "o", color="black",
                       markersize=3.5)  # fmt: skip
         axis.set(xlim=(0.0, top), ylabel="depth of modulation")
-        axis.set_ylim(0.0, 1.15 * float(depth[1:].max()))
+        axis.set_ylim(0.0, 1.15 * float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
         if by_turns:
             axis.text(0.99, 0.9, each.signal.name, transform=axis.transAxes, ha="right", fontsize=9.5)
         if axis is axes[0]:
@@ -63,7 +67,8 @@ def _record(check: Check, folder: Path) -> SavedFigure:
     for judged, colour in ((check.record, BLUE), (check.other, ORANGE)):
         if judged is not None:
             frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
-            upper.plot(frequency, amplitude, color=colour, linewidth=0.7, label=judged.signal.name)
+            upper.plot(frequency, amplitude, color=colour, linewidth=0.7, label=judged.signal.name,
+                       zorder=3.0 if judged is check.record else 2.0)  # fmt: skip
     unit = check.record.signal.unit or "own unit"
     upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=f"amplitude, {unit}")
     without_minor_ticks(upper)
@@ -77,6 +82,25 @@ def _record(check: Check, folder: Path) -> SavedFigure:
         "the outer ring, about the largest value."
     )
     return save(figure, folder, "record", "Spectrum and excerpt of the record", caption)
+
+
+def _pulse(check: Check, own: Pulse, folder: Path) -> SavedFigure:
+    """Mean power about a strike, of one record or of both."""
+    figure, (axis,) = panels(1, 3.0, lines=1)
+    other = None if check.other is None else check.other.pulse
+    for pulse, judged, colour in ((own, check.record, BLUE), (other, check.other, ORANGE)):
+        if pulse is not None and judged is not None:
+            axis.plot(1e3 * pulse.time, pulse.power, color=colour, linewidth=1.1, label=judged.signal.name)
+    axis.margins(x=0.0)
+    axis.set(xlabel="time from the highest power, ms", ylabel="power over its mean", ylim=(0.0, None))
+    legend_above(axis, 2)
+    caption = (
+        f"Power of the band above {text(PASSES_IN_BAND, 2)} {check.part} (500 Hz at least), the mean over all passes "
+        f"at {check.part}, set at the highest of each; smoothed over {text(100.0 * SMOOTHING, 2)} % of a pass. "
+        f"It stands above half its height for {text(1e3 * own.length, 3)} ms"
+    )
+    caption += "." if other is None else f", the other for {text(1e3 * other.length, 3)} ms."
+    return save(figure, folder, "pulse", "Pulse of a strike", caption)
 
 
 def _excerpt(judged: Judged) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,6 @@
 """A check of one record, or of two beside each other: what is asked, what the bearing is, levels and verdicts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,8 +9,11 @@ import numpy as np
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
-from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
+from residual.measured.diagnosis import SLIP, Diagnosis, Geometry, diagnose
+from residual.measured.envelope import TURNS
+from residual.measured.pulse import Pulse, mean_pulse
 from residual.measured.signals import Signal, read_signal
+from residual.measured.simulated import Assumed, simulation
 from residual.measured.width import Width, damage_width
 from residual.record import Record
 from residual.spectrum import Spectrum, power_spectrum, rms
@@ -42,6 +45,16 @@ class Question:
     speed: float | None = None  # rpm
     tolerance: float = 0.01
 
+    @property
+    def sizes(self) -> tuple[int | None, float | None, float | None]:
+        """Those of a bearing that is described by its sizes."""
+        return self.elements, self.element_diameter, self.pitch_diameter
+
+    @property
+    def names_bearing(self) -> bool:
+        """Whether any option gives the bearing."""
+        return any(given is not None for given in (self.bearing, self.scene, *self.sizes))
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
@@ -53,10 +66,17 @@ class Judged:
     geometry: Geometry
     shaft: float  # Hz, nominal
     width: Width
+    pulse: Pulse | None  # about strikes of the most prominent part
     rms: float
     crest: float  # largest magnitude over rms
     kurtosis: float
     velocity: float | None  # m/s rms in ISO 20816's band; None: of no acceleration
+
+    @property
+    def likely_shaft(self) -> float:
+        """The shaft's frequency, Hz: as given, unless the record says more than slip against it."""
+        found = self.diagnosis.shaft
+        return self.shaft if abs(found / self.shaft - 1.0) <= 1.5 * SLIP else found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,6 +86,13 @@ class Check:
     path: Path
     record: Judged
     other: Judged | None
+    command: str | None = None  # that makes the run beside it again; None: it is no simulation made here
+    assumed: tuple[Assumed, ...] = ()  # what that simulation needed and the record does not say
+
+    @property
+    def part(self) -> str:
+        """The line of the bearing's part that stands out most, of the record."""
+        return self.record.diagnosis.findings[0].name
 
 
 def check_record(path: Path, against: Path | None, question: Question, options: Options) -> Check:
@@ -75,9 +102,19 @@ def check_record(path: Path, against: Path | None, question: Question, options: 
     ------
     InputError: a record, bearing or speed that can't be used.
     """
+    scene = against if against is not None and against.suffix.lower() == ".toml" else None
+    if scene is not None and not question.names_bearing:
+        question = replace(question, scene=scene)
     record = _judged(path, question, options, None)
-    other = None if against is None else _judged(against, question, options, record)
-    return Check(path=path, record=record, other=other)
+    if against is None:
+        return Check(path=path, record=record, other=None)
+    if scene is None:
+        return Check(path=path, record=record, other=_judged(against, question, options, record))
+    longest = TURNS / record.diagnosis.lines["FTF"]
+    with simulation(scene, record.signal.rate, min(record.signal.duration, longest), record.likely_shaft) as made:
+        other = _judged(made.run, question, options, record)
+    other = replace(other, signal=replace(other.signal, name=f"{scene.name}, simulated"))
+    return Check(path=path, record=record, other=other, command=made.command, assumed=made.assumed)
 
 
 def _judged(path: Path, question: Question, options: Options, beside: Judged | None) -> Judged:
@@ -94,11 +131,6 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
             geometry = own[0]
         signal = _of_run(path, run, None if beside is None else beside.signal.rate)
     else:
-        if beside is not None and path.suffix.lower() == ".toml":
-            raise InputError(
-                f"--against {path}: a scene; run it by run-fem first and name its result file, since the checker knows "
-                "no solver"
-            )
         asked = _bearing(question)
         if asked is None:
             raise InputError(
@@ -109,10 +141,12 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
         signal = read_signal(path, options.rate, options.channel, options.unit, options.sensitivity)
     level = rms(signal.values)
     diagnosis = diagnose(signal, geometry, shaft, question.tolerance)
+    part = diagnosis.findings[0].name if beside is None else beside.diagnosis.findings[0].name
     spectrum = power_spectrum(signal.values, 1.0 / signal.rate, diagnosis.lines["FTF"])
     return Judged(
         signal=signal, spectrum=spectrum, diagnosis=diagnosis, geometry=geometry, shaft=shaft, rms=level,
         width=damage_width(signal, geometry, diagnosis),
+        pulse=mean_pulse(signal.values, signal.rate, diagnosis.of(part).found),
         crest=float(np.max(np.abs(signal.values))) / level, kurtosis=float(np.mean((signal.values / level) ** 4)),
         velocity=_velocity(spectrum) if signal.unit == "m/s²" else None,
     )  # fmt: skip
@@ -120,7 +154,7 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
 
 def _bearing(question: Question) -> Geometry | None:
     """The bearing that options give; None: none of them does."""
-    sizes = question.elements, question.element_diameter, question.pitch_diameter
+    sizes = question.sizes
     ways = [question.bearing is not None, question.scene is not None, any(size is not None for size in sizes)]
     if sum(ways) > 1:
         raise InputError("--bearing, --scene and --elements say the same thing; leave all but one out")

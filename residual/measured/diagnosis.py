@@ -117,6 +117,18 @@ class Diagnosis:
     lines: dict[str, float]  # kinematic lines at the speed as found, Hz
     spectrum: EnvelopeSpectrum
 
+    def of(self, name: str) -> Finding:
+        """The finding of a part of the bearing, by its first line."""
+        return next(each for each in self.findings if each.name == name)
+
+    def beside(self, name: str, by: str) -> tuple[float, float] | None:
+        """Depth of the sidebands below and above a part's first line over its own; None: they are not resolved."""
+        line, side = self.of(name).found, self.lines[by]
+        if side < 2.0 * self.spectrum.resolution:
+            return None
+        low, own, high = self.spectrum.depth[self.spectrum.at(line + np.array([-side, 0.0, side]))]
+        return float(low / own), float(high / own)
+
 
 def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float = 0.01) -> Diagnosis:
     """Judge a record.

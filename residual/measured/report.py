@@ -1,8 +1,10 @@
 """What check-vibration prints and writes: the verdict first, the evidence beside it."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+
+import numpy as np
 
 from lagrange.files.pages import load_matplotlib, render_page
 from lagrange.messages import G, shown
@@ -46,7 +48,7 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict:
         page = render_page(
             TEMPLATE, name=record.signal.name, version=VERSION, headline=HEADLINES[found.verdict],
             reasons=found.reasons, notes=notes(record), facts=facts(check), findings=findings(check),
-            lines=line_rows(record), comparison=comparison(check),
+            lines=line_rows(record), comparison=comparison(check), assumed=assumed_rows(check), command=check.command,
             other=None if check.other is None else check.other.signal.name,
             gates=(DECOYS, CLEAR, DEEP), figures=[(figure, embedded(figure)) for figure in drawn],
         )  # fmt: skip
@@ -71,6 +73,8 @@ def print_check(check: Check, folder: Path) -> None:
         print(f"{name + ':':18} {shown(value)}")
     for row in comparison(check):
         print(f"{row[0] + ':':34} {row[1]:>12}   {row[2]:>12}")
+    for key, value, source, _ in assumed_rows(check):
+        print(f"assumed: {key} = {value} ({source})")
     print(f"Page: {shown(folder / 'vibration.html')}")
 
 
@@ -122,22 +126,33 @@ def _sidebands(finding: Finding) -> str:
 def line_rows(judged: Judged) -> list[tuple[str, ...]]:
     """Harmonics of the most prominent part."""
     return [
-        (line.name, text(line.expected, 5), text(line.found, 5), text(line.level, 3), text(line.depth, 2))
+        (line.name, text(line.expected, 5), text(line.found, 5), _decibels(line.level), text(line.depth, 2))
         for line in judged.diagnosis.findings[0].lines
     ]
+
+
+def _decibels(ratio: float) -> str:
+    return f"{20.0 * np.log10(ratio):.1f}" if ratio > 0.0 else "-"
 
 
 def comparison(check: Check) -> list[tuple[str, str, str]]:
     """Levels and lines of both records; none where there is one."""
     if check.other is None:
         return []
-    pair = check.record, check.other
-    name = check.record.diagnosis.findings[0].name
-    same = [next(each for each in judged.diagnosis.findings if each.name == name) for judged in pair]
+    pair, name = (check.record, check.other), check.part
+    found = [judged.diagnosis for judged in pair]
+    same = [each.of(name) for each in found]
 
-    def row(label: str, values: Any, digits: int = 3) -> tuple[str, str, str]:
+    def row(label: str, values: Iterable[float | None], digits: int = 3) -> tuple[str, str, str]:
         first, second = ("-" if value is None else text(value, digits) for value in values)
         return label, first, second
+
+    def sides(by: str) -> tuple[str, str, str]:
+        both = (each.beside(name, by) for each in found)
+        first, second = (
+            "not resolved" if pair is None else ", ".join(text(value, 2) for value in pair) for pair in both
+        )
+        return f"{name} − {by}, + {by}, over {name}", first, second
 
     unit = check.record.signal.unit if check.record.signal.unit == check.other.signal.unit else "own units"
     return [
@@ -146,17 +161,39 @@ def comparison(check: Check) -> list[tuple[str, str, str]]:
         row("kurtosis", (judged.kurtosis for judged in pair)),
         row("crest factor", (judged.crest for judged in pair)),
         row(f"{name}, Hz", (each.found for each in same), 5),
-        row(f"{name} per turn of the shaft", (f.found / j.diagnosis.shaft for f, j in zip(same, pair, strict=True)), 4),
-        row(f"depth of {name}", (each.depth for each in same), 2),
-        row("second over first harmonic", (_second(each) for each in same), 2),
-        row("sidebands over first line", (each.sidebands for each in same), 2),
-        row("σ above other frequencies", (each.clear for each in same), 3),
-    ]
+        row(f"{name} per turn of the shaft", (f.found / d.shaft for f, d in zip(same, found, strict=True)), 4),
+        row(f"depth of {name}, all harmonics", (each.depth for each in same), 2),
+        *(
+            row(f"{line.name} over the first", (_over_first(each, k) for each in same), 2)
+            for k, line in enumerate(same[0].lines) if k
+        ),
+        sides("shaft"),
+        sides("FTF"),
+        row("background, over the first", (_background(each) for each in same), 2),
+        row("pulse at half its height, ms", (None if j.pulse is None else 1e3 * j.pulse.length for j in pair)),
+        row("pulse, highest over lowest power", (None if j.pulse is None else j.pulse.contrast for j in pair)),
+        row("standard deviations above others", (each.clear for each in same)),
+    ]  # fmt: skip
 
 
-def _second(finding: Finding) -> float | None:
+def _over_first(finding: Finding, k: int) -> float | None:
     depths = [line.depth for line in finding.lines]
-    return depths[1] / depths[0] if len(depths) > 1 and depths[0] > 0.0 else None
+    return depths[k] / depths[0] if len(depths) > k and depths[0] > 0.0 else None
+
+
+def _background(finding: Finding) -> float | None:
+    """Depth of the background at a part's first line, over that line's."""
+    level = finding.lines[0].level if finding.lines else 0.0
+    return 1.0 / level if level > 0.0 else None
+
+
+def assumed_rows(check: Check) -> list[tuple[str, str, str, str]]:
+    """Keys that a simulation needed beside the record, their values, where these come from, their meanings."""
+    return [
+        (each.key, str(each.value) if isinstance(each.value, str | list) else text(each.value, 6),
+         "scene" if each.given else "default", each.meaning)
+        for each in check.assumed
+    ]  # fmt: skip
 
 
 def summarise(check: Check) -> dict:
@@ -171,7 +208,14 @@ def summarise(check: Check) -> dict:
         "width_interval_mm": None if width.low is None or width.high is None else [1e3 * width.low, 1e3 * width.high],
         "width_reason": width.reason,
         "resolution_Hz": found.spectrum.resolution,
-        "against": None if check.other is None else {"record": shown(check.other.signal.name), **_told(check.other)},
+        "against": None
+        if check.other is None
+        else {
+            "record": shown(check.other.signal.name),
+            **_told(check.other),
+            "command": None if check.command is None else shown(check.command),
+            "assumed": [{"key": each.key, "value": each.value, "given": each.given} for each in check.assumed],
+        },
     }
 
 

@@ -148,7 +148,10 @@ def simulate(
 
 @dataclass(frozen=True, kw_only=True)
 class Statics:
-    """A bearing in equilibrium at the start of its scene: under load and weight, and as steady rotation loads it."""
+    """A bearing in equilibrium at the start of its scene: under load and weight, and as steady rotation loads it.
+
+    At a contact angle places and forces are the section's, see `lagrange.section`; the stiffness is the bearing's.
+    """
 
     hub: np.ndarray  # (2,), m, from the outer ring's centre
     roller_theta: np.ndarray  # (n_rollers,), rad, from +x
@@ -171,7 +174,7 @@ class Statics:
         more, less = (
             statics(self.scene.varied({"operation.radial_load_N": load * (1.0 + sign * SHARE)})) for sign in (1, -1)
         )
-        return float(2.0 * SHARE * load / (less.hub[1] - more.hub[1]))
+        return float(2.0 * SHARE * load * self.scene.bearing.cosine / (less.hub[1] - more.hub[1]))
 
 
 def statics(scene: "Scene") -> Statics:

@@ -1,7 +1,7 @@
 """The ideal bearing: geometry, materials, masses and operating point; the one description all others use."""
 
 from dataclasses import dataclass, replace
-from math import inf, pi, sin
+from math import cos, degrees, inf, pi, sin
 from typing import Literal
 
 from lagrange.load_history import Course
@@ -62,7 +62,7 @@ class OwnLaw:
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing:
-    """Cross-section of a cylindrical roller bearing. Lengths in m.
+    """Plane section of one row of a roller bearing, see `lagrange.section`. Lengths in m.
 
     The x axis points right, y up; angles are counter-clockwise from +x.
     """
@@ -79,6 +79,8 @@ class Bearing:
     outer_ring: Material
     faults: tuple[Fault, ...] = ()  # of surfaces; () are perfect circles
     own_law: OwnLaw | None = None  # of its contacts, beside the published ones
+    contact_angle: float = 0.0  # rad; the section's circles are those of elements' diameters times its cosine
+    rows: int = 1  # that share loads evenly
 
     def __post_init__(self):
         if not 0.0 < self.bore_radius < self.inner_raceway_radius:
@@ -93,6 +95,20 @@ class Bearing:
             )
         if self.n_rollers < 1 or self.roller_radius <= 0.0 or self.roller_length <= 0.0:
             raise ValueError("number, radius and length of the rollers must be positive")
+
+    @property
+    def cosine(self) -> float:
+        """Of the contact angle."""
+        return cos(self.contact_angle)
+
+    @property
+    def contact_angle_deg(self) -> float:
+        return degrees(self.contact_angle)
+
+    @property
+    def element_radius(self) -> float:
+        """Of a rolling element itself, m: `roller_radius` is that of its circle in the section."""
+        return self.roller_radius / self.cosine
 
     @property
     def radial_clearance(self) -> float:
@@ -136,9 +152,9 @@ class BallBearing(Bearing):
     def __post_init__(self):
         super().__post_init__()
         for side, groove in (("inner", self.inner_groove_radius), ("outer", self.outer_groove_radius)):
-            if not groove > self.roller_radius:
+            if not groove > self.element_radius:
                 raise ValueError(
-                    f"{side} groove radius {groove:.4g} m must exceed the ball radius {self.roller_radius:.4g} m; "
+                    f"{side} groove radius {groove:.4g} m must exceed the ball radius {self.element_radius:.4g} m; "
                     "usual is 1.02 to 1.08 times it"
                 )
 

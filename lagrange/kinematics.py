@@ -12,13 +12,14 @@ from lagrange.bearing import Bearing, Operation
 class Kinematics:
     """Angular speeds of rolling without slip, rad/s, signed (counter-clockwise positive).
 
-    Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 8, for zero contact angle.
+    Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 8; the contact angle is in the section.
     """
 
     shaft: float
     cage: float  # of the rollers' centres
     roller: float  # of a roller about its own axis, in the fixed frame
     n_rollers: int
+    cosine: float = 1.0  # of the contact angle, by which elements of a section turn too fast about their own axes
 
     @property
     def frequencies(self) -> dict[str, float]:
@@ -31,7 +32,7 @@ class Kinematics:
         return {
             "shaft": shaft,
             "FTF": cage,
-            "BSF": abs(self.roller - self.cage) / (2.0 * pi),
+            "BSF": abs(self.roller - self.cage) * self.cosine / (2.0 * pi),
             "BPFO": self.n_rollers * cage,
             "BPFI": self.n_rollers * abs(shaft - cage),
         }
@@ -49,6 +50,7 @@ def kinematics(bearing: Bearing, speed: float) -> Kinematics:
         cage=cage,
         roller=-0.5 * surface_speed / bearing.roller_radius,
         n_rollers=bearing.n_rollers,
+        cosine=bearing.cosine,
     )
 
 

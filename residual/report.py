@@ -14,6 +14,7 @@ from lagrange.files.pages import as_it_is, render_page
 from lagrange.kinematics import turned
 from lagrange.messages import shown
 from lagrange.scene.operation import RPM
+from lagrange.section import is_plain, section_words
 from residual import tables, vibration_tables
 from residual.evaluation import Evaluation
 from residual.figures.saved import LINE_COLOURS, SavedFigure, family
@@ -106,6 +107,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
             f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
             f"{text(2e3 * bearing.outer_raceway_radius)} mm",
         ),
+        *([] if is_plain(bearing) else [("Plane section", section_words(bearing))]),
         ("Operation", _operation(t)),
         ("Record", f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms"),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),

@@ -18,6 +18,7 @@ from lagrange.messages import engineering, shown
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
+from lagrange.section import is_plain, section_words
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -82,7 +83,10 @@ def _print_clearance(console: Console, scene: Scene) -> None:
 def _of_the_bearing(scene: Scene) -> dict[str, str]:
     """What the scene alone decides and its file does not say."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    rows = {} if scene.fit else {"diametral clearance": f"{2e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
+    clearance = round(2e6 * bearing.radial_clearance / bearing.cosine + 1e-9, 3) + 0.0
+    rows = {} if scene.fit else {"diametral clearance": f"{clearance:.3f} µm"}
+    if not is_plain(bearing):
+        rows["plane section"] = section_words(bearing)
     if operation.course is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:

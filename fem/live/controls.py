@@ -47,7 +47,7 @@ class Values(BaseModel):
     def of(cls, scene: Scene) -> "Values":
         """Those of a scene."""
         b, at = scene.bearing, _outer_spall(scene)
-        clearance = b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm - 2.0 * b.roller_diameter_mm
+        clearance = (b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm) / b.cosine - 2.0 * b.roller_diameter_mm
         return cls(
             speed_rpm=scene.operation.speed_rpm,
             radial_load_N=scene.operation.radial_load_N,
@@ -68,8 +68,8 @@ class Values(BaseModel):
                 data.setdefault(table, {})[key] = getattr(self, key)
         if self.clearance_um != before.clearance_um:
             b = scene.bearing
-            closed = b.inner_raceway_diameter_mm + 2.0 * b.roller_diameter_mm
-            diameter = round(closed + MM_PER_UM * self.clearance_um, NANOMETRE_DIGITS)
+            apart = 2.0 * b.roller_diameter_mm + MM_PER_UM * self.clearance_um
+            diameter = round(b.inner_raceway_diameter_mm + apart * b.cosine, NANOMETRE_DIGITS)
             data["bearing"]["outer_raceway_diameter_mm"] = diameter
         if self.spall_width_mm != before.spall_width_mm:
             spalls, at = data.setdefault("spall", []), _outer_spall(scene)

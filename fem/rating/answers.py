@@ -33,6 +33,7 @@ from lagrange.rating.reference_life import LaminaLoads, reference_life, rigid_lo
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.rating.stiffness import Pitch, in_series, lagrangian_pitch
 from lagrange.scene.scene import Scene
+from lagrange.section import load_factor, stiffness_factor
 from lagrange.spinning import growths
 
 RPM = 2.0 * pi / 60.0
@@ -150,7 +151,8 @@ class Case:
     def static_load(self) -> float:
         """At t = 0, weight of shaft and ring included, N."""
         operation = self.on_bearing
-        return float(np.hypot(operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity))
+        down = operation.radial_load + operation.inner_mass * operation.gravity
+        return load_factor(self.bearing) * float(np.hypot(operation.side_load, down))
 
     @cached_property
     def cycle(self) -> DutyCycle | None:
@@ -160,7 +162,9 @@ class Case:
         time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
         (x, y), speed = self.course.force(time), self.course.speed(time)
         weight = self.operation.inner_mass * self.operation.gravity
-        load = np.hypot(np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight)
+        load = load_factor(self.bearing) * np.hypot(
+            np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight
+        )
         speeds = np.broadcast_to(np.asarray(speed) / RPM, time.shape)
         try:
             return DutyCycle(loads=load, speeds=speeds, shares=np.ones(INSTANTS))
@@ -206,19 +210,24 @@ class Case:
     @cached_property
     def rigid(self) -> LaminaLoads:
         """The standard's load distribution."""
-        return rigid_loads(self.row, self.some_load, 2e3 * self.bearing.radial_clearance)
+        return rigid_loads(self.row, self.section_load, 2e3 * self.bearing.radial_clearance)
 
     @property
     def some_load(self) -> float:
         """P, N, above 0."""
         return positive(self.load, "there is nothing to share among rollers and no life to modify")
 
+    @property
+    def section_load(self) -> float:
+        """What P is of one row's section, N: P/(i cos α)."""
+        return self.some_load / load_factor(self.bearing)
+
     @cached_property
     def rigid_pitch(self) -> np.ndarray:
         """The same at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
         pitch, clearance = 2.0 * pi / self.row.rollers, 2e3 * self.bearing.radial_clearance
         firsts = pitch * np.arange(POSITIONS) / POSITIONS
-        return np.concatenate([rigid_loads(self.row, self.some_load, clearance, first=at).loads for at in firsts])
+        return np.concatenate([rigid_loads(self.row, self.section_load, clearance, first=at).loads for at in firsts])
 
     @cached_property
     def elastic(self) -> Pitch:
@@ -303,7 +312,7 @@ class Case:
         if any(material.rigid for material in (self.bearing.roller, self.bearing.inner_ring)):
             return 0.0
         inner, roller = growths(self.bearing, kinematics(self.bearing, self.operation.speed))
-        return 2e6 * (inner + 2.0 * roller)
+        return 2e6 * (inner + 2.0 * roller) / self.bearing.cosine
 
     @cached_property
     def build_up(self) -> OperatingClearance:
@@ -317,7 +326,7 @@ class Case:
         if self.scene.fit is not None:
             return {name: round(1e6 * part, 6) for name, part in self.build_up.parts.items()}
         return {
-            "given": round(2e6 * self.bearing.radial_clearance, 6),
+            "given": round(2e6 * self.bearing.radial_clearance / self.bearing.cosine, 6) + 0.0,
             "shaft_fit": None,
             "housing_fit": None,
             "temperature": None,
@@ -329,14 +338,15 @@ class Case:
         housing = self.scene.mounting().housing
         if housing is None:
             raise Unavailable("the scene has no [support] with a housing on springs")
-        return in_series(self.pitch.mean, housing.stiffness * np.eye(2))
+        return in_series(self.pitch.mean, stiffness_factor(self.bearing) * housing.stiffness * np.eye(2))
 
     def frequencies(self) -> list[float]:
         """Of the hub on its linearised mean stiffness, Hz."""
         values = np.linalg.eigvalsh(self.pitch.mean)
         if not values[0] > 0.0:
             raise Unavailable("the mean stiffness holds the hub in one direction at most")
-        return [sqrt(value / self.operation.inner_mass) / (2.0 * pi) for value in values]
+        mass = stiffness_factor(self.bearing) * self.operation.inner_mass
+        return [sqrt(value / mass) / (2.0 * pi) for value in values]
 
     def lambda_ratio(self) -> float:
         if self.options.roughness is None:
@@ -347,7 +357,8 @@ class Case:
         pitch = self.elastic
         if self.cycle is not None:
             weight = self.operation.inner_mass * self.operation.gravity
-            pitch = self.elastic_under(replace(self.on_bearing, side_load=0.0, radial_load=self.load - weight))
+            down = self.load / load_factor(self.bearing) - weight
+            pitch = self.elastic_under(replace(self.on_bearing, side_load=0.0, radial_load=down))
         inner, outer = (shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
         return reference_life(self.row, dynamic_capacity(self.row), inner, outer)
 

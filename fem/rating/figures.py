@@ -83,7 +83,7 @@ def _load_zone(case: Case) -> Figure:
         (words, pitch.theta.ravel(), pitch.inner_force.ravel(), colour) for words, pitch, colour in _contacts(case)
     ]
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
-    rigid = [rigid_loads(row, case.some_load, 2e3 * case.bearing.radial_clearance, first=at) for at in turned]
+    rigid = [rigid_loads(row, case.section_load, 2e3 * case.bearing.radial_clearance, first=at) for at in turned]
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi
     curves.append(("ISO/TS 16281", angles.ravel(), np.concatenate([each.of_rollers for each in rigid]), GREY))
     for words, theta, force, colour in curves:
@@ -151,14 +151,14 @@ def _load_deflection(case: Case) -> Figure:
 
 
 def _life(case: Case) -> Figure:
-    row, load = case.row, case.some_load
+    row, load = case.row, case.section_load
     capacity, own = dynamic_capacity(row), 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
     figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
     for share, colour in ((0.5, GREEN), (1.0, BLUE), (2.0, RED)):
         lives = [reference_life(row, capacity, rigid_loads(row, share * load, s).loads) for s in clearances]
-        axis.plot(1e3 * clearances, lives, color=colour, label=f"{share * load:.0f} N")
-    axis.axvline(1e3 * own, color=GREY, linestyle="--", linewidth=0.9, label="scene")
+        axis.plot(1e3 * clearances / row.cosine, lives, color=colour, label=f"{share * case.some_load:.0f} N")
+    axis.axvline(1e3 * own / row.cosine, color=GREY, linestyle="--", linewidth=0.9, label="scene")
     axis.set(xlabel="diametral clearance, µm (below 0: preload)", ylabel="L10r, 10⁶ revolutions", yscale="log")
     axis.legend(fontsize=7.5)
     caption = (
@@ -169,7 +169,7 @@ def _life(case: Case) -> Figure:
 
 
 def _misalignment(case: Case) -> Figure:
-    row, load = case.row, case.some_load
+    row, load = case.row, case.section_load
     capacity, clearance = dynamic_capacity(row), 2e3 * case.bearing.radial_clearance
     tilts = np.linspace(0.0, TILTED, 25)
     figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))

@@ -63,8 +63,13 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
 
 
 def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:
-    """Refuse an outer ring not held all around on a mesh so fine that the contact model does not know such rings."""
-    mounting = scene.mounting()
+    """Refuse what contacts spread over points of a fine mesh do not know: outer rings not held all around, sections."""
+    mounting, angle = scene.mounting(), scene.bearing.contact_angle_deg
+    if angle > 0.0 and not kind.is_of_mesh_alone:
+        raise UsageError(
+            f"bearing.contact_angle_deg = {angle:g}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so "
+            "fine that contacts are spread over points, on circles of bodies' curvature; take a coarser mesh"
+        )
     if (mounting.points is not None or mounting.bore is not None) and not kind.is_of_mesh_alone:
         given = 'kind = "points"' if mounting.bore is None else "fit_clearance_um"
         raise UsageError(

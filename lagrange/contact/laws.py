@@ -142,19 +142,19 @@ class Curvature:
 
 
 def raceway_curvature(bearing: BallBearing, side: Side) -> Curvature:
-    """Curvatures of ball and raceway: equations (6) and (7)."""
-    ball = 1.0 / bearing.roller_radius
+    """Curvatures of ball and raceway: equations (6) and (7); of a section's raceway cos α/R."""
+    ball, cosine = 1.0 / bearing.element_radius, bearing.cosine
     if side == "inner":
         return Curvature(
             ball_1=ball,
             ball_2=ball,
-            raceway_1=1.0 / bearing.inner_raceway_radius,
+            raceway_1=cosine / bearing.inner_raceway_radius,
             raceway_2=-1.0 / bearing.inner_groove_radius,
         )
     return Curvature(
         ball_1=ball,
         ball_2=ball,
-        raceway_1=-1.0 / bearing.outer_raceway_radius,
+        raceway_1=-cosine / bearing.outer_raceway_radius,
         raceway_2=-1.0 / bearing.outer_groove_radius,
     )
 

@@ -28,11 +28,12 @@ class Pair:
     radii: tuple[float, float]  # m; a bore's is negative
     materials: tuple[Material, Material]
     length: float  # m, of the line of contact
+    cosine: float = 1.0  # of the contact angle: circles of a section are that much more curved than bodies
 
     @property
     def relative_radius(self) -> float:
         """R, m: 1/R is the sum of both curvatures."""
-        return 1.0 / sum(1.0 / radius for radius in self.radii)
+        return 1.0 / sum(self.cosine / radius for radius in self.radii)
 
     @property
     def modulus(self) -> float:
@@ -65,7 +66,7 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
     """
     r, roller = bearing.roller_radius, bearing.roller
     inner, outer, rollers = (
-        Pair(kind=kind, radii=(radius, r), materials=materials, length=bearing.roller_length)
+        Pair(kind=kind, radii=(radius, r), materials=materials, length=bearing.roller_length, cosine=bearing.cosine)
         for kind, radius, materials in (
             ("inner", bearing.inner_raceway_radius, (bearing.inner_ring, roller)),
             ("outer", -bearing.outer_raceway_radius, (bearing.outer_ring, roller)),
@@ -168,13 +169,13 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
     (1985).
     Range: plane strain, unrelieved ends, b well below R and t; the inner ring as a solid cylinder.
     """
-    R1, length = bearing.roller_radius, bearing.roller_length
+    R1, length = bearing.element_radius, bearing.roller_length
     ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
     c1, c2 = _compliance(bearing.roller), _compliance(ring)
     inner_pair, outer_pair, _ = contact_pairs(bearing)
     if side == "inner":
         b_squared = inner_pair.half_width_factor  # of 1 N
-        ring_term = log(4.0 * bearing.inner_raceway_radius) - 0.5
+        ring_term = log(4.0 * bearing.inner_raceway_radius / bearing.cosine) - 0.5
     else:
         b_squared = outer_pair.half_width_factor
         thickness, nu = bearing.outside_radius - bearing.outer_raceway_radius, ring.poisson_ratio

@@ -13,17 +13,19 @@ MEDIUM = 100.0  # mm, D_pw beyond which the fatigue load limit falls
 
 @dataclass(frozen=True, kw_only=True)
 class Dimensions:
-    """Of one row of cylindrical rollers, by the standards' letters; mm."""
+    """Of rows of rollers, by the standards' letters; mm."""
 
     rollers: int  # Z
     diameter: float  # D_we
     length: float  # L_we
     pitch: float  # D_pw
+    cosine: float = 1.0  # cos α
+    rows: int = 1  # i
 
     @property
     def gamma(self) -> float:
-        """γ = D_we cos α/D_pw, α = 0."""
-        return self.diameter / self.pitch
+        """γ = D_we cos α/D_pw."""
+        return self.diameter * self.cosine / self.pitch
 
     @classmethod
     def of(cls, bearing: Bearing) -> "Dimensions":
@@ -37,9 +39,11 @@ class Dimensions:
                 )
         return cls(
             rollers=bearing.n_rollers,
-            diameter=2e3 * bearing.roller_radius,
+            diameter=2e3 * bearing.element_radius,
             length=1e3 * bearing.roller_length,
             pitch=2e3 * bearing.pitch_radius,
+            cosine=bearing.cosine,
+            rows=bearing.rows,
         )
 
 
@@ -58,13 +62,13 @@ def capacity_factor(gamma: float) -> float:
 
 def dynamic_capacity(row: Dimensions) -> float:
     """C_r of ISO 281, N: the load with a basic rating life of a million revolutions."""
-    size = row.length ** (7 / 9) * row.rollers**0.75 * row.diameter ** (29 / 27)
+    size = (row.rows * row.length * row.cosine) ** (7 / 9) * row.rollers**0.75 * row.diameter ** (29 / 27)
     return OF_CAGED * capacity_factor(row.gamma) * size
 
 
 def static_capacity(row: Dimensions) -> float:
     """C_0r of ISO 76, N: the largest contact stress is then 4000 MPa."""
-    return 44.0 * (1.0 - row.gamma) * row.rollers * row.length * row.diameter
+    return 44.0 * (1.0 - row.gamma) * row.rows * row.rollers * row.length * row.diameter * row.cosine
 
 
 def fatigue_load_limit(row: Dimensions) -> float:

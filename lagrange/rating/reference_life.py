@@ -59,7 +59,7 @@ def rigid_loads(
 
     Parameters
     ----------
-    clearance : s, diametral, mm
+    load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
     profile : the standard's; else straight rollers
     first : rad, of roller 0 from the load
 
@@ -115,9 +115,10 @@ def edge_factor(laminae: int = LAMINAE) -> np.ndarray:
 
 
 def lamina_capacities(row: Dimensions, capacity: float, laminae: int = LAMINAE) -> tuple[float, float]:
-    """q_ci and q_ce, N, of a lamina at the inner and the outer ring, by C_r, N: (47) to (57), radial, one row."""
+    """q_ci and q_ce, N, of a lamina at the inner and the outer ring, by C_r, N: (47) to (57), radial."""
     ratio = 1.038 * ((1.0 - row.gamma) / (1.0 + row.gamma)) ** (143 / 108)
-    shared = capacity / (REDUCTION * row.rollers) * laminae ** (-7 / 9)
+    of_row = capacity / (row.cosine * row.rows ** (7 / 9))
+    shared = of_row / (REDUCTION * row.rollers) * laminae ** (-7 / 9)
     return shared / 0.378 * (1.0 + ratio**4.5) ** (2 / 9), shared / 0.364 * (1.0 + ratio**-4.5) ** (2 / 9)
 
 
@@ -144,7 +145,7 @@ def reference_life(
         exponent = 4.0 if ring == turning else 4.5
         stressed = (factor * loads[ring]).reshape(-1, laminae)
         equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
-        life += float(np.sum((equivalent / limit) ** 4.5))
+        life += row.rows * float(np.sum((equivalent / limit) ** 4.5))
     if not life > 0.0:
         raise Unavailable("without load the rating life is infinite")
     return life ** (-8 / 9)

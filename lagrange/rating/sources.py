@@ -27,10 +27,10 @@ _RECALLED = "constants not compared with the source"
 
 DYNAMIC = Source(
     "ISO 281",
-    "2007, C = b_m f_c (L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34)",
+    "2007, C = b_m f_c (i L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34)",
     f"{_ONE}; b_m not compared with the source",
 )
-STATIC = Source("ISO 76", "2006, C0 = 44 (1 − D_we cos α/D_pw) Z L_we D_we cos α; s0 = C0/P0, P0 = F_r", _RECALLED)
+STATIC = Source("ISO 76", "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; s0 = C0/P0, P0 = F_r", _RECALLED)
 LOAD = Source("ISO 281", "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10)")
 LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3)")
 RELIABILITY = Source("ISO 281", "2007 table 12", _RECALLED)

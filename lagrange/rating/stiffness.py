@@ -15,6 +15,7 @@ from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.equations import overlaps
 from lagrange.kinematics import roller_angles
 from lagrange.mounting import HELD
+from lagrange.section import stiffness_factor
 from lagrange.statics import static_equilibrium
 
 SAMPLES = 64  # cage angles in a pitch; stiffness jumps where contacts open, so that means are off by 0.5 % at most
@@ -24,7 +25,7 @@ HARMONICS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """Equilibrium at one angle of the cage."""
+    """Equilibrium of a bearing's section at one angle of the cage."""
 
     place: np.ndarray  # (2,), m, of the hub from the outer ring's centre
     rho: np.ndarray  # (n_rollers,), m
@@ -36,7 +37,7 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Pitch:
-    """Equilibria over a pitch of the rollers, equally spaced, (n,)."""
+    """Equilibria over a pitch of the rollers, equally spaced, (n,): of a bearing, with the forces of its contacts."""
 
     turned: np.ndarray  # rad, of the cage from its first angle
     theta: np.ndarray  # (n, n_rollers), rad from +x
@@ -84,10 +85,10 @@ def over_pitch(
     found: list[Point] = []
     for angles in theta:
         found.append(solve(angles, found[-1] if found else None))
+    scale = {"place": 1.0 / bearing.cosine} | dict.fromkeys(("stiffness", "damping"), stiffness_factor(bearing))
     names = "place", "inner_force", "outer_force", "stiffness", "damping"
-    return Pitch(
-        turned=turned, theta=theta, **{name: np.stack([getattr(point, name) for point in found]) for name in names}
-    )
+    every = {name: scale.get(name, 1.0) * np.stack([getattr(point, name) for point in found]) for name in names}
+    return Pitch(turned=turned, theta=theta, **every)
 
 
 def lagrangian_pitch(

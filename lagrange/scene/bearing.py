@@ -1,7 +1,7 @@
 """Tables of the scene that say what the bearing is: [bearing], [material], [bodies], [lubricant], [cage]."""
 
 from collections.abc import Iterator
-from math import asin, pi, sin
+from math import asin, cos, pi, radians, sin
 from typing import Any, Literal
 
 from pydantic import Field
@@ -16,19 +16,25 @@ USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
 
-CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
+CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
 
 
 USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
-    """Mass of a ring as wide as its rollers are long, with its shaft, kg, where the ring outweighs the default."""
-    keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm")
+    """Mass of a ring as wide as its rows are long, with its shaft, kg, where the ring outweighs the default."""
+    keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
+    data = BearingTable.completed(data)
     sizes = [data.get(key, BearingTable.model_fields[key].default) for key in keys]
     if any(type(size) not in (float, int) or size <= 0.0 for size in sizes):
         return None
-    bore, length, raceway = sizes
+    bore, length, raceway, rows = sizes
+    length *= rows
     ring = steel_ring_and_shaft(bore, length, raceway, 0.0)
     return None if ring < USUAL_MASS else steel_ring_and_shaft(bore, length, raceway, SHAFT_WIDTHS)
 
@@ -52,7 +58,8 @@ class BearingTable(Table):
         56.0,
         gt=0.0,
         le=10_000.0,
-        description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance",
+        description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance, at a contact "
+        "angle outer − inner − 2 · roller · cos α is the clearance times cos α",
     )
     bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's bore")
     outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0, description="outside diameter of the outer ring")
@@ -61,6 +68,16 @@ class BearingTable(Table):
         ge=-10_000.0,
         le=100_000.0,
         description="diametral clearance, instead of outer_raceway_diameter_mm; negative: preload",
+    )
+    contact_angle_deg: float = Field(
+        0.0, ge=0.0, le=45.0, description="of tapered rollers and angular-contact balls; raceways are where they touch"
+    )
+    rows: int = Field(1, ge=1, le=8, description="of rolling elements, rollers in each, which share the load evenly")
+    pitch_diameter_mm: float | None = Field(
+        None,
+        gt=0.0,
+        le=10_000.0,
+        description="instead of inner_raceway_diameter_mm: that is pitch − roller · cos(contact angle)",
     )
     inner_conformity: float | None = Field(
         None,
@@ -82,19 +99,46 @@ class BearingTable(Table):
             data = USUAL_GROOVES | data
         outer = "outer_raceway_diameter_mm" in data
         if (found := listed(data.get("designation"))) is not None:
-            standard = bearing_keys(*found)
-            data = {key: value for key, value in standard.items() if not outer or key != "clearance_um"} | data
+            given = {"clearance_um": outer, "inner_raceway_diameter_mm": data.get("pitch_diameter_mm") is not None}
+            data = {key: value for key, value in bearing_keys(*found).items() if not given.get(key)} | data
+        data = cls._with_inner_raceway(data)
         parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
-        if outer or any(isinstance(part, bool) or not isinstance(part, int | float) for part in parts):
+        if outer or not all(map(_is_number, parts)):
             return data
-        inner, roller, clearance = parts
+        inner, roller, angle, clearance = parts
         data = {key: value for key, value in data.items() if key != "clearance_um"}
-        return data | {"outer_raceway_diameter_mm": round(inner + 2.0 * roller + 1e-3 * clearance, 9)}
+        closed = inner + 2.0 * roller * cos(radians(angle))
+        return data | {"outer_raceway_diameter_mm": round(closed + 1e-3 * clearance * cos(radians(angle)), 9)}
+
+    @classmethod
+    def _with_inner_raceway(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """The inner raceway of a pitch diameter, without clearance where neither it nor the outer raceway is given."""
+        pitch: Any = data.get("pitch_diameter_mm")
+        roller, angle = (data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF[1:])
+        if "inner_raceway_diameter_mm" in data or not all(map(_is_number, (pitch, roller, angle))):
+            return data
+        outer: Any = data.get("outer_raceway_diameter_mm")
+        clearance: Any = data.get("clearance_um", 0.0 if outer is None else None)
+        if outer is None and _is_number(clearance):
+            inner = pitch - (roller + 0.5e-3 * clearance) * cos(radians(angle))
+        elif clearance is None and _is_number(outer):
+            inner = 2.0 * pitch - outer
+        else:
+            return data
+        data = {key: value for key, value in data.items() if key not in ("pitch_diameter_mm", "clearance_um")}
+        kept = {} if clearance is None else {"clearance_um": clearance}
+        return data | {"inner_raceway_diameter_mm": round(inner, 9)} | kept
+
+    @property
+    def cosine(self) -> float:
+        """Of the contact angle."""
+        return cos(radians(self.contact_angle_deg))
 
     def checks(self) -> tuple[Check, ...]:
         return (
             self._standard,
             self._clearance_twice,
+            self._pitch_twice,
             self._grooves,
             self._inner_ring,
             self._outer_ring,
@@ -120,6 +164,13 @@ class BearingTable(Table):
                 f"{self.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"
             )
 
+    def _pitch_twice(self) -> Iterator[str]:
+        if self.pitch_diameter_mm is not None:  # else it has become a raceway's diameter
+            yield (
+                f"pitch_diameter_mm = {self.pitch_diameter_mm:g}: raceways, clearance and it say the same thing twice; "
+                "give it with roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm"
+            )
+
     def _grooves(self) -> Iterator[str]:
         for key in USUAL_GROOVES:
             if self.type == "roller" and getattr(self, key) is not None:
@@ -137,7 +188,7 @@ class BearingTable(Table):
 
     def _clearance(self) -> Iterator[str]:
         roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
-        clearance = outer - self.inner_raceway_diameter_mm - 2.0 * roller
+        clearance = (outer - self.inner_raceway_diameter_mm) / self.cosine - 2.0 * roller  # along the contacts
         if clearance < -LARGEST_PRELOAD * roller:
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "

@@ -14,6 +14,13 @@ def _surfaces(scene: SceneTables) -> str | None:
     return next(iter(given), None if scene.lubricant is None else "[lubricant]")
 
 
+def _of_rollers(scene: SceneTables) -> str | None:
+    """A roller's surface, but for its size."""
+    found = (f'{name}.{i}.body = "roller"' for name in SURFACES for i, table in enumerate(getattr(scene, name))
+             if getattr(table, "body", None) == "roller")  # fmt: skip
+    return next(found, None)
+
+
 def bore_given(scene: SceneTables) -> str | None:
     """A ring's fit as the scene writes it."""
     bore = scene.mounting().bore
@@ -33,8 +40,13 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "contacts' damping": lambda scene: "[damping] of contacts" if scene.damping.contacts.acts else None,
     "load history": lambda scene: f"operation.{key}" if (key := scene.operation.changes) else None,
     "fit in the housing": lambda scene: scene.fit.of_housing if scene.fit else None,
+    "fit": lambda scene: "[fit]" if scene.fit else None,
     "surfaces": _surfaces,
     "lubricant": lambda scene: "[lubricant]" if scene.lubricant else None,
+    "rollers' surfaces": _of_rollers,
+    "contact angle": lambda scene: (
+        f"bearing.contact_angle_deg = {a:g}" if (a := scene.bearing.contact_angle_deg) > 0.0 else None
+    ),
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -45,6 +57,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "rigid outer ring": lambda scene: scene.bodies.outer_ring == "rigid",
     "outer ring moves": lambda scene: scene.mounting().bore is not None or scene.mounting().points is not None,
     "balls": lambda scene: scene.bearing.type == "ball",
+    "contact angle": lambda scene: scene.bearing.contact_angle_deg > 0.0,
     "no housing": lambda scene: scene.mounting().housing is None,
 }
 EITHER = "; leave one of them out"
@@ -53,6 +66,7 @@ COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
 RINGS_ALONE = "whose modes are those of rings that contacts and load alone move"
 OTHER_MODES = f"{{given}}: not together with {{modes}}, {RINGS_ALONE}{EITHER}"
+RADIAL = f"{{given}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
 REFUSED = (
     ("fields", "no mesh", "{given}: model = '{model}' has no mesh and no fields; leave it out or 0"),
     ("rigid body", "other contacts", f"{SUBGRID}, whose points of pressure sit on meshes"),
@@ -76,6 +90,12 @@ REFUSED = (
      f"{{given}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
     ("load history", "other contacts on meshes", COMPARES),
     ("lubricant", "balls", '{given}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
+    ("rollers' surfaces", "contact angle",
+     "{given}: a section's rollers turn faster than those of a bearing with contact_angle_deg; leave one of them out"),
+    ("points", "contact angle", RADIAL),
+    ("bore", "contact angle", RADIAL),
+    ("fit", "contact angle", RADIAL),
+    ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 

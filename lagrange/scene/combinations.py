@@ -12,6 +12,7 @@ from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
 from lagrange.scene.surfaces import SURFACES, profile_faults, roller_faults, size_faults, spall_faults
 from lagrange.scene.tables import SceneTables
+from lagrange.section import stiffness_factor
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
@@ -28,7 +29,8 @@ def _law(scene: SceneTables) -> Iterator[str]:
 
 
 def _mass(scene: SceneTables) -> Iterator[str]:
-    ring = scene.perfect_bearing().inner_ring_mass
+    bearing = scene.perfect_bearing()
+    ring = bearing.inner_ring_mass * stiffness_factor(bearing)  # as much as the section's is of the section's hub
     if scene.operation.inner_ring_and_shaft_kg <= ring:
         yield (
             f"operation.inner_ring_and_shaft_kg = {scene.operation.inner_ring_and_shaft_kg} must exceed the mass of "

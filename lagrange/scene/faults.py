@@ -22,7 +22,6 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "temperatures that follow from heat ([fit] takes given ones)": ("temperature", "thermal", "heat"),
     "profiles along the axis (crowning)": ("crown", "crowning", "crowned", "profile"),
     "misalignment and moments": ("misalignment", "tilt", "skew", "moment"),
-    "contact angles": ("contact_angle",),
     "a turning outer ring": ("outer_ring_speed", "outer_speed"),
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),

@@ -1,6 +1,7 @@
 """The tables of a scene, given out as SI objects."""
 
 from dataclasses import replace
+from math import radians
 from typing import Any, Literal
 
 from pydantic import Field
@@ -17,6 +18,7 @@ from lagrange.scene.mounting import SensorTable, SupportTable
 from lagrange.scene.operation import OperationTable
 from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, NumericsTable, OutputTable, ReducedTable
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.section import section_mounting, section_operation
 from lagrange.spinning import growths
 from lagrange.surface.faults import Fault
 from lagrange.surface.film import films
@@ -118,17 +120,20 @@ class SceneTables(Table):
         return growths(bearing, kinematics(bearing, self.operation.ideal().speed))
 
     def unmounted_bearing(self) -> Bearing:
-        """The bearing in SI with the sizes of the scene, without faults of its surfaces."""
-        b = self.bearing
+        """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""
+        b, roller = self.bearing, self.material.of("roller")
+        density = roller.density / b.cosine ** (3 if b.type == "ball" else 2)  # elements keep their mass
         shape: dict[str, Any] = dict(
             n_rollers=b.rollers,
-            roller_radius=0.5 * MM * b.roller_diameter_mm,
+            contact_angle=radians(b.contact_angle_deg),
+            rows=b.rows,
+            roller_radius=0.5 * MM * b.roller_diameter_mm * b.cosine,
             roller_length=MM * b.roller_length_mm,
             inner_raceway_radius=0.5 * MM * b.inner_raceway_diameter_mm,
             outer_raceway_radius=0.5 * MM * b.outer_raceway_diameter_mm,
             bore_radius=0.5 * MM * b.bore_diameter_mm,
             outside_radius=0.5 * MM * b.outside_diameter_mm,
-            roller=replace(self.material.of("roller"), rigid=self.bodies.rollers == "rigid"),
+            roller=replace(roller, density=density, rigid=self.bodies.rollers == "rigid"),
             inner_ring=replace(self.material.of("inner_ring"), rigid=self.bodies.inner_ring == "rigid"),
             outer_ring=replace(self.material.of("outer_ring"), rigid=self.bodies.outer_ring == "rigid"),
             own_law=self.lagrange.own_law(),
@@ -148,11 +153,15 @@ class SceneTables(Table):
         return None if self.cage is None else self.cage.cage(self.perfect_bearing())
 
     def ideal_operation(self) -> Operation:
-        """The operating point in SI."""
-        return replace(self.operation.ideal(), mounting=self.mounting())
+        """The operating point in SI, of the bearing's section."""
+        operation = replace(self.operation.ideal(), mounting=self._mounting())
+        return section_operation(self.perfect_bearing(), operation)
 
     def mounting(self) -> Mounting:
-        """What the bearing stands in, in SI."""
+        """What the bearing's section stands in, in SI."""
+        return section_mounting(self.perfect_bearing(), self._mounting())
+
+    def _mounting(self) -> Mounting:
         return Mounting(
             points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),

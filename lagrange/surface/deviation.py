@@ -207,7 +207,7 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     faults = [fault for fault in bearing.faults if fault.body == body]
     if not faults:
         return None
-    raceway, roller = abs(pair.radii[0]), bearing.roller_radius
+    raceway, roller = abs(pair.radii[0]), bearing.element_radius
     own, other = (roller, raceway) if body == "roller" else (raceway, roller)
     n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
     rollers = sorted({fault.roller for fault in faults if fault.roller is not None})

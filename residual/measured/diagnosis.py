@@ -51,8 +51,8 @@ class Geometry:
     def of(cls, bearing: Bearing) -> "Geometry":
         """That of a bearing of the scene."""
         return cls(
-            elements=bearing.n_rollers, element_diameter=2.0 * bearing.roller_radius,
-            pitch_diameter=2.0 * bearing.pitch_radius,
+            elements=bearing.n_rollers, element_diameter=2.0 * bearing.element_radius,
+            pitch_diameter=2.0 * bearing.pitch_radius, contact_angle=bearing.contact_angle,
         )  # fmt: skip
 
     def lines(self, shaft: float) -> dict[str, float]:

@@ -3,12 +3,11 @@
 Rexnord ZA-2115 of the IMS rig: 16 rollers of 8.407 mm on a pitch of 71.501 mm, contact angle α = 15.17°, 2000 rpm,
 6000 lb. The record has its envelope line at 236.0 Hz, kinematics of the contact angle at 236.40 Hz.
 
-In the plane, rollers of the diameter d cos α on the same pitch have this bearing's ratio d cos α/D and so its cage
-speed and BPFO = Z f_s/2 (1 − d cos α/D): they stand for the real rollers' middle sections, whose raceways lie d cos α
-apart as well, measured at right angles to the shaft. Of the 6000 lb, which act on a shaft with four bearings, two
-between two others, each takes 3000 lb. What the rig's papers leave out is assumed: both rows of rollers together 20 mm
-long, rings 10 mm thick, 2 kg at the hub, a spall of 0.5 mm, and 20 µm of radial preload. Preload takes the place of the
-cage that the model lacks: without either, rollers lag in the unloaded half, 0.6 % on the average of all.
+The scene has the catalogue's sizes: `contact_angle_deg` and `pitch_diameter_mm` make its plane section. Of the 6000
+lb, which act on a shaft with four bearings, two between two others, each takes 3000 lb. What the rig's papers leave out
+is assumed: two rows of rollers 10 mm long, rings 10 mm thick, 2 kg at the hub, a spall of 0.5 mm, and 20 µm of radial
+preload. Preload takes the place of the cage that the model lacks: without either, rollers lag in the unloaded half,
+0.6 % on the average of all.
 
 Source: Lee, Qiu, Yu, Lin, Bearing data set, IMS, University of Cincinnati, NASA Prognostics Data Repository (2007).
 """
@@ -35,13 +34,12 @@ SPAN = 8.0  # Hz on either side in which a line is looked for
 
 
 def plane_scene(seconds: float, preload_um: float) -> Scene:
-    """The bearing's plane section with a radial preload."""
+    """The bearing with a radial preload."""
     across = DIAMETER * cos(radians(CONTACT_ANGLE))
-    bore = PITCH + across - 2e-3 * preload_um
     return read_scene(None, (
-        "model=reduced", f"bearing.rollers={ROLLERS}", f"bearing.roller_diameter_mm={across!r}",
-        f"bearing.inner_raceway_diameter_mm={PITCH - across!r}",
-        f"bearing.outer_raceway_diameter_mm={bore!r}", "bearing.roller_length_mm=20",
+        "model=reduced", f"bearing.rollers={ROLLERS}", f"bearing.roller_diameter_mm={DIAMETER}", "bearing.rows=2",
+        f"bearing.pitch_diameter_mm={PITCH}", f"bearing.contact_angle_deg={CONTACT_ANGLE}",
+        f"bearing.clearance_um={-2.0 * preload_um!r}", "bearing.roller_length_mm=10",
         f"bearing.bore_diameter_mm={PITCH - across - 20.0!r}",
         f"bearing.outside_diameter_mm={PITCH + across + 20.0!r}", "operation.speed_rpm=2000",
         "operation.radial_load_N=13345", "operation.inner_ring_and_shaft_kg=2",

@@ -4,22 +4,32 @@ A table's points are joined by polynomials of fifth degree with the slopes of PC
 is twice continuously differentiable, so that forces never jump in their rate; and
 between two points nothing lies beyond them: slopes are at most 1.25 times those of the straight lines on either side,
 with which the polynomial's Bernstein coefficients rise (or fall) from one point to the next. A cubic spline, as smooth,
-would overshoot; PCHIP alone has jumps of curvature.
+would overshoot; PCHIP alone has jumps of curvature. Points may also be joined by straight lines, or hold until the next
+one: then forces jump in their rate, or themselves.
 """
 
+import re
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lagrange.files.input import columns
+from lagrange.files.input import columns, header_of
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
 
+Shape = Literal["smooth", "linear", "steps"]
+
 TIME = "time_ms"
+UNITS = {  # of columns: what a table may have in their place, and how much that is
+    "time_ms": {"ms": 1.0, "s": 1e3},
+    "speed_rpm": {"rpm": 1.0, "1/min": 1.0, "rad/s": 30.0 / pi},
+    "x_N": {"N": 1.0, "kN": 1e3},
+    "y_N": {"N": 1.0, "kN": 1e3},
+}
 FEWEST_POINTS = 2
 LATEST = 1e12  # ms, thirty years: powers of very long times are no numbers any more
 SHORTEST = 1e-3  # ms, between two points: some time steps of the finite elements
@@ -107,6 +117,20 @@ def turn_of(speed: "PPoly") -> "PPoly":
     return found
 
 
+def joined(time: np.ndarray, values: np.ndarray, shape: Shape) -> "PPoly":
+    """The function through points, (n,) s and (n, m): smooth, by straight lines, or by steps that hold until the next.
+
+    The last step has no end, and no length: a table of steps needs a row where they end.
+    """
+    from scipy.interpolate import PPoly
+
+    if shape == "smooth":
+        return smooth(time, values)
+    if shape == "steps":
+        return PPoly(values[None, :-1], time)
+    return PPoly(np.stack([np.diff(values, axis=0) / np.diff(time)[:, None], values[:-1]]), time)
+
+
 def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
     """The function through points, (n,) s and (n, m), of which the module's description tells."""
     from scipy.interpolate import BPoly, PchipInterpolator, PPoly
@@ -124,11 +148,14 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
+    Headers may name other units, as in "time_s" or "speed [rad/s]": what is given back is in those of `names`.
+
     Errors
     ------
     ValueError, a sentence on the text.
     """
-    found = columns(text, (TIME, *names), decimal)
+    written = [_in_other_units(name, header_of(text)) for name in (TIME, *names)]
+    found = columns(text, tuple(header for header, _ in written), decimal) * [factor for _, factor in written]
     if len(found) < FEWEST_POINTS:
         raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
     if not np.all(np.isfinite(found)):
@@ -148,6 +175,23 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
     if time[0] > 0.0:
         raise ValueError(f"it begins at {TIME} = {time[0]:g}, after the run; at most 0")
     return time, values
+
+
+def _in_other_units(name: str, headers: list[str]) -> tuple[str, float]:
+    """How a table's header names a column, and the factor to its own unit. ValueError: twice, or in an unknown unit."""
+    units, bare = UNITS[name], name.partition("_")[0]
+    found = {
+        header: units[unit]
+        for header in headers
+        for unit in units
+        if re.fullmatch(rf"{bare}[\s_]*[\[(]?({re.escape(unit)}|{re.escape(unit.replace('/', '_'))})[\])]?", header)
+    }
+    if len(found) > 1:
+        raise ValueError(f"columns {' and '.join(found)} say the same thing; leave all but one out")
+    strange = [header for header in headers if re.fullmatch(rf"{bare}(\s*[\[(].*|_.*)?", header)]
+    if not found and strange and name not in headers:
+        raise ValueError(f"column {strange[0]}: its unit must be one of {', '.join(units)}, as in {name}")
+    return next(iter(found.items()), (name, 1.0))
 
 
 def load_share(time, ramp: float):

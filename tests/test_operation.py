@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from fem.commands.run_fem import run_main
+from fem.interface import simulate as run_scene
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.kinematics import turned
@@ -82,6 +83,100 @@ def test_a_table_s_points_are_the_load(tmp_path):
     np.testing.assert_allclose(np.array(course.force(4e-3)), (500.0, -2500.0), rtol=1e-12)
 
 
+STEP = "time_ms,x_N,y_N\n0,0,-1000\n1,400,-2000\n3,400,-2000\n"
+HUB = 5.0  # kg, on springs alone
+SPRINGS = (
+    "operation.shaft=springs", "operation.shaft_stiffness_N_per_m=2e7", f"operation.inner_ring_and_shaft_kg={HUB}",
+    "operation.gravity_m_s2=0", "numerics.duration_ms=3", "numerics.output_interval_us=10",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "shape", "error"),
+    [
+        ("lagrange", "steps", 2e-3),
+        ("lagrange", "linear", 2e-6),
+        pytest.param("reduced", "steps", 4e-3, marks=pytest.mark.slow),
+        pytest.param("reduced", "linear", 5e-6, marks=pytest.mark.slow),
+        pytest.param("fem", "steps", 4e-4, marks=pytest.mark.slow),
+        pytest.param("fem", "linear", 1e-6, marks=pytest.mark.slow),
+    ],
+)
+def test_a_hub_on_springs_answers_steps_and_ramps_as_an_oscillator(tmp_path, model, shape, error):
+    """1 − cos ωt, t − sin ωt/ω; a step acts within half a time step of its time, ω Δt/2 = 10⁻³."""
+    settings = ("bearing.clearance_um=900", f"model={model}", f"operation.load_table_shape={shape}")
+    found = run_scene(scene_with(tmp_path, *SPRINGS, *settings, loads=STEP))
+    time, stiffness = found["time"], 2e7
+    omega, later = np.sqrt(stiffness / HUB), np.clip(time - 1e-3, 0.0, None)
+    if shape == "steps":
+        share = 1.0 - np.cos(omega * later)
+    else:
+        share = (time - np.sin(omega * time) / omega - later + np.sin(omega * later) / omega) / 1e-3
+    unit = 1000.0 / stiffness
+    np.testing.assert_allclose(found["inner_y"], -unit - unit * share, atol=error * unit)
+    np.testing.assert_allclose(found["inner_x"], 0.4 * unit * share, atol=error * unit)
+
+
+@pytest.mark.parametrize(
+    ("model", "shape", "error"),
+    [
+        ("lagrange", "steps", 5e-5),
+        ("lagrange", "linear", 1e-6),
+        pytest.param("reduced", "steps", 1e-4, marks=pytest.mark.slow),
+        pytest.param("fem", "steps", 1e-6, marks=pytest.mark.slow),
+    ],
+)
+def test_steps_and_ramps_keep_the_account_of_energy(tmp_path, model, shape, error):
+    settings = (f"model={model}", f"operation.load_table_shape={shape}", "operation.inner_ring_and_shaft_kg=0.5")
+    found = run_scene(scene_with(tmp_path, *SPRINGS, *settings, loads=STEP))
+    stored = sum(found[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact", "shaft"))
+    left = stored + found["work_dissipated"] - found["work_external"]
+    assert np.ptp(found["work_external"]) > 2e-3
+    np.testing.assert_allclose(left, left[0], atol=error * np.ptp(found["work_external"]))
+
+
+def test_ramps_are_straight_and_steps_hold(tmp_path):
+    ramp = scene_with(tmp_path, "operation.speed_table_shape=linear", "numerics.duration_ms=8", speeds=RAMP)
+    course = ramp.ideal_operation().course
+    np.testing.assert_allclose(course.speed(np.array([1e-3, 4e-3, 7e-3])) / RPM, [1250.0, 3250.0, 5500.0])
+    assert course.turn(8e-3) == pytest.approx(RPM * 1e-3 * (2 * 1250 + 4 * 3250 + 2 * 5500))
+    shape = ("operation.load_table_shape=steps", "numerics.duration_ms=3")
+    held = scene_with(tmp_path, *shape, loads=STEP).ideal_operation()
+    np.testing.assert_array_equal(held.course.load([0.0, 0.999e-3, 1e-3, 2.9e-3])[:, 1], [-1e3, -1e3, -2e3, -2e3])
+    assert held.radial_load == 1000.0 and held.heaviest == pytest.approx(np.hypot(400.0, 2000.0))
+    with pytest.raises(SceneError, match="speed_table_shape = 'steps': must be 'smooth' or 'linear'"):
+        scene_with(tmp_path, "operation.speed_table_shape=steps", speeds=RAMP)
+    with pytest.raises(SceneError, match=r"load_table_shape: of what\? give load_table"):
+        scene_with(tmp_path, shape[0])
+
+
+@pytest.mark.parametrize(
+    ("header", "factors"),
+    [
+        ("time_s;x_kN;y_kN", (1e-3, 1e-3)), ("time [s];x [kN];y [kN]", (1e-3, 1e-3)),
+        ("time [ms];x [N];y [N]", (1.0, 1.0)), ("time(s)\tx(N)\ty(N)", (1e-3, 1.0)),
+    ],
+)  # fmt: skip
+def test_loads_may_be_in_other_units(tmp_path, header, factors):
+    between = header[header.index(")") + 1] if "\t" in header else ";"
+    rows = [[0.0, 0.0, -2000.0], [2.0, 500.0, -1500.0], [10.0, -300.0, -2000.0]]
+    scale = (factors[0], factors[1], factors[1])
+    text = "\n".join([header, *(between.join(f"{v * f:.9g}" for v, f in zip(row, scale, strict=True)) for row in rows)])
+    own = scene_with(tmp_path, "numerics.duration_ms=8", loads=text).operation.points("load_table")
+    np.testing.assert_allclose(np.column_stack(own), rows, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [("time_ms,speed_1/min", 1.0), ("time_ms,speed [rpm]", 1.0), ("time_ms,speed_rad_s", RPM),
+     ("time_ms,speed [rad/s]", RPM)],
+)  # fmt: skip
+def test_speeds_may_be_in_other_units(tmp_path, header, factor):
+    scene = scene_with(tmp_path, speeds=f"{header}\n0,{1500.0 * factor:.12g}\n60,{3000.0 * factor:.12g}\n")
+    assert scene.operation.speed_rpm == pytest.approx(1500.0, rel=1e-11)
+    assert scene.ideal_operation().course.speeds[1] == pytest.approx(3000.0 * RPM, rel=1e-11)
+
+
 BAD = {
     "time_ms,speed_rpm\n0,1000\n5,2000\n5,3000\n9,1": "time_ms must rise by at least 0.001 from row to row: after 5",
     "time_ms,speed_rpm\n0,1000\n9,nan": "row 2 holds a value that is not finite",
@@ -90,6 +185,8 @@ BAD = {
     "time_ms,speed_rpm\n1,1000\n9,2000": "it begins at time_ms = 1, after the run; at most 0",
     "time_ms,speed_rpm\n0,1000\n5,2000": "it ends at time_ms = 5, before the run (numerics.duration_ms = 8)",
     "time_ms,rpm\n0,1000\n9,2000": "column speed_rpm is missing; its first line must name time_ms and speed_rpm",
+    "time_ms,speed [m/s]\n0,1\n9,2": "column speed [m/s]: its unit must be one of rpm, 1/min, rad/s, as in speed_rpm",
+    "time_ms,time_s,speed_rpm\n0,0,1\n9,9,2": "columns time_ms and time_s say the same thing; leave all but one out",
     "time_ms,speed_rpm\n0,fast\n9,2000": "row 1 below the header can't be read: speed_rpm = 'fast' is no number",
     "time_ms,speed_rpm\n0,1,500\n9,1,500": "row 1 below the header can't be read: 3 cells under 2 names; where commas",
     "time_ms;speed_rpm\n0;1,5\n9;2": "speed_rpm = '1,5' is no number; give decimal = \",\" where commas are decimal",

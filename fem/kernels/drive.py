@@ -41,8 +41,11 @@ def follow(course, time, dt):
 
 @part
 def _piece(knots, time):
-    """The polynomial of a time and the time since its knot; the first and the last go on beyond the ends."""
-    k = min(max(np.searchsorted(knots, time) - 1, 0), knots.size - 2)
+    """The polynomial of a time and the time since its knot; the first and the last go on beyond the ends.
+
+    At a knot it is the one that begins there: a step's load.
+    """
+    k = min(max(np.searchsorted(knots, time, side="right") - 1, 0), knots.size - 2)
     return k, time - knots[k]
 
 

@@ -102,6 +102,12 @@ def names_of(header: str, delimiter: str | None) -> list[str]:
     return [name.strip() for name in next(_rows([header], delimiter), [])]
 
 
+def header_of(text: str) -> list[str]:
+    """The names of a table's text; none: it holds no line. ValueError: quotation marks that do not close."""
+    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    return names_of(first, delimiter_of(first)) if first else []
+
+
 def columns(text: str, names: tuple[str, ...], decimal: str = ".") -> np.ndarray:
     """The columns of these names, (n_rows, n_names), as they stand there; others are left out.
 

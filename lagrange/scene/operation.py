@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Operation
-from lagrange.load_history import TIME, points_of, smooth, steady, turn_of
+from lagrange.load_history import TIME, Shape, joined, points_of, steady, turn_of
 from lagrange.mounting import Shaft
 from lagrange.scene.columns import DECIMAL
 from lagrange.scene.faults import Check, Table
@@ -65,21 +65,31 @@ class OperationTable(Table):
     )
     speed_table: str | None = Field(
         None, min_length=1, max_length=1000,
-        description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of speed_rpm",
+        description="file beside the scene, CSV with the columns time_ms, speed_rpm (or time_s, speed_rad/s): in place "
+        "of speed_rpm",
     )  # fmt: skip
     speed_table_sha256: str | None = Field(
         None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
     speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    speed_table_shape: Literal["smooth", "linear"] | None = Field(
+        None, description="what joins its points: a smooth curve (the default), or straight lines"
+    )
     speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
     load_table: str | None = Field(
         None, min_length=1, max_length=1000,
-        description="file beside the scene, CSV with the columns time_ms, x_N, y_N: in place of radial_load_N",
+        description="file beside the scene, CSV with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN): in place "
+        "of radial_load_N",
     )  # fmt: skip
     load_table_sha256: str | None = Field(
         None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
     load_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    load_table_shape: Shape | None = Field(
+        None,
+        description="what joins its points: a smooth curve (the default), straight lines, or steps that hold until the "
+        "next row",
+    )
     load_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     @classmethod
@@ -89,7 +99,8 @@ class OperationTable(Table):
         if isinstance(data.get("speed_table_content"), str):
             try:
                 decimal = data.get("speed_table_decimal") or "."
-                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], decimal)
+                shape = data.get("speed_table_shape") or "smooth"
+                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], decimal, shape)
             except (ValueError, TypeError):  # a decimal sign that is no text
                 pass  # told by `_tables`
         return defaults | data
@@ -120,7 +131,7 @@ class OperationTable(Table):
 
     def _tables(self) -> Iterator[str]:
         for name in TABLES:
-            for key in (f"{name}_sha256", f"{name}_decimal"):
+            for key in (f"{name}_sha256", f"{name}_decimal", f"{name}_shape"):
                 if getattr(self, key) is not None and getattr(self, name) is None:
                     yield f"{key}: of what? give {name}, or leave it out"
             try:
@@ -134,7 +145,8 @@ class OperationTable(Table):
                 "out one of them"
             )
         if self.speed_table_content is not None:
-            first = _first_speed(self.speed_table_content, self.speed_table_decimal or ".")
+            decimal, shape = self.speed_table_decimal or ".", self.speed_table_shape or "smooth"
+            first = _first_speed(self.speed_table_content, decimal, shape)
             if abs(first - self.speed_rpm) > ENOUGH * max(abs(first), 1.0):
                 yield (
                     f'speed_rpm = {self.speed_rpm:g}: speed_table = "{self.speed_table}" says {first:g} at the start; '
@@ -199,7 +211,7 @@ def _ideal(o: OperationTable) -> Operation:
             if points is None:
                 raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
             unit = RPM if name == "speed_table" else 1.0
-            functions[name] = smooth(1e-3 * points[0], unit * points[1])
+            functions[name] = joined(1e-3 * points[0], unit * points[1], getattr(o, f"{name}_shape") or "smooth")
     return found.going_on(
         turn=turn_of(functions["speed_table"]),
         load=functions["load_table"],
@@ -211,7 +223,7 @@ def _ideal(o: OperationTable) -> Operation:
 
 
 @lru_cache(maxsize=16)
-def _first_speed(text: str, decimal: str) -> float:
+def _first_speed(text: str, decimal: str, shape: Shape) -> float:
     """Speed of a table at t = 0, rpm. ValueError."""
     time, values = points_of(text, *TABLES["speed_table"], decimal=decimal)
-    return float(smooth(time, values)(0.0)[0])
+    return float(joined(time, values, shape)(0.0)[0])

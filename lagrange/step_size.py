@@ -140,13 +140,17 @@ def critical_time_step(problem: Problem, *largest: float) -> float:
     return 2.0 / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
 
 
-def longest_step(problem: Problem) -> float:
-    """The longest step of leapfrog, s, that resolves the stiffest mode, a cage's impacts and profiles of surfaces."""
+def longest_step(problem: Problem, spalls: bool = True) -> float:
+    """The longest step of leapfrog, s, that resolves the stiffest mode, a cage's impacts and profiles of surfaces.
+
+    `spalls` : whether a contact is near one's edges.
+    """
     cage, surfaces, speed = fastest_of_cage(problem), profiles(problem.bearing), contact_speed(problem)
     force = _expected_force(problem)
     longest = min(LEAP / fastest_mode(problem, force, force), inf if cage == 0.0 else CAGE_STEP / cage)
     if surfaces is not None and speed > 0.0:
-        longest = min(longest, KNOTS_PER_LEAP * surfaces.shortest / speed)
+        shortest = surfaces.shortest if spalls else surfaces.shortest_of_waves
+        longest = min(longest, KNOTS_PER_LEAP * shortest / speed)
     housing, bearing = problem.operation.mounting.housing, problem.bearing
     if housing is not None and problem.damping.acts:  # it feels them after all else, each alone
         law = problem.laws.outer

@@ -1,4 +1,4 @@
-"""Steps of two lengths on spalled bearings of the reduced model, against short ones throughout."""
+"""Steps of two lengths on spalled bearings of rigid bodies, against short ones throughout."""
 
 from dataclasses import replace
 
@@ -55,10 +55,12 @@ def off(found, wanted):
     return np.sqrt(np.mean((found - wanted) ** 2) / np.mean((wanted - wanted.mean(axis=0)) ** 2))
 
 
-@pytest.mark.parametrize("body", ["outer_ring", "inner_ring"])
-def test_strikes_are_those_of_short_steps_throughout(body):
+@pytest.mark.parametrize(
+    ("model", "body"), [("reduced", "outer_ring"), ("reduced", "inner_ring"), ("lagrange", "outer_ring")]
+)
+def test_strikes_are_those_of_short_steps_throughout(model, body):
     """Differences are those of short steps from half as long ones, 1e-3, or less; energy errs no more."""
-    plan = plan_of(spall=[SPALL | {"body": body}])
+    plan = plan_of(model=model, spall=[SPALL | {"body": body}])
     (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
     assert state.paces.made[FAR] * plan.long_step > 0.6 * found["time"][-1]
     assert state.progress.steps < 0.45 * other.progress.steps
@@ -71,9 +73,11 @@ def test_strikes_are_those_of_short_steps_throughout(body):
 
 
 @pytest.mark.slow
-def test_all_around_a_bearing_changes_its_steps_with_it():
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_all_around_a_bearing_changes_its_steps_with_it(model):
     """Cage, shaft, housing, sensor, unbalance, waves between the spalls; later the cage's hits part the paths."""
-    plan = plan_of(**AROUND, numerics=NU206["numerics"] | {"duration_ms": 8.0})
+    free = {"angles": "free"} if model == "lagrange" else {}
+    plan = plan_of(model=model, lagrange=free, **AROUND, numerics=NU206["numerics"] | {"duration_ms": 8.0})
     (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
     assert state.paces.made.min() > 0
     assert not state.paces.smooth
@@ -82,9 +86,10 @@ def test_all_around_a_bearing_changes_its_steps_with_it():
         assert off(found[name], wanted[name]) < 1e-2
 
 
-def test_a_run_cut_anywhere_makes_the_same_bits():
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_a_run_cut_anywhere_makes_the_same_bits(model):
     """Within a strike too, and where steps have just become longer."""
-    plan = plan_of(numerics=NU206["numerics"] | {"duration_ms": 6.0})
+    plan = plan_of(model=model, numerics=NU206["numerics"] | {"duration_ms": 6.0})
     whole, cut = plan.first_state(), plan.first_state()
     wanted, found, paces = whole.advance(plan.n_samples).samples, [], []
     while cut.done < plan.n_samples:

@@ -119,7 +119,7 @@ def test_a_local_cluster_gives_what_one_process_gives(here):
 
 HANGING = """
 import ctypes
-from fem.solver.lagrangian import LagrangianState
+from fem.solver.lagrangian_state import LagrangianState
 
 def advance(state, most, real=LagrangianState.advance):
     if state.plan.scene.operation.speed_rpm == 3000.0:

@@ -122,7 +122,7 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         depth_i, depth_o = compliance.reach - away, out - compliance.track
-        met = met_surfaces(forces.slope, bodies, compliance, forces, group, turn)
+        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn)
         ring, own, ring_o, own_o = met
         depth_i, depth_o = depth_i + ring[0] + own[0], depth_o + ring_o[0] + own_o[0]
         depth_i, depth_o = select(there, depth_i, -1.0), select(there, depth_o, -1.0)
@@ -131,12 +131,21 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         store_pair(forces.first, group, columns, depth_i, depth_o)
         store_pair(forces.estimate, group, columns, Q_i, Q_o)
         store_pair(forces.stiffness, group, columns, stiff_i, stiff_o)
-        _keep_slopes(forces.slope, met, forces, group, columns, Q_i, Q_o)
+        if drive.looks:
+            _keep_slopes(forces.slope, met, forces, group, columns, Q_i, Q_o)
         on_hub_x -= Q_i * ix
         on_hub_y -= Q_i * iy
         on_ring_x += Q_o * ox
         on_ring_y += Q_o * oy
     return total(on_hub_x), total(on_hub_y), total(on_ring_x), total(on_ring_y)
+
+
+@part
+def _met(slope, bodies, compliance, forces, looks, group, turn):
+    """`met_surfaces`, where any contact is on surfaces that are not perfect circles."""
+    if looks:
+        return met_surfaces(slope, bodies, compliance, forces, group, turn)
+    return met_surfaces(None, bodies, compliance, forces, group, turn)
 
 
 @part

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import N_CAGE_SCALARS
-from fem.kernels.drive import speed_of, step_of, turn_at
+from fem.kernels.drive import follow, speed_of, step_of, turn_at
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, splat, total
@@ -108,17 +108,35 @@ def note_held(prescribed, bodies, forces, before, drive):
 def _note(first, prescribed, bodies, forces, before, drive):
     if first is None:
         return
-    columns, half = bodies.columns, 0.5 * drive.dt
-    earlier, later = splat(0.0), splat(0.0)
+    half = 0.5 * drive.dt
+    prescribed.work[0] += prescribed.work[1] + half * _power(prescribed, bodies, forces, before.velocity)
+    prescribed.work[1] = half * _power(prescribed, bodies, forces, bodies.velocity)
+
+
+@part
+def _power(prescribed, bodies, forces, velocity):
+    """Of what the rays give all rollers under these velocities, W."""
+    columns, found = bodies.columns, splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-        F = load(prescribed.force, group)
-        vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
-        earlier += F * (vy * ox - vx * oy)
-        vx, vy = load(bodies.velocity, group), load(bodies.velocity, columns + group)
-        later += F * (vy * ox - vx * oy)
-    prescribed.work[0] += prescribed.work[1] + half * total(earlier)
-    prescribed.work[1] = half * total(later)
+        vx, vy = load(velocity, group), load(velocity, columns + group)
+        found += load(prescribed.force, group) * (vy * ox - vx * oy)
+    return total(found)
+
+
+@part
+def hold_anew(prescribed, bodies, forces, drive, time):
+    """Hold rollers whose next step has become longer or shorter than that of the kick behind: `drive` has it."""
+    if prescribed is not None:
+        _hold_anew(prescribed.first, prescribed, bodies, forces, drive, time)
+
+
+@part
+def _hold_anew(first, prescribed, bodies, forces, drive, time):
+    if first is not None:
+        follow(drive.course, time, drive.dt)
+        _hold(first, prescribed, bodies, drive, time)
+        prescribed.work[1] = 0.5 * drive.dt * _power(prescribed, bodies, forces, bodies.velocity)
 
 
 @part

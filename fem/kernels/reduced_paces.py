@@ -1,4 +1,4 @@
-"""Two step lengths of the reduced model: short ones near edges of spalls and while strikes die away, long ones beyond.
+"""Two step lengths of rigid bodies: short ones near edges of spalls and while strikes die away, long ones beyond.
 
 Time is cut into sections of one length each. At the border of two sections the last section's steps make their kick;
 where the next one has steps of another length, velocities half a step away and positions are then changed to those that
@@ -17,8 +17,10 @@ import numpy as np
 
 from fem.kernels.drive import turn_at, with_aside
 from fem.kernels.housing_kernels import Housing, Resonator
+from fem.kernels.isolated_contacts import Isolated
 from fem.kernels.jit import part, verb
 from fem.kernels.lanes import WIDTH
+from fem.kernels.prescribed_rollers import hold_anew
 from fem.kernels.reduced_contacts import wrap
 from fem.kernels.reduced_damping import damping_power
 from fem.kernels.reduced_housing import TWELFTH, ring_rates
@@ -91,16 +93,24 @@ def _take(paces, bodies, compliance, forces, drives, before, time, acting, given
     pace = FAR
     if _near_edges(paces, bodies, forces, turn_at(drive.course, drive, time)):
         pace = NEAR
-    elif now == NEAR and forces.radiation.state[0] != QUIET:  # a contact has just closed
+    elif now == NEAR and _struck(forces.radiation):
         pace = NEAR
-    elif now == NEAR and not _unrest(paces, bodies, forces, before, drive.dt) < paces.calm:
+    elif now == NEAR and not _unrest(paces, bodies, compliance, forces, before, drive.dt) < paces.calm:
         pace = NEAR
     if pace != now:
-        _change(bodies, compliance, forces, before, drive, drives[pace], acting, given)
+        _change(bodies, compliance, forces, before, drive, drives[pace], acting, given, time)
         _change_sensor(bodies.housing, paces, pace, drives[pace].dt)
         paces.now[0] = pace
         if pace == FAR and paces.smooth:
-            _smooth(bodies, compliance, forces)
+            _smooth(compliance, bodies, forces)
+
+
+@part
+def _struck(radiation):
+    """Whether a contact has just closed; without waves that is not noted."""
+    if radiation is None:
+        return False
+    return radiation.state[0] != QUIET
 
 
 @part
@@ -123,7 +133,7 @@ def _near_edges(paces, bodies, forces, turn):
 
 
 @part
-def _unrest(paces, bodies, forces, before, dt):
+def _unrest(paces, bodies, compliance, forces, before, dt):
     """Σ m (a·a − v·ȧ), J/s²: of vibrations twice ω² times their energy, whatever their phase.
 
     Rollers that fly have that yet to come, by the speed at which they will strike the outer raceway.
@@ -132,19 +142,31 @@ def _unrest(paces, bodies, forces, before, dt):
     hub, ring = before.hub_acceleration, before.ring_acceleration
     found = bodies.hub_mass * (hub[0] * hub[0] + hub[1] * hub[1])
     found += _mass_of(bodies.housing) * (ring[0] * ring[0] + ring[1] * ring[1])
-    halo = forces.halo
     for j in range(bodies.n):
         ax, ay = before.acceleration[0, j], before.acceleration[1, j]
         found += bodies.mass * (ax * ax + ay * ay)
-        outward = (bodies.velocity[0, j] - next_[0]) * forces.normal[OUTER, 0, j]
-        outward += (bodies.velocity[1, j] - next_[1]) * forces.normal[OUTER, 1, j]
+        vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
+        outward = (vx - next_[0]) * forces.normal[OUTER, 0, j] + (vy - next_[1]) * forces.normal[OUTER, 1, j]
+        inward = (bodies.hub_velocity[0] - vx) * forces.normal[INNER, 0, j]
+        inward += (bodies.hub_velocity[1] - vy) * forces.normal[INNER, 1, j]
         found += paces.stiffness * (outward * outward + 2.0 * paces.outward * max(-forces.approach[OUTER, j], 0.0))
         for row in range(2):
             stiffness = forces.stiffness[row, j]
             if stiffness > 0.0:
-                rate = (forces.guess[row, halo + j] - forces.force[row, j]) / dt
+                rate = _force_rate(compliance, forces, row, j, dt, inward if row == INNER else outward)
                 found += rate * rate / stiffness
     return found
+
+
+@verb
+def _force_rate(compliance, forces, row, j, dt, closing):
+    """Of a contact that closes at a speed, m/s; N/s."""
+    return (forces.guess[row, forces.halo + j] - forces.force[row, j]) / dt
+
+
+@_force_rate.of(Isolated)
+def _force_rate_alone(compliance, forces, row, j, dt, closing):
+    return forces.stiffness[row, j] * closing
 
 
 @verb
@@ -159,12 +181,13 @@ def _mass_of_housing(housing):
 
 
 @part
-def _change(bodies, compliance, forces, before, old, new, acting, given):
+def _change(bodies, compliance, forces, before, old, new, acting, given, time):
     """Change from one step to another at the instant of a kick that the old one has made."""
     dt, next_, sums = old.dt, new.dt, old.sums
     ratio = next_ / dt
     back, shift = 0.5 * (1.0 - ratio), TWELFTH * (dt * dt - next_ * next_)
-    damped, radiated = damping_power(forces.dampers, bodies, forces, old), radiated_power(bodies, forces)
+    damped = damping_power(forces.dampers, bodies, forces, old)
+    radiated = radiated_power(forces.radiation, bodies, forces)
     for k in range(2):
         moved = shift * before.hub_acceleration[k]
         bodies.hub[k] += moved
@@ -181,15 +204,17 @@ def _change(bodies, compliance, forces, before, old, new, acting, given):
             _turn_back(before.velocity[k], bodies.velocity[k], j, back)
     for j in range(bodies.n):
         _turn_back(before.spin, bodies.spin, j, back)
+    hold_anew(bodies.prescribed, bodies, forces, new, time)
     sums[1] -= back * (sums[1] - given)
     _change_shaft(bodies.shaft, dt, next_, before.hub_velocity)
     _change_housing(bodies.housing, before, dt, next_, shift)
     _change_cage(bodies.cage, back, ratio)
-    _change_forces(forces, bodies.n, ratio)
+    _change_forces(compliance, forces, bodies.n, ratio)
     _change_ahead(forces.ahead, bodies.n, ratio)
     damped = next_ * damping_power(forces.dampers, bodies, forces, new) - dt * damped
     _change_damping(forces.dampers, damped)
-    forces.radiation.work[1] += next_ * radiated_power(bodies, forces) - dt * radiated
+    radiated = next_ * radiated_power(forces.radiation, bodies, forces) - dt * radiated
+    _change_radiation(forces.radiation, radiated)
 
 
 @part
@@ -199,8 +224,9 @@ def _turn_back(before, after, k, back):
     after[k] -= back * gained
 
 
-@part
-def _change_forces(forces, n, ratio):
+@verb
+def _change_forces(compliance, forces, n, ratio):
+    """What is expected of forces in the next step; contacts that know nothing of each other expect nothing."""
     for row in range(2):
         for j in range(n):
             Q, at = forces.force[row, j], forces.halo + j
@@ -208,6 +234,11 @@ def _change_forces(forces, n, ratio):
         wrap(forces.guess, row, n, forces.halo)
     for lane in range(WIDTH):
         forces.fastest[lane] *= ratio
+
+
+@_change_forces.of(Isolated)
+def _change_no_forces(compliance, forces, n, ratio):
+    pass
 
 
 @part
@@ -222,6 +253,12 @@ def _change_ahead(ahead, n, ratio):
 def _change_damping(dampers, more):
     if dampers is not None:
         dampers.work[1] += more
+
+
+@part
+def _change_radiation(radiation, more):
+    if radiation is not None:
+        radiation.work[1] += more
 
 
 @part
@@ -285,10 +322,18 @@ def _sense_by(sensor, paces, pace, pushed):
             sensor.step[i, k], sensor.half_step[i, k] = paces.step[pace, i, k], paces.half_step[pace, i, k]
 
 
-@part
-def _smooth(bodies, compliance, forces):
+@verb
+def _smooth(compliance, bodies, forces):
     """What contacts meet on perfect circles, which nothing looks up."""
     for j in range(bodies.columns):
         forces.bracket_now[INNER, j], forces.bracket_now[OUTER, j] = compliance.inner.B, compliance.outer.B
         for i in range(4):
             forces.slope[i, j] = forces.softening[i, j] = 0.0
+
+
+@_smooth.of(Isolated)
+def _smooth_alone(compliance, bodies, forces):
+    for j in range(bodies.columns):
+        forces.bracket_now[INNER, j] = forces.bracket_now[OUTER, j] = 0.0
+        for i in range(4):
+            forces.slope[i, j] = 0.0

@@ -122,9 +122,11 @@ def _note_work(radiation, bodies, forces, before, drive):
 
 
 @part
-def radiated_power(bodies, forces):
+def radiated_power(radiation, bodies, forces):
     """What the impulses of the last kick take in the half step ahead, over the step, W."""
-    found, radiation = 0.0, forces.radiation
+    found = 0.0
+    if radiation is None:
+        return found
     if radiation.state[0] == KICKED:
         next_ = ring_rates(bodies.housing)[1]
         for j in range(bodies.n):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import CagePair
-from fem.kernels.fields import state
+from fem.kernels.fields import given, room, state
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
@@ -23,33 +23,33 @@ UNEVEN = "bracket", "bracket_now", "slope", "softening"  # of `ReducedForces`: N
 class RollerModes(NamedTuple):
     """Modes of a roller, by waves around; each has a twin a quarter wave further. Modal masses are near 1 kg."""
 
-    start: np.ndarray  # (orders + 1,), whole, first mode of so many waves around
-    shape: np.ndarray  # (n_modes,), surface displacement into the body
-    stiffness: np.ndarray  # (n_modes,), N/m
-    mass: np.ndarray  # (n_modes,), kg, with which leapfrog's steps have the mode's frequency
-    kick: np.ndarray  # (n_modes,), s/kg, a step over the mass
-    amplitude: np.ndarray  # (n_modes, 2, columns), m
-    rate: np.ndarray  # the same, m/s, at t − dt/2
-    before: np.ndarray  # the same before the last kick
+    start: given("orders + 1", int)  # first mode of so many waves around
+    shape: given("n_modes")  # surface displacement into the body
+    stiffness: given("n_modes")  # N/m
+    mass: given("n_modes")  # kg, with which leapfrog's steps have the mode's frequency
+    kick: given("n_modes")  # s/kg, a step over the mass
+    amplitude: state("n_modes, 2, columns")  # m
+    rate: state("n_modes, 2, columns")  # m/s, at t − dt/2
+    before: state("n_modes, 2, columns")  # the rate before the last kick
 
 
 class RingModes(NamedTuple):
     """Modes of a ring, in layers: the first, second ... of every number of waves around; empty places have shape 0.
 
-    What a layer holds stands by waves around, in room for whole registers.
+    What a layer holds stands by waves around, in `width` for whole registers.
     """
 
     orders: int  # numbers of waves around, from none on
-    shape: np.ndarray  # (layers, room), surface displacement into the ring
-    carried: np.ndarray  # (layers, room), displacement of the hub
-    stiffness: np.ndarray  # (layers, room), N/m
-    mass: np.ndarray  # (layers, room), kg, with which leapfrog's steps have the mode's frequency
-    kick: np.ndarray  # (layers, room), s/kg, a step over the mass
-    amplitude: np.ndarray  # (layers, 2, room), m
-    rate: np.ndarray  # the same, m/s, at t − dt/2
-    before: np.ndarray  # the same before the last kick
-    wave: np.ndarray  # (2, room), m, displacement into the ring by waves around; room
-    push: np.ndarray  # (2, room, WIDTH), N, by lane, forces on them; room
+    shape: given("layers, width")  # surface displacement into the ring
+    carried: given("layers, width")  # displacement of the hub
+    stiffness: given("layers, width")  # N/m
+    mass: given("layers, width")  # kg, with which leapfrog's steps have the mode's frequency
+    kick: given("layers, width")  # s/kg, a step over the mass
+    amplitude: state("layers, 2, width")  # m
+    rate: state("layers, 2, width")  # m/s, at t − dt/2
+    before: state("layers, 2, width")  # the rate before the last kick
+    wave: room("2, width")  # m, displacement into the ring by waves around
+    push: room("2, width, lanes")  # N, by lane, forces on them
 
 
 class Vibrations(NamedTuple):
@@ -58,7 +58,7 @@ class Vibrations(NamedTuple):
     roller: RollerModes
     inner: RingModes
     outer: RingModes
-    lean: np.ndarray  # (2, columns), m/rad, slope of the surfaces' displacement at contacts; room
+    lean: room("2, columns")  # m/rad, slope of the surfaces' displacement at contacts
 
 
 class RigidBodies(NamedTuple):
@@ -115,10 +115,10 @@ class ReducedDampers(NamedTuple):
     time: float  # s, of the contact's stiffness
     hunt_crossley: float  # s/m
     force: state("3, columns")  # N
-    rate: state("2, columns")  # m/s, at which contacts close; room
-    gain: state("1, columns")  # N s/m, of inner forces by the hub's velocity; room
-    coefficient: state("2, columns")  # N s/m; room
-    pair_work: state("lanes")  # W, by lane, of rollers that touch; room
+    rate: room("2, columns")  # m/s, at which contacts close
+    gain: room("1, columns")  # N s/m, of inner forces by the hub's velocity
+    coefficient: room("2, columns")  # N s/m
+    pair_work: room("lanes")  # W, by lane, of rollers that touch
     work: state("2")  # J, dissipated up to the last kick; and after it in that step
 
 
@@ -128,8 +128,8 @@ class Radiation(NamedTuple):
     inertia: tuple[float, float]  # s⁴/kg, of both raceways' contacts, Σ s²/ω⁴ of all modes that the model lacks
     settling: float  # s, 1/ω of the slowest of them
     owed: state("2, columns")  # J, lost by contacts that have opened, and not yet taken from what moves
-    speed: state("2, columns")  # m/s, at which contacts have closed, or < 0 opened, in this step; room
-    kick: state("2, columns")  # N, what the last step's impulses are over a step
+    speed: room("2, columns")  # m/s, at which contacts have closed, or < 0 opened, in this step
+    kick: room("2, columns")  # N, what the last step's impulses are over a step
     work: state("2")  # J, given up to the last kick; and after it in that step
     state: np.ndarray  # (1,), whole: whether a contact has been struck in this step, or kicked in the last
 
@@ -151,10 +151,10 @@ class ReducedForces(NamedTuple):
     stiffness: state("2, columns")  # N/m; room
     normal: state("2, 2, columns")  # outward; room
     # at the angles where rollers are: see `reduced_surfaces`
-    strayed: state("haloed")  # rad, by how much rollers are ahead of equal angles; room
-    along: state("2, neighbours, columns")  # m/N
-    steep: state("2, neighbours, columns")  # m/N per rad
-    tilt: state("2, columns")  # of the raceways under contacts by forces on others; room
+    strayed: room("haloed")  # rad, by how much rollers are ahead of equal angles
+    along: room("2, neighbours, columns")  # m/N
+    steep: room("2, neighbours, columns")  # m/N per rad
+    tilt: room("2, columns")  # of the raceways under contacts by forces on others
     # of surfaces that are not perfect circles, or None: laws' B with the edges' compliance; slopes of approaches and of
     # compliances along the inner raceway, the roller's share of that, the outer raceway, the roller's share
     bracket: state("2, columns")  # in the last kick

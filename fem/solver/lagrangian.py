@@ -6,10 +6,9 @@ scene play no part. No mesh; steps are compiled, and where none are taken no com
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import cached_property
-from math import ceil, inf, pi
-from typing import TYPE_CHECKING, NamedTuple
+from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,22 +16,19 @@ from fem.errors import RunFailed
 from fem.run_summary import largest_loads
 from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
-from fem.solver.guards import THROUGH, EnergyAccount, largest_forces, n_in_place, run_cautions, through_trouble
-from fem.solver.lagrangian_start import Beginning, beginning
+from fem.solver.lagrangian_start import Beginning, StartState, beginning
 from fem.solver.pace import in_words, pace
+from fem.solver.sections import Sections, sections_of, step_rows
 from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import ROUND_OFF, Block, Numbers, RunState, Samples, sample_count
-from lagrange import Bearing, Operation, contact_laws, static_equilibrium
+from fem.solver.solver import RunState, sample_count
+from lagrange import Bearing, Operation, contact_laws, kinematics, static_equilibrium
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import caution
 from lagrange.first_state import Problem
 from lagrange.mounting import HELD
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
-from lagrange.step_size import critical_time_step, fastest_mode, longest_step
-
-if TYPE_CHECKING:  # needs a compiler
-    from fem.solver.lagrangian_steps import Steps
+from lagrange.step_size import critical_time_step, longest_step
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core, a step of eight elements; only a guide
@@ -40,28 +36,6 @@ SECONDS_PER_EIGHT = {True: 0.2e-6, False: 0.2e-6}  # power law, other
 DAMPED = 1.5  # times, dampers with them
 ON_SURFACES = 2.0  # times, where these are not perfect circles
 SECONDS_PER_SAMPLE = 0.2e-6  # and element
-JUDGED = 0.5e-3  # s from the start
-SHOCKED = 5.0  # times the largest static force: of 670 sound random starts one reached it, of 25 wrong ones 23
-STABLE = 1.4  # ω·step of the stiffest mode met; leapfrog is stable up to 2
-ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-6 of it
-REFINEMENTS = 3  # halvings of the step before a warning instead
-SURE = 1e-13  # of the kinetic energy: what it rounds to
-MET = ("inner_force", "outer_force", "energy_contact", "energy_error", "least_moved", "largest_moved", "dissipated",
-       "first_kinetic")  # fmt: skip
-
-
-class Verdict(Enum):
-    """How a step has resolved a motion from its start to its end, and what to say of it."""
-
-    RESOLVED = ""
-    TOO_FAST = (
-        "the forces met make a mode of {frequency:.3g} Hz, too fast for the step of {step:.3g} s; "
-        "set time_step = {stable_step:.2g} or less"
-    )
-    RATTLING = (
-        "contacts rattle: the step of {step:.3g} s changes the energy by {percent:.2g} % of what the contacts pass on; "
-        "set time_step = {quarter_step:.2g} or less, or add damping"
-    )
 
 
 class Ideal(NamedTuple):
@@ -79,7 +53,8 @@ class LagrangianPlan(CompiledPlan):
     problem: Problem
     interval: float  # s, between samples
     n_samples: int
-    stride: int  # steps between samples
+    stride: int  # steps between samples, the shortest ones
+    sections: Sections | None  # of two step lengths; None: of one
     law_caution: str | None  # on law and material, which concern this run alone
     cautions: tuple[str, ...] = ()
     model_name = MODEL_NAMES["lagrange"]
@@ -89,6 +64,24 @@ class LagrangianPlan(CompiledPlan):
     @property
     def time_step(self) -> float:
         return self.interval / self.stride
+
+    @property
+    def long_step(self) -> float:
+        """Away from edges of spalls, s."""
+        cut = self.sections
+        return self.time_step if cut is None else self.interval / (cut.count * cut.far)
+
+    def halved(self, times: int) -> "LagrangianPlan":
+        """The same with a step halved so many times."""
+        finer = 2**times
+        found = replace(self, stride=self.stride * finer, sections=self.sections and self.sections.finer(finer))
+        found.__dict__["begin"] = self.begin
+        return found
+
+    @property
+    def static_energy(self) -> float:
+        """Of contacts at the start, J."""
+        return float(self.begin.samples["energy_contact"][0])
 
     @property
     def critical_time_step(self) -> float:
@@ -122,7 +115,9 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def steps(self) -> int:
-        return self.stride * (self.n_samples - 1)
+        """Of the run; of two lengths, about."""
+        cut = self.sections
+        return round((self.stride if cut is None else cut.count * cut.mean) * (self.n_samples - 1))
 
     @property
     def expected_seconds(self) -> float:
@@ -142,7 +137,11 @@ class LagrangianPlan(CompiledPlan):
         if self.n_samples > 1:
             super().prepare(tell)
 
-    def first_state(self) -> "LagrangianState":
+    def first_state(self) -> RunState:
+        if self.n_samples == 1:
+            return StartState(self)
+        from fem.solver.lagrangian_state import LagrangianState  # needs a compiler
+
         return LagrangianState(self)
 
     @property
@@ -164,10 +163,7 @@ class LagrangianPlan(CompiledPlan):
             "contact law": f"{options.law}, {problem.laws.inner.range}",
             "damping of a contact": problem.damping.words,
             **problem.operation.mounting.rows,
-            "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
-            f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
-            "samples": f"{self.n_samples}, one each {self.stride} steps",
+            **step_rows(self, ", halved where contacts rattle"),
             "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
             "largest static forces": largest_loads(
@@ -190,225 +186,17 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
         cage=scene.ideal_cage(),
     )
+    steps, sections = ceil(interval / longest_step(problem) * (1.0 - 1e-12)), None
+    if problem.damping.acts:  # contacts without dampers vibrate on after a strike
+        fastest = kinematics(bearing, problem.operation.fastest)
+        sections = sections_of(bearing, fastest, interval, longest_step(problem), longest_step(problem, spalls=False))
     return LagrangianPlan(
         scene=scene,
         problem=problem,
         interval=interval,
         n_samples=sample_count(scene),
-        stride=max(1, ceil(interval / longest_step(problem) * (1.0 - 1e-12))),
+        stride=max(1, steps) if sections is None else sections.count * sections.near,
+        sections=sections,
         law_caution=caution(options.law, bearing),
         cautions=of_scene(scene, bearing, problem.operation, interval),
     )
-
-
-class LagrangianState(RunState):
-    """A simulation under way. At its end it begins again with half the step where contacts have rattled."""
-
-    plan: LagrangianPlan
-
-    def __init__(self, plan: LagrangianPlan):
-        super().__init__(plan)
-        self._whole, self._refinements = plan, 0
-        _ = plan.begin
-        self._begin()
-
-    def _begin(self) -> None:
-        self.plan = replace(self._whole, stride=self._whole.stride * 2**self._refinements)
-        self.plan.__dict__["begin"] = self._whole.begin
-        self._steps: Steps | None = None  # none has been taken
-        self.exchanged = 0.0  # J
-        self.missed, self._round_off = 0.0, 0.0  # J, the largest energy error so far, and what kinetic energy rounds to
-        self._largest = np.zeros(3)  # N, so far: see `largest_forces`
-        self._start = np.zeros(2)  # N, largest force of the first sample and within JUDGED of it
-        self._met = dict.fromkeys(MET, 0.0) | {"least_moved": inf, "largest_moved": -inf}
-
-    @property
-    def steps_per_sample(self) -> int:
-        return self.plan.stride
-
-    @property
-    def steps(self) -> "Steps":
-        if self._steps is None:
-            from fem.solver.lagrangian_steps import Steps
-
-            self._steps = Steps(self.plan, self.plan.begin)
-        return self._steps
-
-    def take_steps(self, count: int) -> None:
-        """Advance by so many samples, which nobody looks at."""
-        self.steps.take(self.done, count)
-
-    def advance(self, most: int) -> Block:
-        with self.timed():
-            samples, goes_on = self._next(most)
-        plan, trouble = self.plan, None
-        if not goes_on:
-            time = plan.interval * (self.done + (0 if samples is None else len(samples)))
-            trouble = f"the motion overflowed by t = {time:.4g} s; lower time_step"
-        if samples is not None:
-            bearing = plan.problem.bearing
-            in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, samples)
-            self._meet(samples)
-            if in_place < len(samples) and not self._may_begin_again:
-                self.done += in_place
-                return Block(samples=samples.first(in_place), trouble=trouble or self._trouble_of(samples, in_place))
-            self.done += len(samples)
-            self.imbalance = float(samples.relative_error()[-1])
-            self.exchanged = float(samples.exchanged[-1])
-            self.missed = max(self.missed, float(np.max(np.abs(samples.error))))
-            self._round_off = max(self._round_off, ROUND_OFF * float(np.max(np.abs(samples["energy_kinetic"]))))
-            self._largest = np.fmax(self._largest, largest_forces(samples))
-            self._judge_start(samples)
-        if trouble is not None or self.done < plan.n_samples or self._verdict is Verdict.RESOLVED:
-            return Block(samples=samples, trouble=trouble)
-        if not self._can_be_refined:  # still worth having where contacts only rattle: see `remarks`
-            return Block(samples=samples, trouble=self._sentence if self._verdict is Verdict.TOO_FAST else None)
-        reason = self._sentence.partition(";")[0]
-        self.void_steps += self.progress.steps
-        self._refinements += 1
-        self.done, self.imbalance = 0, 0.0
-        self._begin()
-        return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
-
-    def _next(self, most: int) -> tuple[Samples | None, bool]:
-        """The next samples, and whether the motion goes on; the first one is the plan's, which takes no steps."""
-        start = self.plan.begin.samples
-        if self.done == 0:
-            exchanged = start["energy_contact"]
-            return EnergyAccount().samples(dict(start), np.zeros(1), exchanged), True
-        if self.done == 1:
-            most += 1
-        samples, goes_on = self.steps.take(self.done - (self.done == 1), most)
-        if self.done == 1 and samples is not None:
-            samples = samples.after(1) if len(samples) > 1 else None
-        return samples, goes_on
-
-    def _judge_start(self, samples: Samples) -> None:
-        """Keep the largest contact forces at the start and soon after it."""
-        forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
-        if samples["time"][0] == 0.0:
-            self._start[0] = forces[0]
-        self._start[1] = forces[samples["time"] <= JUDGED].max(initial=self._start[1])
-
-    @property
-    def _shocked(self) -> tuple[str, ...]:
-        """A sentence where a steady load's equilibrium does not last: energy can't show a start that is wrong."""
-        problem, (first, soon) = self.plan.problem, self._start
-        steady = problem.operation.course is None and not problem.bearing.faults
-        if problem.start != "equilibrium" or not steady or soon <= SHOCKED * first:
-            return ()
-        return (
-            f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, {soon / first:.2g} times the "
-            "largest static force: the motion does not begin as the equilibrium moves; leave out the beginning "
-            "(check-residual --start), or give the contacts damping",
-        )
-
-    def _meet(self, samples: Samples) -> None:
-        """Take samples into account in what has been met."""
-        met, names = self._met, ("energy_kinetic", "energy_shaft", "energy_support")
-        moved = np.sum([samples[name] for name in names if samples.get(name) is not None], axis=0)
-        for name in ("inner_force", "outer_force", "energy_contact"):
-            met[name] = max(met[name], float(np.abs(samples[name]).max()))
-        met["energy_error"] = max(met["energy_error"], float(np.abs(samples.imbalance).max()))
-        met["least_moved"] = min(met["least_moved"], float(moved.min()))
-        met["largest_moved"] = max(met["largest_moved"], float(moved.max()))
-        met["dissipated"] = float(samples["work_dissipated"][-1])
-        if samples["time"][0] == 0.0:
-            met["first_kinetic"] = float(samples["energy_kinetic"][0])
-
-    @property
-    def _energy_share(self) -> float:
-        """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
-        met = self._met
-        if met["energy_error"] <= SURE * met["first_kinetic"]:
-            return 0.0
-        return met["energy_error"] / (
-            met["energy_contact"] + (met["largest_moved"] - met["least_moved"]) + met["dissipated"]
-        )
-
-    @property
-    def _fastest(self) -> float:
-        """Angular frequency of the stiffest mode under the largest forces so far, rad/s."""
-        return fastest_mode(self.plan.problem, self._met["inner_force"], self._met["outer_force"])
-
-    @property
-    def _verdict(self) -> Verdict:
-        """How the step has resolved the motion so far; its last word is at the end."""
-        if not self._fastest * self.plan.time_step < STABLE:
-            return Verdict.TOO_FAST
-        return Verdict.RESOLVED if self._energy_share <= ENERGY_TOLERANCE else Verdict.RATTLING
-
-    @property
-    def _sentence(self) -> str:
-        """The verdict with its numbers."""
-        omega, step = self._fastest, self.plan.time_step
-        return self._verdict.value.format(
-            frequency=omega / (2 * pi), step=step, stable_step=0.5 * STABLE / omega, percent=100 * self._energy_share,
-            quarter_step=step / 4,
-        )  # fmt: skip
-
-    @property
-    def _can_be_refined(self) -> bool:
-        return self._refinements < REFINEMENTS
-
-    @property
-    def _may_begin_again(self) -> bool:
-        """Whether it will at its end, because the step is too long for what has happened so far."""
-        return self._can_be_refined and self._verdict is not Verdict.RESOLVED
-
-    def _trouble_of(self, samples: Samples, at: int) -> str:
-        """Why bodies are in one another: by the step, or by the scene."""
-        if self._verdict is Verdict.TOO_FAST:
-            return self._sentence
-        return through_trouble(self.plan.time_step, samples, at)
-
-    @property
-    def cautions(self) -> tuple[str, ...]:
-        """On contacts too wide for their laws; energy off by much of what is exchanged, if little of all passed on."""
-        wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
-        caution = self.plan.problem.first_state.caution
-        wide = (*(() if caution is None else (caution,)), *self._shocked, *wide)
-        if self.missed <= ENERGY_TOLERANCE * max(self.exchanged, self._round_off):
-            return wide
-        share = 100.0 * self.missed / max(self.exchanged, self._round_off)
-        return (
-            *wide,
-            f"the energy is off by up to {share:.2g} % of the largest that was exchanged: impacts and dampers "
-            f"are short beside the step of {1e6 * self.plan.time_step:.3g} µs; "
-            "single impacts are no better",
-        )
-
-    @property
-    def outcome_attributes(self) -> dict[str, float | str]:
-        largest = (self._met["inner_force"], self._met["outer_force"]) if self.done else ()
-        critical = critical_time_step(self.plan.problem, *largest)
-        return super().outcome_attributes | {"time_step": self.plan.time_step, "critical_time_step": critical}
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        at_end = 0 < self.done == self.plan.n_samples
-        return (self._sentence,) if at_end and self._verdict is Verdict.RATTLING else ()
-
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        numbers = {
-            "refinements": self._refinements,
-            "exchanged": self.exchanged,
-            "met": dict(self._met),
-            "missed": self.missed,
-            "round_off": self._round_off,
-        }
-        arrays = {"largest": self._largest, "start": self._start}
-        return arrays | (self.steps.to_keep() if self.done > 1 else {}), numbers
-
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        refinements = int(numbers["refinements"])
-        if not 0 <= refinements <= REFINEMENTS:
-            raise ValueError(f"{refinements} refinements")
-        self._refinements = refinements
-        self._begin()
-        self._largest, self._start = arrays["largest"], arrays["start"]
-        self._met = {name: float(numbers["met"][name]) for name in MET}
-        if self.done > 1:
-            self.steps.take_back(arrays, self.done)
-        self.exchanged = float(numbers["exchanged"])
-        self.missed, self._round_off = float(numbers["missed"]), float(numbers["round_off"])

@@ -1,15 +1,22 @@
 """The start of the Lagrangian model: its sample, and the accelerations that its first steps need. No compiler."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.solver.guards import EnergyAccount, largest_forces
+from fem.solver.lagrangian_judge import Judge
+from fem.solver.solver import Block, Numbers, RunState
 from lagrange.cage_motion import CageRows, first_row
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
 from lagrange.surface.deviation import Turns
 from lagrange.trajectory import loaded, quantities
+
+if TYPE_CHECKING:
+    from fem.solver.lagrangian import LagrangianPlan
 
 PER_TIME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "energy_kinetic",
             "energy_contact")  # fmt: skip
@@ -93,3 +100,42 @@ def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
     found |= dict.fromkeys(WORKS, zero)
     return found | ({} if cage is None else {f"cage_{name}": value for name, value in vars(cage).items()})
+
+
+class StartState(RunState):
+    """A run of the first sample alone, which takes no steps."""
+
+    plan: "LagrangianPlan"
+
+    def __init__(self, plan: "LagrangianPlan"):
+        super().__init__(plan)
+        self._judge, self._largest = Judge(plan.problem, plan.time_step), np.zeros(3)
+        _ = plan.begin
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self.plan.stride
+
+    def advance(self, most: int) -> Block:
+        start = self.plan.begin.samples
+        samples = EnergyAccount().samples(dict(start), np.zeros(1), start["energy_contact"])
+        self._judge.meet(samples)
+        self._largest, self.done = largest_forces(samples), 1
+        return Block(samples=samples)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        return self._judge.cautions(self._largest)
+
+    @property
+    def outcome_attributes(self) -> dict[str, float | str]:
+        more = {"time_step": self.plan.time_step, "critical_time_step": self._judge.critical_time_step}
+        return super().outcome_attributes | more
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        arrays, numbers = self._judge.to_keep()
+        return arrays, numbers | {"halvings": 0}
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        if self.done:
+            self.advance(1)

@@ -4,8 +4,8 @@ Elasticity comes from the exact series of rings and rollers, so there is no mesh
 finite elements, which must follow elastic waves, and each takes a small part of one: a run is faster than the bearing.
 """
 
-from dataclasses import dataclass
-from math import ceil, inf, pi, sqrt
+from dataclasses import dataclass, replace
+from math import ceil, pi
 
 import numpy as np
 
@@ -18,24 +18,21 @@ from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
-from fem.solver.paces import Sections, sections_of, time_along_a_wave
 from fem.solver.part_arrays import time_along_a_knot
+from fem.solver.reduced_limits import critical_time_step, relaxation_factor, strongest_coupling, time_of_dampers
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
+from fem.solver.sections import Sections, sections_of, step_rows, time_along_a_wave
 from fem.solver.solver import sample_count
 from fem.solver.validity import may_strike
-from fem.solver.vibrations import critical_with_modes, longest_with_modes
+from fem.solver.vibrations import longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
-from lagrange.contact.damping import ContactDamping
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
-from lagrange.step_size import fastest_in_machine
 
-LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned
-STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the paper's bearing is 1.2 times
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
 # one thread of a 2024 server core; only a guide
@@ -103,6 +100,14 @@ class ReducedPlan(CompiledPlan):
     def static_hub(self) -> np.ndarray:
         return standing_hub(self.model, self.operation)
 
+    def halved(self, times: int) -> "ReducedPlan":
+        """The same with a step halved so many times, and looks that are frequent enough."""
+        finer, looks, sections = 2**times, self.looks, self.sections
+        stride = self.stride * finer
+        while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
+            looks, finer = 2 * looks, finer // 2
+        return replace(self, stride=stride, looks=looks, sections=sections and sections.finer(finer))
+
     def first_state(self) -> ReducedState:
         return ReducedState(self)
 
@@ -117,28 +122,11 @@ class ReducedPlan(CompiledPlan):
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
             **self.operation.mounting.rows,
-            **self._step_rows(),
+            **step_rows(self),
             "expected time": in_words("reduced", self.expected_seconds),
             "largest static forces": largest_loads(
                 self.model.bearing, start.inner_force.max(), start.outer_force.max()
             ),
-        }
-
-    def _step_rows(self) -> dict[str, str]:
-        critical, duration = self.critical_time_step, f"{1e3 * (self.n_samples - 1) * self.interval:g} ms"
-        long = f"{1e6 * self.long_step:.3g} µs"
-        of_critical = f"({self.long_step / critical:.2f} of the critical {1e6 * critical:.3g} µs)"
-        if self.sections is None:
-            return {
-                "time step": f"{long} {of_critical}",
-                "steps": f"{self.steps} for {duration}",
-                "samples": f"{self.n_samples}, one each {self.stride} steps",
-            }
-        return {
-            "time step": f"{long} {of_critical}, {1e6 * self.time_step:.3g} µs near edges and until strikes have died "
-            "away",
-            "steps": f"about {self.steps} for {duration}",
-            "samples": f"{self.n_samples}, one each {self.stride} steps at most",
         }
 
 
@@ -172,7 +160,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, longest_with_modes(modes, float(scene.friction_coefficient)))
-    longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
+    longest = min(longest, time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     on_waves = min(longest, KNOTS_A_STEP * time_along_a_wave(bearing, fastest)) * numerics.time_step_safety
     longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest)) * numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
@@ -220,65 +208,3 @@ def _check(scene: Scene) -> None:
             f'contact.model = "{scene.contact.model}" is of meshes, and the reduced model has none; leave it out, or '
             'take model = "fem"'
         )
-
-
-def _time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:
-    """The longest step, s, in which contacts' dampers, under forces of so many N, take half of a housing's motion.
-
-    It feels them after rollers and hub, which is only as stable as that is short; infinite where the ring stands still.
-    """
-    housing, bearing = operation.mounting.housing, model.bearing
-    if housing is None or not damping.acts:
-        return inf
-    coefficient = float(damping.coefficient(force, 1.0 / float(model.outer_law.softness(force))))
-    return 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient)
-
-
-def _softness(model: ReducedBearing, force: float) -> np.ndarray:
-    """Of a roller's two contacts under a force, N; (2, 2), m/N."""
-    inner, outer = (float(law.softness(force)) for law in (model.inner_law, model.outer_law))
-    return np.array([[inner, model.across], [model.across, outer]])
-
-
-def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, float]:
-    """The same, and the force, which is less where that is beyond Hertz and contacts would push one another in."""
-    soft = _softness(model, force)
-    usual = np.linalg.eigvalsh(_softness(model, force / LOAD_MARGIN))[0]
-    while np.linalg.eigvalsh(soft)[0] < usual / STIFFEST:
-        force *= 0.5
-        soft = _softness(model, force)
-    return soft, force
-
-
-def strongest_coupling(model: ReducedBearing, force: float) -> float:
-    """Largest eigenvalue, >= 0, of what forces along the rings give, over rollers' own softness under a force, N.
-
-    Of all contacts closed; of fewer it is no larger.
-    """
-    rings, n = model.rings, model.bearing.n_rollers
-    waves = np.cos(2.0 * pi / n * np.multiply.outer(rings.distance, np.arange(n // 2 + 1)))
-    along = rings.along @ waves  # (2, orders), every ring's eigenvalues
-    stiff = np.linalg.inv(_softness_below(model, force)[0])
-    return max(float(np.linalg.eigvals(stiff[:, :, None].T * along.T[:, None, :]).real.max()), 0.0)
-
-
-def relaxation_factor(coupling: float) -> float:
-    """Share of what forces gain by their own contact that others are told of, by their `strongest_coupling`.
-
-    All of it, which leaves −λ³ of what a guess was off by, and grows by turns from a third on; or, of strong couplings,
-    as much as leaves −LEFT, λ²(1 − share (1 + λ)).
-    """
-    return 1.0 if coupling**3 <= LEFT else (1.0 + LEFT / coupling**2) / (1.0 + coupling)
-
-
-def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
-    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
-    bearing, (soft, force) = model.bearing, _softness_below(model, force)
-    stiff = np.linalg.inv(soft)
-    pushed = np.array([-1.0, 1.0])
-    radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
-    # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
-    rocking = 4.0 / float(tangential.min())
-    in_machine = fastest_in_machine(bearing, operation, *np.diag(stiff).tolist())
-    rigid = 2.0 / sqrt(max(max(radial, rocking) / bearing.roller_mass, in_machine**2))
-    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, operation.inner_mass))

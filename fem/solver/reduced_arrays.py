@@ -16,11 +16,10 @@ from fem.kernels.reduced_state import (
     ReducedForces,
     RigidBodies,
 )
-from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, rigid_dampers, springs_on
-from fem.solver.samples import row_width
+from fem.solver.part_arrays import raceway_profiles, rigid_dampers
+from fem.solver.rigid_arrays import STILL, Placed, columns_for, outer_drive, rigid_bodies
 from fem.solver.vibrations import vibrations
-from lagrange import Bearing, kinematics
+from lagrange import kinematics
 from lagrange.equations import touching_distances
 from lagrange.spinning import growths
 from lagrange.surface.deviation import profiles
@@ -29,47 +28,35 @@ if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan
 
 
-def rigid_bodies(plan: "ReducedPlan") -> RigidBodies:
+def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     """Everything that moves, half a step behind in velocity."""
-    bearing, start, dt = plan.model.bearing, plan.start, plan.time_step
-    n = bearing.n_rollers
-    columns = -(-n // WIDTH) * WIDTH
+    bearing, operation, start, dt = plan.model.bearing, plan.operation, plan.start, plan.time_step
+    columns = columns_for(bearing.n_rollers)
     radial = np.array([np.cos(start.angle), np.sin(start.angle)])
     around = np.array([-radial[1], radial[0]])
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-    load = (plan.operation.side_load, -plan.operation.radial_load) if start.steady else (0.0, 0.0)
+    load = (operation.side_load, -operation.radial_load) if start.steady else (0.0, 0.0)
     vibrating = vibrations(plan.model, start, load, columns, dt)
-    carried = (
-        np.zeros(2) if vibrating is None else np.einsum("ln,ltn->t", vibrating.inner.carried, vibrating.inner.amplitude)
-    )
-    bodies = filled(
-        RigidBodies,
-        {"columns": columns},
+    carried = STILL
+    if vibrating is not None:
+        carried = np.einsum("ln,ltn->t", vibrating.inner.carried, vibrating.inner.amplitude)
+    placed = Placed(
+        angle=start.angle,
         hub=start.hub + start.ring - carried,
-        hub_velocity=start.hub_velocity.copy(),
-        hub_mass=float(plan.operation.inner_mass),
-        mass=float(bearing.roller_mass),
-        inertia=float(0.5 * bearing.roller_mass * bearing.roller_radius**2),
-        radius=float(bearing.roller_radius),
-        vibrations=vibrating,
-        n=n,
-        columns=columns,
-        cage=None,
+        hub_velocity=start.hub_velocity,
+        # steps take forces dt²/12 of the acceleration ahead, on a circle inwards; that far out they are the static ones
+        centre=(1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None],
+        velocity=start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial,
+        ring=start.ring,
+        ring_velocity=STILL,
+        cage=start.ring + plan.seat,
+        cage_velocity=STILL,
     )
-    # steps take forces dt²/12 of the acceleration ahead, on a circle inwards; that far out they are the static ones
-    bodies.centre[:, :n] = (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None]
-    bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
-    bodies.spin[:n] = start.kinematics.roller
-    hub = bodies.hub, bodies.hub_velocity, np.zeros((2, 2)), bodies.hub_mass
-    shaft = springs_on(plan.operation.mounting, *hub, n)
-    column = row_width(n, None)
-    housing = housing_of(plan.operation.mounting, bearing.outer_ring_mass, None, start.ring, dt, column)
-    bodies, ideal = bodies._replace(shaft=shaft, housing=housing), plan.scene.ideal_cage()
-    if ideal is None:
-        return bodies
-    state = cage_state(bearing, ideal, start.angle, cage, row_width(n, None, plan.operation.mounting))
-    state.motion[0, :2] = start.ring + plan.seat
-    return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
+    inertia = float(0.5 * bearing.roller_mass * bearing.roller_radius**2)
+    free = plan.scene.ideal_cage()
+    bodies = rigid_bodies(bearing, operation, free, placed, dt, inertia=inertia, vibrations=vibrating)
+    bodies.spin[: bearing.n_rollers] = start.kinematics.roller
+    return bodies
 
 
 def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
@@ -129,20 +116,10 @@ def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:
     )
 
 
-def outer_drive(plan: "ReducedPlan") -> ReducedDrive:
+def drive_of(plan: "ReducedPlan") -> ReducedDrive:
     """What acts from outside, before any work."""
-    bearing: Bearing = plan.model.bearing
-    numerics, operation = plan.scene.numerics, plan.operation
+    bearing, numerics, operation = plan.model.bearing, plan.scene.numerics, plan.operation
     inner, roller = growths(bearing, kinematics(bearing, 1.0))
-    return filled(
-        ReducedDrive,
-        {},
-        speed=float(operation.speed),
-        gravity=float(operation.gravity),
-        dt=float(plan.time_step),
-        radial_load=float(operation.radial_load),
-        ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
-        friction=float(plan.scene.friction_coefficient),
-        inner_radius=float(bearing.inner_raceway_radius),
-        course=course_arrays(bearing, operation, growth=inner + roller, roller_growth=roller),
-    )
+    ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+    friction = float(plan.scene.friction_coefficient)
+    return outer_drive(bearing, operation, plan.time_step, ramp, friction, (inner + roller, roller))

@@ -1,21 +1,14 @@
 """The reduced model's state: runs that begin again, what they warn of, what a checkpoint keeps."""
 
-import hashlib
-from dataclasses import replace
 from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.kernels.fields import filled
-from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import Before, RingModes, RollerModes
-from fem.solver.paces import paces_of
-from fem.solver.reduced_arrays import contact_compliance, contact_forces, outer_drive, rigid_bodies
-from fem.solver.row_state import LONGEST_UNWATCHED, RowState
-from fem.solver.run_arrays import changing_arrays
-from fem.solver.samples import SampleReader
-from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
+from fem.kernels.reduced_state import RingModes, RollerModes
+from fem.solver.reduced_arrays import bodies_of, contact_compliance, contact_forces, drive_of
+from fem.solver.rigid_state import RigidState
+from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
 from fem.solver.validity import add_samples, law_caution, no_sums, vibration_caution
 from lagrange import Bearing
 
@@ -23,7 +16,6 @@ if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan
 
 
-FOLLOW = ("along", "steep", "strayed", "tilt")  # from the model and from where rollers are, at every sample
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
 MOST_TURN = 1e6  # rad, that `lane_functions.cosine_and_sine` takes
 MOST_HALVINGS = 6  # of the time step
@@ -36,39 +28,23 @@ BEYOND = 1e-3  # of the largest force on the inner ring: what kicks may give bey
 MODES, MODES_HARD = 2.5, 4.2  # highest mode, over the bodies' slowest vibration, that makes up for waves after either
 
 
-class ReducedState(RowState):
+class ReducedState(RigidState):
     """Rigid bodies and contacts. A run whose energy will not balance to LIMIT begins again with half the step.
 
     What opens and closes at once is all that takes such steps: rollers that rattle without friction.
     """
 
-    def __init__(self, plan: "ReducedPlan"):
-        super().__init__(plan)
-        self._whole = plan
-        self._halvings = 0
-        self._begin()
+    most_halvings = MOST_HALVINGS
+
+    def arrays_of(self, plan: "ReducedPlan"):
+        bodies = bodies_of(plan)
+        columns = bodies.columns
+        return bodies, contact_compliance(plan, columns), contact_forces(plan, columns), drive_of(plan)
 
     def _begin(self) -> None:
-        times, looks, sections = 2**self._halvings, self._whole.looks, self._whole.sections
-        stride, finer = self._whole.stride * times, times
-        while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
-            looks, finer = 2 * looks, finer // 2
-        self.plan = plan = replace(
-            self._whole,
-            stride=stride,
-            looks=looks,
-            sections=None if sections is None else sections.finer(finer),
-        )
-        self.reader = SampleReader(plan)
+        super()._begin()
         self._worst = 0.0  # J, the largest energy error of samples so far
-        self._missed, self._passed_on = 0.0, 0.0
         self._hub_sums = no_sums()
-        self.bodies = rigid_bodies(plan)
-        columns = self.bodies.columns
-        self.compliance = contact_compliance(plan, columns)
-        self.forces, self.drive = contact_forces(plan, columns), outer_drive(plan)
-        self.drives, self.paces = paces_of(plan, self.drive)
-        self._before = filled(Before, {"columns": columns})
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)
@@ -77,19 +53,14 @@ class ReducedState(RowState):
         if samples is not None and len(samples):
             lost = lost or self._loses_energy(samples)
             add_samples(self._hub_sums, samples)
-        if self._halvings >= MOST_HALVINGS or not lost:
+        if not (lost and self.may_begin_again):
             return block
         if self._came_apart and self._halvings and abs(self.imbalance) <= LIMIT:
             return block  # no fault of the steps: with shorter ones, too, and while energy balances
-        step, self.void_steps = self.plan.time_step, self.void_steps + self.progress.steps
-        self._halvings += 1
-        self.done, self.imbalance, self._largest = 0, 0.0, np.zeros_like(self._largest)
-        self._begin()
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
         if self._came_apart:
             reason = "the bearing comes apart"
-        reason += f" with steps of {1e6 * step:.3g} µs; the run begins again with half of it"
-        return Block(samples=samples, begins_again=reason)
+        return self.begin_again(samples, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
     def _loses_energy(self, samples: Samples) -> bool:
         """Whether the run's energy is, or by its end will be, off by more than LIMIT of what is exchanged.
@@ -160,55 +131,13 @@ class ReducedState(RowState):
             f"ring): the momentum balance there misses as much; a smaller numerics.{key} makes it less",
         )
 
-    @property
-    def progress(self) -> Progress:
-        found = super().progress
-        if self.paces is None:
-            return found
-        made = int(self.paces.made.sum())
-        left = round(found.steps_left * made / found.steps) if found.steps else round(self.plan.steps)
-        speed = (self.void_steps + made) / found.wall if found.wall > 0.0 else 0.0
-        return replace(found, steps=made, steps_left=left, speed=speed)
-
-    @property
-    def outcome_attributes(self) -> dict[str, float]:
-        return super().outcome_attributes | {"time_step": self.plan.time_step}
-
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = super().to_keep()
-        return arrays | {"hub_sums": self._hub_sums}, numbers | {"halvings": self._halvings, "worst": self._worst}
+        return arrays | {"hub_sums": self._hub_sums}, numbers | {"worst": self._worst}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        halvings = int(numbers["halvings"])
-        if not 0 <= halvings <= MOST_HALVINGS:
-            raise ValueError(f"{halvings} halvings of the step")
-        self._halvings = halvings
-        self._begin()
-        self._worst = float(numbers["worst"])
-        self._hub_sums = arrays["hub_sums"]
         super().take_back(arrays, numbers)
-
-    def named_arrays(self) -> dict[str, np.ndarray]:
-        found: dict[str, np.ndarray] = {}
-        for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
-            arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
-            found |= {f"{place}.{name}": array for name, array in arrays.items() if name not in FOLLOW}
-        if self.forces.dampers is not None:
-            found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "work")}
-        found |= {f"radiation.{name}": getattr(self.forces.radiation, name) for name in ("owed", "work")}
-        for place, modes in self._modes.items():
-            found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
-        if self.bodies.cage is not None:
-            found |= changing_arrays(self.bodies.cage.cage, "cage")
-            if self.bodies.cage.ring is not None:
-                found["guide.speed"] = self.bodies.cage.ring.speed
-        if self.bodies.housing is not None:
-            found |= changing_arrays(self.bodies.housing, "housing")
-        if self.paces is not None:
-            found |= {"paces.now": self.paces.now, "paces.made": self.paces.made}
-        if self.bodies.shaft is not None:
-            found |= {f"shaft.{name}": getattr(self.bodies.shaft, name) for name in ("before", "dissipated")}
-        return found
+        self._worst, self._hub_sums = float(numbers["worst"]), arrays["hub_sums"]
 
     @property
     def _modes(self) -> dict[str, RollerModes | RingModes]:
@@ -216,28 +145,13 @@ class ReducedState(RowState):
         vibrating = self.bodies.vibrations
         return {} if vibrating is None else {name: getattr(vibrating, name) for name in ("roller", "inner", "outer")}
 
-    def digest(self) -> str:
-        c = self.compliance  # profiles follow from the scene, which checkpoints hold
-        laws = (*c.inner, *c.outer, *c.between)
-        waves = self.forces.radiation
-        laws += (*waves.inertia, waves.settling)
-        numbers = (
-            *laws,
-            c.reach,
-            c.track,
-            *c.sag,
-            c.across,
-            c.relaxation_factor,
-            *c.tangential,
-            *c.distance,
-            *c.felt.flat,
-            *c.along.flat,
-        )
-        numbers += (*c.steep.flat, *c.bent.flat, c.strays, *c.crossed.flat, *c.crossing)
-        for modes in self._modes.values():
-            numbers += (*modes.stiffness.flat, *modes.shape.flat, *modes.mass.flat)
-            numbers += (*modes.start,) if isinstance(modes, RollerModes) else (modes.orders, *modes.carried.flat)
-        return hashlib.sha256(np.array(numbers, dtype=float).tobytes()).hexdigest()
+    @property
+    def fixed(self) -> tuple:
+        waves, modes = self.forces.radiation, []
+        for vibrating in self._modes.values():
+            modes += [vibrating.stiffness, vibrating.shape, vibrating.mass]
+            modes += [vibrating.start] if isinstance(vibrating, RollerModes) else [vibrating.orders, vibrating.carried]
+        return (*super().fixed, waves.inertia, waves.settling, *modes)
 
     def check(self) -> None:
         bodies, n = self.bodies, self.bodies.n
@@ -253,10 +167,6 @@ class ReducedState(RowState):
             shape = modes.shape[:, None, None] if isinstance(modes, RollerModes) else modes.shape[:, None]
             if np.abs(modes.amplitude * shape).max(initial=0.0) > bodies.radius:
                 raise ValueError(f"{name}: vibrations beyond all bounds")
-
-    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
-        moving = self.bodies, self.compliance, self.forces, self.drives, self._before
-        return advance_reduced(*moving, self.paces, first // stride, stride, rows)
 
 
 def slowest_vibration(bearing: Bearing) -> float:

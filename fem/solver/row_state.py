@@ -21,7 +21,7 @@ from fem.solver.guards import (
 )
 from fem.solver.samples import SampleReader, row_width
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
-from fem.solver.solver import Block, Numbers, Plan, RunState
+from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 
@@ -109,26 +109,40 @@ class RowState(RunState):
         rows, status, step, body = taken
         samples, trouble, self._came_apart = None, None, False
         if status != DONE:
-            rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
+            rows = rows[: good_rows(rows)]
+            trouble = self.velocity_trouble(step, body, len(rows))
         if len(rows):
-            looked = self.reader.read(rows)
-            bearing = plan.model.bearing
-            give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
-            balanced, in_place = n_balanced(looked), n_in_place(bearing, give, looked)
-            self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
-            sound = looked.first(min(balanced, in_place))
+            looked = self.read(rows)
+            count, trouble = self.sound_part(looked, trouble)
+            sound = looked.first(count)
             self._largest = np.maximum(self._largest, largest_forces(sound))
-            if len(sound):
+            if count:
                 self._missed = max(self._missed, float(np.abs(sound.error).max()))
                 self._passed_on = float(sound.passed_on[-1])
             samples = sound.every(plan.looks)
             self.done += len(samples)
-            self._came_apart = in_place < balanced
-            if self._came_apart:
-                trouble = place_trouble(plan, looked, in_place)
-            elif balanced < len(rows):
-                trouble = energy_trouble(plan, looked, balanced)
         return Block(samples=samples, frame=frame, trouble=trouble)
+
+    def read(self, rows: np.ndarray) -> Samples:
+        """Quantities of the next rows."""
+        return self.reader.read(rows)
+
+    def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
+        """What to say of a velocity that is no number, after so many good rows."""
+        return velocity_trouble(self.plan, step, body)
+
+    def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
+        """How many of the next samples are sound, and why no more are; `trouble` : after all of them."""
+        plan, bearing = self.plan, self.plan.model.bearing
+        give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
+        balanced, in_place = n_balanced(looked), n_in_place(bearing, give, looked)
+        self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
+        self._came_apart = in_place < balanced
+        if self._came_apart:
+            trouble = place_trouble(plan, looked, in_place)
+        elif balanced < len(looked):
+            trouble = energy_trouble(plan, looked, balanced)
+        return min(balanced, in_place), trouble
 
     @property
     def cautions(self) -> tuple[str, ...]:

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fem.solver.lagrangian import LagrangianPlan, LagrangianState
+from fem.solver.lagrangian import LagrangianPlan
+from fem.solver.lagrangian_state import LagrangianState
 from fem.solver.solver import Samples
 from lagrange import BallBearing
 from lagrange.first_state import Problem
@@ -30,7 +31,13 @@ class Motion:
             cage=problem.cage, ideal_cage=lambda: problem.cage, model="lagrange", bearing=SimpleNamespace(type=kind)
         )
         plan = LagrangianPlan(
-            scene=scene, problem=problem, interval=interval, n_samples=10**6, stride=stride, law_caution=None
+            scene=scene,
+            problem=problem,
+            interval=interval,
+            n_samples=10**6,
+            stride=stride,
+            sections=None,
+            law_caution=None,
         )
         self.problem, self.state = problem, LagrangianState(plan)
         self.trouble: str | None = None

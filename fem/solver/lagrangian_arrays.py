@@ -1,0 +1,115 @@
+"""The Lagrangian model's bodies and contacts as arrays of the time loop of rigid bodies."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.kernels.fields import filled
+from fem.kernels.isolated_contacts import Isolated, PowerConstants
+from fem.kernels.lanes import WIDTH
+from fem.kernels.prescribed_rollers import Prescribed
+from fem.kernels.reduced_state import UNEVEN, ReducedForces, RigidBodies
+from fem.kernels.state import Law
+from fem.solver.part_arrays import raceway_profiles, rigid_dampers
+from fem.solver.rigid_arrays import Placed, columns_for, rigid_bodies
+from fem.solver.samples import row_width
+from lagrange import kinematics
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.equations import touching_distances
+from lagrange.first_state import Problem
+from lagrange.surface.deviation import profiles
+
+if TYPE_CHECKING:
+    from fem.solver.lagrangian import LagrangianPlan
+
+TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
+
+
+def bodies_of(plan: "LagrangianPlan") -> RigidBodies:
+    """Everything that moves: half a step behind in velocity, and where forces a little ahead are those of the start."""
+    problem, begin, dt = plan.problem, plan.begin, plan.time_step
+    bearing, operation = problem.bearing, problem.operation
+    half, ahead, mounting = 0.5 * dt, TWELFTH * dt**2, operation.mounting
+    ring_velocity = np.zeros(2)
+    if mounting.housing is not None:
+        mass = mounting.housing.mass + bearing.outer_ring_mass
+        ring_velocity = -_gained(begin.ring_acceleration, half, mass, mounting.housing)
+    placed = Placed(
+        angle=begin.angle,
+        hub=begin.hub - ahead * begin.hub_acceleration,
+        hub_velocity=begin.hub_velocity
+        - _gained(begin.hub_acceleration, half, float(operation.inner_mass), mounting.shaft),
+        centre=begin.centre - ahead * begin.pushed,
+        velocity=begin.velocity - half * begin.acceleration,
+        ring=begin.ring - ahead * begin.ring_acceleration,
+        ring_velocity=ring_velocity,
+        cage=begin.ring,
+        cage_velocity=np.array([0.0, half * operation.gravity]),
+    )
+    n, held, ideal = bearing.n_rollers, problem.angles == "kinematic", kinematics(bearing, 1.0)
+    rays = np.zeros((2, columns_for(n)))
+    rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
+    shown = held and plan.scene.ideal_cage() is not None
+    prescribed = Prescribed(
+        spin=float(ideal.roller),
+        cage=float(ideal.cage),
+        first=rays if held else None,
+        force=np.zeros(columns_for(n)),
+        work=np.zeros(2),
+        column=row_width(n, None, mounting) if shown else -1,
+    )
+    of_model = {"inertia": np.inf, "vibrations": None, "prescribed": prescribed}  # their spin is prescribed
+    free = None if problem.free_cage is None else plan.scene.ideal_cage()
+    return rigid_bodies(bearing, operation, free, placed, dt, **of_model)
+
+
+def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.ndarray:
+    """Velocity that a body gains in half a step, s, with its dashpot's share at the end of it."""
+    return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
+
+
+def contact_laws_of(problem: Problem) -> Isolated:
+    """How contacts give way, on the surfaces of a problem."""
+    reach, track = touching_distances(problem.bearing)
+    inner, outer = raceway_profiles(problem.bearing, columns_for(problem.bearing.n_rollers))
+    return Isolated(
+        inner=_constants(problem.laws.inner),
+        outer=_constants(problem.laws.outer),
+        reach=float(reach),
+        track=float(track),
+        ring_profiles=(inner["profile"], outer["profile"]),
+        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
+    )
+
+
+def _constants(law) -> PowerConstants | Law:
+    """A law as kernels take it."""
+    if isinstance(law, PowerLaw):
+        return PowerConstants(stiffness=float(law.stiffness), exponent=float(law.exponent))
+    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+        A, B = float(2.0 * law.compliance), float(0.5 * law.level)
+        return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `isolated_contacts.law_force`")
+
+
+def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
+    """Contacts under the start's forces; what neighbours tell each other has no room."""
+    problem, start, n = plan.problem, plan.begin.samples, plan.problem.bearing.n_rollers
+    columns = columns_for(n)
+    absent = () if profiles(problem.bearing) is not None else UNEVEN
+    found = filled(
+        ReducedForces,
+        {"columns": columns, "haloed": 0, "lanes": WIDTH, "neighbours": 0},
+        first=np.full((2, columns), np.nan),
+        tilt=np.zeros((2, 0)),
+        lifted=np.zeros((2, 2, 0)),
+        radiation=None,
+        taken=None,
+        halo=0,
+        dampers=rigid_dampers(problem.damping, columns),
+        **dict.fromkeys(absent),
+    )
+    for row, force in enumerate((start["inner_force"], start["outer_force"])):
+        found.force[row, :n] = found.estimate[row, :n] = force[0]
+    return found

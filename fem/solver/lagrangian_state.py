@@ -1,0 +1,179 @@
+"""A run of the Lagrangian model: its steps, its samples, and how it begins again."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
+from fem.solver.guards import THROUGH, n_in_place, through_trouble
+from fem.solver.lagrangian_arrays import bodies_of, contact_forces, contact_laws_of
+from fem.solver.lagrangian_judge import ENERGY_TOLERANCE, Judge, Verdict
+from fem.solver.rigid_arrays import outer_drive
+from fem.solver.rigid_state import RigidState
+from fem.solver.solver import Block, Numbers, Samples
+from lagrange.kinematics import turned
+from lagrange.motion import State, contact_state, hub_equations, rotation_energy
+from lagrange.mounting import from_outer_ring
+from lagrange.surface.deviation import Turns
+from lagrange.trajectory import loaded
+
+if TYPE_CHECKING:
+    from fem.solver.lagrangian import LagrangianPlan
+
+MOST_HALVINGS = 3  # of the step, before a warning instead
+
+
+class LagrangianState(RigidState):
+    """A run that begins again with half the step where contacts have rattled, or bodies gone through one another."""
+
+    plan: "LagrangianPlan"
+
+    @property
+    def most_halvings(self) -> int:
+        return MOST_HALVINGS
+
+    def arrays_of(self, plan: "LagrangianPlan"):
+        problem = plan.problem
+        drive = outer_drive(problem.bearing, problem.operation, plan.time_step, problem.load_ramp)
+        return bodies_of(plan), contact_laws_of(problem), contact_forces(plan), drive
+
+    def _begin(self) -> None:
+        super()._begin()
+        self.judge = Judge(self.plan.problem, self.plan.time_step)
+        self._base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
+
+    def advance(self, most: int) -> Block:
+        block = super().advance(most)
+        at_end = self.done == self.plan.n_samples and block.trouble is None
+        if not (at_end or self._came_apart) or self.judge.verdict is Verdict.RESOLVED:
+            return block
+        if self.may_begin_again:
+            return self.begin_again(block.samples, self.judge.sentence.partition(";")[0])
+        if self.judge.verdict is Verdict.TOO_FAST:
+            return Block(samples=block.samples, trouble=self.judge.sentence)
+        return block  # still worth having where contacts only rattle: see `remarks`
+
+    def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
+        time = self.plan.interval * (self.done + n_good)
+        return f"the motion overflowed by t = {time:.4g} s; lower time_step"
+
+    def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
+        bearing = self.plan.problem.bearing
+        self.judge.meet(looked)
+        self.imbalance = float(looked.relative_error()[-1])
+        in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
+        self._came_apart = in_place < len(looked) and trouble is None
+        if self._came_apart:
+            trouble = through_trouble(self.plan.time_step, looked, in_place)
+        return in_place, trouble
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        found = self.judge.cautions(self._largest)
+        if self._missed <= ENERGY_TOLERANCE * self._passed_on:
+            return found
+        return (
+            *found,
+            f"the energy is off by up to {100.0 * self._missed / self._passed_on:.2g} % of the largest that was "
+            f"exchanged: impacts and dampers are short beside the step of {1e6 * self.plan.time_step:.3g} µs; "
+            "single impacts are no better",
+        )
+
+    @property
+    def outcome_attributes(self) -> dict[str, float | str]:
+        return super().outcome_attributes | {"critical_time_step": self.judge.critical_time_step}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        at_end = 0 < self.done == self.plan.n_samples
+        return (self.judge.sentence,) if at_end and self.judge.verdict is Verdict.RATTLING else ()
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        arrays, numbers = self.judge.to_keep()
+        if self.done <= 1:  # as `StartState` does, whose run may go on
+            return arrays, numbers | {"halvings": self._halvings}
+        moving = super().to_keep()
+        return moving[0] | arrays | {"base": self._base}, moving[1] | numbers
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        if self.done > 1:
+            super().take_back(arrays, numbers)
+            self._base = arrays["base"]
+            self.judge.take_back(arrays, numbers)
+            return
+        self.take_halvings(numbers)
+        if self.done == 1:
+            self.done = 0
+            super().advance(1)
+
+    def read(self, rows: np.ndarray) -> Samples:
+        """Samples of rows: with the energy of what turns, held rollers exactly on their rays, and the start's own."""
+        plan, problem = self.plan, self.plan.problem
+        time, first = plan.interval * np.arange(self.done, self.done + len(rows)), self.done == 0
+        turning = rotation_energy(problem.bearing, problem.operation.at(time))
+        rows[:, KINETIC] += turning
+        rows[:, WORK_DRIVE] += turning
+        if first:
+            start = plan.begin.samples
+            at_start = np.array([start["energy_kinetic"][0], start["energy_contact"][0]])
+            self._base = at_start - rows[0, [KINETIC, CONTACT]]
+        rows[:, KINETIC] += self._base[0]
+        rows[:, CONTACT] += self._base[1]
+        if problem.angles == "kinematic":
+            self._put_on_rays(rows, time)
+        samples = self.reader.read(rows)
+        if problem.angles == "kinematic":
+            samples["roller_theta"][:] = self._angles(time)
+        self._balance(samples)
+        if first:
+            for name, value in plan.begin.samples.items():
+                samples[name][0] = value[0]
+        return samples
+
+    def _balance(self, samples: Samples) -> None:
+        """Forces of the laws at the samples' own places, and the hub's accelerations by these.
+
+        Steps take forces a little ahead, and give the hub what keeps the energy where contacts open and close.
+        """
+        problem, time = self.plan.problem, samples["time"]
+        bearing, operation = problem.bearing, problem.operation
+        x, y = from_outer_ring(samples.values, "inner")
+        ring_x, ring_y = samples["inner_x"] - x, samples["inner_y"] - y
+        nothing = np.zeros(samples["roller_rho"].shape)
+        state = State(
+            x=x, y=y, rho=samples["roller_rho"], theta=samples["roller_theta"], x_rate=samples["inner_vx"],
+            y_rate=samples["inner_vy"], rho_rate=nothing, theta_rate=nothing, ring_x=ring_x, ring_y=ring_y,
+            turns=Turns.rolling(bearing, operation, time[:, None]),
+        )  # fmt: skip
+        touch = contact_state(bearing, problem.laws, state)
+        inner, outer = touch.inner_force > 0.0, touch.outer_force > 0.0
+        samples["inner_damping_force"][:] = np.where(
+            inner, np.maximum(samples["inner_damping_force"], -touch.inner_force), 0.0
+        )
+        samples["outer_damping_force"][:] = np.where(
+            outer, np.maximum(samples["outer_damping_force"], -touch.outer_force), 0.0
+        )
+        samples["inner_force"][:] = touch.inner_force + samples["inner_damping_force"]
+        samples["outer_force"][:] = touch.outer_force + samples["outer_damping_force"]
+        touch = replace(touch, inner_force=samples["inner_force"])
+        left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
+        for axis, without in zip("xy", left, strict=True):
+            of_cage: Any = 0.0
+            if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
+                of_cage = samples[f"cage_guidance_{axis}"]
+            samples[f"inner_a{axis}"][:] = -(without + of_cage) / operation.inner_mass
+
+    def _angles(self, time: np.ndarray) -> np.ndarray:
+        problem = self.plan.problem
+        return self.plan.begin.angle + np.reshape(turned(problem.bearing, problem.operation, time).cage, (-1, 1))
+
+    def _put_on_rays(self, rows: np.ndarray, time: np.ndarray) -> None:
+        n = self.plan.problem.bearing.n_rollers
+        ring = np.zeros((2, len(rows), 1))
+        if self.bodies.housing is not None:
+            column = self.bodies.housing.column
+            ring[:] = rows[:, [column, column + 1]].T[:, :, None]
+        x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
+        rho, theta = np.hypot(x - ring[0], y - ring[1]), self._angles(time)
+        x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)

@@ -1,0 +1,98 @@
+"""The arrays of rigid bodies in their time loop, for every model that places them and closes their contacts."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.kernels.fields import filled
+from fem.kernels.lanes import WIDTH
+from fem.kernels.reduced_state import ReducedDrive, RigidBodies
+from fem.solver.cage_arrays import cage_state, pair_of_rigid
+from fem.solver.part_arrays import course_arrays, housing_of, springs_on
+from fem.solver.samples import row_width
+from lagrange import Bearing, Operation, kinematics
+from lagrange.bearing import Cage
+
+STILL = np.zeros(2)
+
+
+class Placed(NamedTuple):
+    """Where bodies are as the loop begins, half a step behind in velocity; m and m/s from the ground."""
+
+    angle: np.ndarray  # (n_rollers,), rad
+    hub: np.ndarray  # (2,)
+    hub_velocity: np.ndarray  # (2,)
+    centre: np.ndarray  # (2, n_rollers)
+    velocity: np.ndarray  # (2, n_rollers)
+    ring: np.ndarray  # (2,), of the outer ring in its housing
+    ring_velocity: np.ndarray  # (2,)
+    cage: np.ndarray  # (2,), of a free cage
+    cage_velocity: np.ndarray  # (2,)
+
+
+def columns_for(n_rollers: int) -> int:
+    """Lanes for so many rollers, in whole registers."""
+    return -(-n_rollers // WIDTH) * WIDTH
+
+
+def rigid_bodies(
+    bearing: Bearing, operation: Operation, cage: Cage | None, placed: Placed, dt: float, **of_model: Any
+) -> RigidBodies:
+    """Everything that moves; `cage` : one that moves freely; `of_model` : fields that only the model knows."""
+    n, mounting = bearing.n_rollers, operation.mounting
+    columns, mass = columns_for(n), float(operation.inner_mass)
+    hub, hub_velocity = placed.hub.copy(), placed.hub_velocity.copy()
+    housing = housing_of(mounting, bearing.outer_ring_mass, None, placed.ring, dt, row_width(n, None))
+    if housing is not None:
+        housing.velocity[:] = placed.ring_velocity
+    bodies = filled(
+        RigidBodies,
+        {"columns": columns},
+        hub=hub,
+        hub_velocity=hub_velocity,
+        hub_mass=mass,
+        mass=float(bearing.roller_mass),
+        radius=float(bearing.roller_radius),
+        n=n,
+        columns=columns,
+        cage=None,
+        shaft=springs_on(mounting, hub, hub_velocity, np.zeros((2, 2)), mass, n),
+        housing=housing,
+        **of_model,
+    )
+    bodies.centre[:, :n], bodies.velocity[:, :n] = placed.centre, placed.velocity
+    if cage is None:
+        return bodies
+    speed = kinematics(bearing, operation.speed).cage
+    state = cage_state(bearing, cage, placed.angle, speed, row_width(n, None, mounting))
+    state.motion[:2, :2] = placed.cage, placed.cage_velocity
+    return bodies._replace(cage=pair_of_rigid(state, cage, bodies, float(operation.speed)))
+
+
+def outer_drive(
+    bearing: Bearing,
+    operation: Operation,
+    dt: float,
+    ramp: float,
+    friction: float = 0.0,
+    growth: tuple[float, float] = (0.0, 0.0),
+) -> ReducedDrive:
+    """What acts from outside, before any work.
+
+    Parameters
+    ----------
+    dt, ramp : s, a step, and the time in which the load comes
+    growth : m s², by which ring and roller together, and a roller, grow as the shaft turns, over its speed's square
+    """
+    return filled(
+        ReducedDrive,
+        {},
+        speed=float(operation.speed),
+        gravity=float(operation.gravity),
+        dt=float(dt),
+        radial_load=float(operation.radial_load),
+        ramp=float(ramp),
+        friction=float(friction),
+        inner_radius=float(bearing.inner_raceway_radius),
+        course=course_arrays(bearing, operation, growth=growth[0], roller_growth=growth[1]),
+    )

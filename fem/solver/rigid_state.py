@@ -1,0 +1,112 @@
+"""A run of rigid bodies in their time loop, whichever way their contacts give way."""
+
+import hashlib
+from abc import abstractmethod
+from dataclasses import replace
+
+import numpy as np
+
+from fem.kernels.fields import filled
+from fem.kernels.reduced_loop import advance_reduced
+from fem.kernels.reduced_state import Before, ReducedDrive, ReducedForces, RigidBodies
+from fem.solver.paces import paces_of
+from fem.solver.row_state import RowState
+from fem.solver.run_arrays import changing_arrays
+from fem.solver.samples import SampleReader
+from fem.solver.solver import Block, Numbers, Progress, Samples
+
+
+class RigidState(RowState):
+    """Rigid bodies and contacts. A run whose steps turn out too long begins again with half of them.
+
+    Its plan has `halved(times)`, the same with so many halvings of the step, and `sections` of two step lengths.
+    """
+
+    most_halvings: int
+
+    def __init__(self, plan):
+        super().__init__(plan)
+        self._whole, self._halvings = plan, 0
+        self._begin()
+
+    @abstractmethod
+    def arrays_of(self, plan) -> tuple[RigidBodies, tuple, ReducedForces, ReducedDrive]:
+        """Bodies, contacts' compliance and forces, and what acts from outside, at a plan's start."""
+
+    def _begin(self) -> None:
+        self.plan = plan = self._whole.halved(self._halvings)
+        self.reader = SampleReader(plan)
+        self._largest, self._missed, self._passed_on = np.zeros(3), 0.0, 0.0
+        self.bodies, self.compliance, self.forces, self.drive = self.arrays_of(plan)
+        self.drives, self.paces = paces_of(plan, self.drive)
+        self._before = filled(Before, {"columns": self.bodies.columns})
+
+    @property
+    def may_begin_again(self) -> bool:
+        """Whether a halving is left."""
+        return self._halvings < self.most_halvings
+
+    def begin_again(self, samples: Samples | None, reason: str) -> Block:
+        """The block that makes all samples so far void, of a run that is at its start again with half the step."""
+        self.void_steps += self.progress.steps
+        self._halvings += 1
+        self.done, self.imbalance = 0, 0.0
+        self._begin()
+        return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        moving = self.bodies, self.compliance, self.forces, self.drives, self._before
+        return advance_reduced(*moving, self.paces, first // stride, stride, rows)
+
+    @property
+    def progress(self) -> Progress:
+        found = super().progress
+        if self.paces is None:
+            return found
+        made = int(self.paces.made.sum())
+        left = round(found.steps_left * made / found.steps) if found.steps else round(self.plan.steps)
+        speed = (self.void_steps + made) / found.wall if found.wall > 0.0 else 0.0
+        return replace(found, steps=made, steps_left=left, speed=speed)
+
+    @property
+    def outcome_attributes(self) -> dict[str, float | str]:
+        return super().outcome_attributes | {"time_step": self.plan.time_step}
+
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        found: dict[str, np.ndarray] = {}
+        for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
+            found |= changing_arrays(group, place)
+        return found if self.paces is None else found | {"paces.now": self.paces.now, "paces.made": self.paces.made}
+
+    @property
+    def fixed(self) -> tuple:
+        """Numbers by which contacts give way, but for surfaces: these follow from the scene, which checkpoints hold."""
+        return self.compliance._replace(ring_profiles=(), roller_profiles=())
+
+    def digest(self) -> str:
+        return hashlib.sha256(np.concatenate([*_numbers(self.fixed)]).tobytes()).hexdigest()
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        arrays, numbers = super().to_keep()
+        return arrays, numbers | {"halvings": self._halvings}
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        self.take_halvings(numbers)
+        super().take_back(arrays, numbers)
+
+    def take_halvings(self, numbers: Numbers) -> None:
+        """Stand at the start with the step that another state of the same plan had."""
+        halvings = int(numbers["halvings"])
+        if not 0 <= halvings <= self.most_halvings:
+            raise ValueError(f"{halvings} halvings of the step")
+        self._halvings = halvings
+        self._begin()
+
+
+def _numbers(group: tuple):
+    """Every number of a tuple and of those in it, in order."""
+    for entry in group:
+        if isinstance(entry, tuple):
+            yield from _numbers(entry)
+        else:
+            yield np.ravel(np.asarray(entry, dtype=float))

@@ -72,6 +72,9 @@ def _command(
         Parameter(help="a line to look at, repeatable: BPFO, 2xBPFO, BPFO-shaft, or in Hz", consume_multiple=False),
     ] = (),
     order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
+    band: Annotated[
+        str | None, Parameter(help="of the vibration's envelope, Hz: 2000-8000; default: 3 BPFI to 50 kHz")
+    ] = None,
     tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
     search: Annotated[
         bool,
@@ -108,19 +111,20 @@ def _command(
         if value is not None and not 0.0 <= value < float("inf"):
             raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
     seconds = None if start is None else 1e-3 * start
+    limits = None if band is None else _band(band)
     path = run if run is not None else _newest()
     record = _read(path, scene, resample)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
     _check_law(law, record.bearing)
     check_replaceable(folder)
-    evaluation = evaluate(record, law, seconds, order, line)
+    evaluation = evaluate(record, law, seconds, order, line, limits)
     found = find_faults(evaluation.record) if search else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
     other = None
     if against is not None:
         compared, its_law = _compared(against, record, law, (scene, resample))
-        other = evaluate(compared, its_law, seconds, order)
+        other = evaluate(compared, its_law, seconds, order, band=limits)
     if no_equations and other is not None and other.record.source == record.source:
         raise InputError(
             f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
@@ -135,6 +139,18 @@ def _command(
         with telling():
             print_summary(evaluation, folder, options, compare_laws)
     return 1 if evaluation.fails(tolerance) else 0
+
+
+def _band(given: str) -> tuple[float, float]:
+    """Limits of a band, Hz."""
+    low, _, high = given.partition("-")
+    try:
+        limits = float(low), float(high)
+    except ValueError:
+        limits = 0.0, 0.0
+    if not 0.0 < limits[0] < limits[1] < float("inf"):
+        raise InputError(f"--band {given}: must be two rising frequencies in Hz, as 2000-8000")
+    return limits
 
 
 def _laws(bearing) -> tuple[list[str], tuple[str, ...]]:

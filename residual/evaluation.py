@@ -174,6 +174,7 @@ def evaluate(
     start: float | None = None,
     order: int = 6,
     watch: tuple[str, ...] = (),
+    band: tuple[float, float] | None = None,
 ) -> Evaluation:
     """Put a run's record into equations (22), (23) and analyse what is left.
 
@@ -184,6 +185,7 @@ def evaluate(
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation
     watch : lines to look at, by name ("BPFO", "BPFO-shaft") or in Hz ("22"); warned of when the record is too short
+    band : Hz, whose envelope is taken of the vibration; None: see `vibration`
 
     Returns
     -------
@@ -191,7 +193,8 @@ def evaluate(
 
     Errors
     ------
-    InputError: `start` leaves too few samples; an unknown line; a law to be fitted where the source holds no forces.
+    InputError: `start` leaves too few samples; an unknown line; a band that the record does not hold; a
+    law to be fitted where the source holds no forces.
     ValueError: unknown law or order.
     """
     law = record.scene.lagrange.law if law is None else law
@@ -246,7 +249,7 @@ def evaluate(
             resonance=resonance,
             envelope=envelope(part.error, interval, resonance, slowest),
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
-            vibration=vibration(acceleration, interval, lines, body),
+            vibration=vibration(acceleration, interval, lines, body, band),
             orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
         )
 

@@ -10,10 +10,10 @@ from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.formatting import hertz
 from residual.interpretation import verdict
-from residual.run_comparison import difference_rows, headings
+from residual.run_comparison import difference_rows, headings, same_run
 from residual.summary import ReportOptions
 from residual.tables import error_rows, fit_sentences, peak_name, ranking_rows, ranking_span, watched_rows
-from residual.vibration_tables import search_sentences
+from residual.vibration_tables import line_differences, search_sentences
 
 ERROR_COLUMNS = ("N", "mean", "rms", "std", "largest")
 LAW_COLUMNS = ("law", "mean x", "rms x", "mean y", "rms y", "contact")
@@ -33,6 +33,10 @@ def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, 
     if other is not None:
         names = ("", *map(shown, headings(evaluation, other)))
         _print_table(console, "Beside each other", names, difference_rows(evaluation, other, options.equations))
+        if not same_run(evaluation, other):
+            title = f"Vibration of the {evaluation.y.vibration.body}, lines of its envelope"
+            columns = ("", *names[1:3], "difference, dB")
+            _print_table(console, title, columns, line_differences(evaluation, other))
     console.print(verdict(evaluation, options.tolerance, options.equations), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
 

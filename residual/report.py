@@ -22,7 +22,7 @@ from residual.formatting import text
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import QuasiStatic
 from residual.record import Record
-from residual.run_comparison import difference_rows, headings, paper_rows
+from residual.run_comparison import difference_rows, headings, paper_rows, same_run
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
 
@@ -56,6 +56,9 @@ def render_report(
         verdict=verdict(evaluation, tolerance, options.equations),
         against=[] if other is None else difference_rows(evaluation, other, options.equations),
         headings=() if other is None else headings(evaluation, other),
+        against_lines=(
+            [] if other is None or same_run(evaluation, other) else vibration_tables.line_differences(evaluation, other)
+        ),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
         clearance=[] if (parts := t.scene.operating_clearance()) is None else parts.rows(),

@@ -75,9 +75,14 @@ def _band_peak(direction: Direction) -> str:
     return f"none stands out (density at most {text(top, 3)} N²/Hz)"
 
 
+def same_run(evaluation: Evaluation, other: Evaluation) -> bool:
+    """Whether both are of one run, by two laws."""
+    return evaluation.record.source == other.record.source
+
+
 def named(evaluation: Evaluation, other: Evaluation) -> tuple[str, str]:
     """Names of both, by the run, or by the law where the run is the same."""
-    if evaluation.record.source == other.record.source:
+    if same_run(evaluation, other):
         return evaluation.law.name, other.law.name
     here, there = evaluation.record, other.record
     return (here.name, there.name) if here.name != there.name else (str(here.source), str(there.source))

@@ -18,7 +18,7 @@ from residual.record import CageMotion, Record
 from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
-from residual.vibration import FaultLine, Vibration
+from residual.vibration import BandLevel, FaultLine, Vibration
 from residual.vibration_tables import told_angle, unseen
 
 PROGRAM = "check-residual"
@@ -70,10 +70,12 @@ KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
     },
     Vibration: {
         "body": "body", "peak_m_s2": "peak", "rms_m_s2": "rms", "crest_factor": "crest", "kurtosis": "kurtosis",
-        "bands": lambda v: [{"band_Hz": list(limits), "rms_m_s2": level} for limits, level in v.bands.items()],
+        "bands": lambda v: [{"band_Hz": list(limits)} | numbers(level) for limits, level in v.bands.items()],
+        "velocity_mm_s": lambda v: None if v.velocity is None else 1e3 * v.velocity,
         "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
         "envelope_lines": "lines",
     },
+    BandLevel: {"rms_m_s2": "rms", "kurtosis": "kurtosis", "crest_factor": "crest"},
     FaultLine: {
         "line": "name", "frequency_Hz": "frequency", "amplitude_m_s2": "amplitude", "floor_m_s2": "floor",
         "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "record_needed_s": "record_needed",

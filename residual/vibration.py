@@ -5,11 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from residual.budget import Accelerations
+from residual.errors import InputError
 from residual.lines import first_sidebands, half_band, nearest_line
 from residual.record import Record
-from residual.spectrum import MAIN_LOBE, Envelope, Spectrum, band_envelope, power_spectrum, rms
+from residual.spectrum import (
+    MAIN_LOBE,
+    TOP_OF_NYQUIST,
+    Envelope,
+    Spectrum,
+    band_envelope,
+    power_spectrum,
+    rms,
+)
 
 Measured = tuple[str, np.ndarray]  # a body and its acceleration along an axis, (n_times,), m/s²
+VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
 BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
@@ -39,6 +49,15 @@ class FaultLine:
 
 
 @dataclass(frozen=True, kw_only=True)
+class BandLevel:
+    """Acceleration in one band."""
+
+    rms: float  # m/s²
+    kurtosis: float | None  # None without any vibration
+    crest: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Vibration:
     """Acceleration of a body in one direction, its mean removed."""
 
@@ -47,7 +66,9 @@ class Vibration:
     rms: float  # m/s²
     kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise; None without any vibration
     crest: float | None  # peak over rms
-    bands: dict[tuple[float, float], float]  # m/s² rms by the band's limits, Hz
+    bands: dict[tuple[float, float], BandLevel]  # by the band's limits, Hz
+    velocity: float | None  # m/s rms in ISO 20816's band; None: the record is too short or too slow for it
+    spectrum: Spectrum
     envelope: Envelope | None
     lines: list[FaultLine]  # of the envelope
 
@@ -77,7 +98,9 @@ def measured(record: Record, accelerations: Accelerations) -> tuple[Measured, Me
     return found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)
 
 
-def vibration(acceleration, interval: float, lines: dict[str, float], body: str = "hub") -> Vibration:
+def vibration(
+    acceleration, interval: float, lines: dict[str, float], body: str = "hub", band: tuple[float, float] | None = None
+) -> Vibration:
     """Levels and fault lines of one component of a body's acceleration.
 
     Parameters
@@ -85,33 +108,66 @@ def vibration(acceleration, interval: float, lines: dict[str, float], body: str 
     acceleration : ndarray, (n_times,), m/s²
     interval : float, s
     lines : kinematic lines, Hz, as `spectrum.kinematic_lines` names them; none for a standing bearing
+    band : Hz, that is demodulated; None: from 3 BPFI to 50 kHz, or 0.9 of the Nyquist frequency
 
     Errors
     ------
     The record is sampled without a filter: vibration beyond the Nyquist frequency is folded into the bands below it.
     Band levels are weighted by the spectrum's window, so those of a vibration that dies away are its middle's.
+    InputError: the record has no such band, or is too short for its envelope.
     """
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
     level, peak = rms(motion), float(np.max(np.abs(motion)))
     cage, inner = lines.get("FTF", 0.0), lines.get("BPFI", 0.0)
-    found = band_envelope(motion, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage) if cage > 0.0 else None
-    if found is not None and found.high - found.low < NARROWEST * inner:
+    low, high = (ENVELOPE_FROM * inner, ENVELOPE_TO) if band is None else band
+    found = band_envelope(motion, interval, low, high, cage) if cage > 0.0 else None
+    if band is not None and (found is None or found.high < high):
+        raise InputError(
+            f"--band {low:g}-{high:g}: no envelope of this record; it needs a bearing that turns at one speed, a band "
+            f"below {TOP_OF_NYQUIST * 0.5 / interval:.5g} Hz, and some periods of the band's width"
+        )
+    if band is None and found is not None and found.high - found.low < NARROWEST * inner:
         found = None
+    spectrum = power_spectrum(motion, interval, cage)
     moving = level > 0.0
     return Vibration(
         body=body, peak=peak, rms=level, crest=peak / level if moving else None,
         kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
-        bands=band_levels(power_spectrum(motion, interval, cage)), envelope=found,
+        bands=band_levels(motion, interval, spectrum), velocity=velocity_level(spectrum), spectrum=spectrum,
+        envelope=found,
         lines=[] if found is None else envelope_lines(found, lines),
     )  # fmt: skip
 
 
-def band_levels(spectrum: Spectrum) -> dict[tuple[float, float], float]:
-    """Rms in the bands that engineers use, as far as the spectrum goes, by their limits, Hz."""
+def band_levels(motion: np.ndarray, interval: float, spectrum: Spectrum) -> dict[tuple[float, float], BandLevel]:
+    """Levels in the bands that engineers use, as far as the spectrum goes, by their limits, Hz."""
+    from scipy import fft
+
     top = float(spectrum.frequency[-1])
-    limits = [(low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top]
-    return {(low, high): spectrum.band_rms(low, high) for low, high in limits}
+    transform, frequency = fft.rfft(motion), fft.rfftfreq(motion.size, interval)
+    found = {}
+    for low, high in ((low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top):
+        part = fft.irfft(np.where((frequency >= low) & (frequency < high), transform, 0.0), motion.size)
+        level = rms(part)
+        found[low, high] = BandLevel(
+            rms=spectrum.band_rms(low, high), kurtosis=float(np.mean((part / level) ** 4)) if level > 0.0 else None,
+            crest=float(np.max(np.abs(part))) / level if level > 0.0 else None,
+        )  # fmt: skip
+    return found
+
+
+def velocity_level(spectrum: Spectrum) -> float | None:
+    """Vibration velocity, m/s rms, in ISO 20816's band, of the spectrum of an acceleration, m/s².
+
+    None: the record is too short or too slow for the band.
+    """
+    low, high = VELOCITY_BAND
+    if spectrum.resolution > 0.5 * low or spectrum.frequency[-1] < high:
+        return None
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
+    of_velocity = spectrum.psd[inside] / (2.0 * np.pi * spectrum.frequency[inside]) ** 2
+    return float(np.sqrt(np.sum(of_velocity) * spectrum.resolution))
 
 
 def fault_lines(lines: dict[str, float]) -> dict[str, float]:

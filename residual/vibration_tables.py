@@ -11,7 +11,7 @@ from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, FoundSpall, Sink
 from residual.formatting import text
 from residual.roller_motion import Place
 from residual.tables import marked, yes_no
-from residual.vibration import ENVELOPE_FROM, STANDS_OUT
+from residual.vibration import ENVELOPE_FROM, STANDS_OUT, BandLevel, Vibration
 
 FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
 SHORTEST_GAP = 1.0  # degrees of a ring, listed as not seen
@@ -32,18 +32,50 @@ def vibration_headings(evaluation: Evaluation) -> list[str]:
 
 
 def vibration_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Rows of quantity, and of x and y each m/s² and g; kurtosis and crest factor have no unit."""
+    """Rows of quantity, and of x and y each m/s² and g; kurtosis and crest factor have no unit, velocity its own."""
     both = [d.vibration for d in evaluation.directions]
     levels = {"peak": [v.peak for v in both], "rms": [v.rms for v in both]} | {
-        f"rms, {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high] for v in both]
+        f"rms, {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high].rms for v in both]
         for low, high in both[0].bands
     }
     rows = [[name, *(cell for v in each for cell in (text(v), text(v / G, 3)))] for name, each in levels.items()]
-    ratios = {"crest factor": [v.crest for v in both], "kurtosis": [v.kurtosis for v in both]}
-    return rows + [
-        [name, *(cell for v in each for cell in ("-" if v is None else text(v, 3), ""))]
-        for name, each in ratios.items()
-    ]
+    shapes: dict[str, list[Vibration] | list[BandLevel]] = {"": both} | {
+        f", {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high] for v in both]
+        for low, high in both[0].bands
+    }
+    others = {
+        f"crest factor; kurtosis{of}": [f"{_or_dash(each.crest)}; {_or_dash(each.kurtosis)}" for each in found]
+        for of, found in shapes.items()
+    }
+    speeds = [_or_dash(None if v.velocity is None else 1e3 * v.velocity) for v in both]
+    others["velocity, 10-1000 Hz (ISO 20816), mm/s rms"] = speeds
+    return rows + [[name, *(cell for each in cells for cell in (each, ""))] for name, cells in others.items()]
+
+
+def _or_dash(value: float | None) -> str:
+    return "-" if value is None else text(value, 3)
+
+
+def line_differences(evaluation: Evaluation, other: Evaluation) -> list[list[str]]:
+    """Rows of level, or line that stands out of either, the run's, the other's, by how many dB the run's is higher."""
+    rows = []
+    for mine, theirs in zip(evaluation.directions, other.directions, strict=True):
+        first, second = mine.vibration, theirs.vibration
+        pairs = {"rms, g": (first.rms / G, second.rms / G), "peak, g": (first.peak / G, second.peak / G)}
+        if first.velocity is not None and second.velocity is not None:
+            pairs["velocity, mm/s rms"] = 1e3 * first.velocity, 1e3 * second.velocity
+        found = {line.name: line for line in second.lines}
+        pairs |= {
+            f"{line.name}, g": (line.amplitude / G, found[line.name].amplitude / G)
+            for line in first.lines
+            if line.name in found and (line.stands_out or found[line.name].stands_out)
+        }
+        rows += [
+            [f"{name}, {mine.name}", text(a, 3), text(b, 3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
+            for name, (a, b) in pairs.items()
+            if a > 0.0 and b > 0.0
+        ]
+    return rows
 
 
 def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
@@ -101,8 +133,9 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     return [
         " ".join([f"{scene} {lines}.", *told]),
         f"Envelope (Hilbert) of the {evaluation.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} to "
-        f"{text(1e-3 * found.high, 3)} kHz: from {ENVELOPE_FROM:g} BPFI up to 0.9 of the Nyquist frequency, at most "
-        "50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from the line; * stands out: resolved, "
+        f"{text(1e-3 * found.high, 3)} kHz; where --band gives no other, from {ENVELOPE_FROM:g} BPFI up to 0.9 "
+        "of the Nyquist frequency, at most 50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from "
+        "the line; * stands out: resolved, "
         f"ratio at least {STANDS_OUT:g} (12 dB). A perfect bearing has a weak line at BPFO too, because passing "
         "rollers change its stiffness.",
     ]

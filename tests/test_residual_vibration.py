@@ -12,6 +12,7 @@ from fem.commands.run_fem import run_main
 from fem.interface import check_quantities
 from lagrange.scene.scene import parse_scene
 from residual.cli import main
+from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures.vibration import vibration_figures
 from residual.sources import read_result
@@ -22,6 +23,7 @@ from tests.reference.synthetic_run import make_run, paper_lines, run_variables, 
 
 STEP = 1e-5
 TIME = STEP * np.arange(30_000)
+LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 CARRIER = 12_345.0  # Hz
 
 
@@ -56,7 +58,34 @@ def test_bands_hold_the_sines_in_them():
     bands = vibration(record, STEP, paper_lines()).bands
     np.testing.assert_allclose(list(bands), [(0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3)], rtol=1e-12)
     expected = np.sqrt(0.5 * np.array([1.0, 13.0, 16.0, 0.25]))
-    np.testing.assert_allclose(list(bands.values()), expected, rtol=2e-3)
+    np.testing.assert_allclose([level.rms for level in bands.values()], expected, rtol=2e-3)
+    # kurtosis of sines of incommensurate frequencies: 3 - 1.5 Σ a⁴ / (Σ a²)²
+    two = 3.0 - 1.5 * (2.0**4 + 3.0**4) / 13.0**2
+    np.testing.assert_allclose([level.kurtosis for level in bands.values()], [1.5, two, 1.5, 1.5], rtol=5e-3)
+    np.testing.assert_allclose(
+        [level.crest for level in bands.values()], [2**0.5, 5 / 6.5**0.5, 2**0.5, 2**0.5], rtol=0.03
+    )
+
+
+def test_velocity_of_a_sine_is_its_acceleration_over_its_frequency():
+    found = vibration(tone(100.0, 3.0) + tone(5000.0, 40.0), STEP, paper_lines())
+    assert found.velocity == pytest.approx(3.0 / np.sqrt(2.0) / (2.0 * np.pi * 100.0), rel=2e-3)
+    assert vibration(tone(100.0)[:6000], STEP, paper_lines()).velocity is None  # 60 ms
+
+
+def test_a_chosen_band_is_demodulated_alone():
+    """Two carriers swell at different lines: each band has its own."""
+    lines = paper_lines()
+    low = (1.0 + 0.4 * tone(lines["BPFO"])) * tone(6000.0)
+    high = (1.0 + 0.2 * tone(lines["BPFI"])) * tone(20_000.0)
+    record = low + high + noise(1e-3)
+    in_low = by_name(vibration(record, STEP, lines, band=(4e3, 8e3)))
+    in_high = by_name(vibration(record, STEP, lines, band=(18e3, 22e3)))
+    assert in_low["BPFO"].amplitude == pytest.approx(0.4, rel=0.01) and in_low["BPFI"].amplitude < 2e-3
+    assert in_high["BPFI"].amplitude == pytest.approx(0.2, rel=0.01) and in_high["BPFO"].amplitude < 2e-3
+    for band in ((1e3, 60e3), (10.0, 10.1)):
+        with pytest.raises(InputError, match="no envelope of this record"):
+            vibration(record, STEP, lines, band=band)
 
 
 def test_bands_end_where_the_record_does():
@@ -174,9 +203,20 @@ def test_a_spall_raises_bpfo_a_hundredfold(runs):
     assert spalled["BPFO"].amplitude > 100.0 * healthy["BPFO"].amplitude
 
 
+def test_a_spall_against_the_healthy_bearing_is_told_in_decibels(runs, tmp_path, capsys):
+    options = ["--against", str(runs["healthy"]), "--output", str(tmp_path / "report"), "--no-equations"]
+    assert main([str(runs["outer"]), *options, "--no-figures"]) == 0
+    page = (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
+    row = re.search(r"<td>BPFO, g, y</td>\s*<td>(\S+)</td>\s*<td>(\S+)</td>\s*<td>\+([\d.]+)</td>", page)
+    found = [float(number.replace("·10⁻", "e-").translate(LOWERED)) for number in row.groups()]
+    assert found[2] == pytest.approx(20.0 * np.log10(found[0] / found[1]), abs=0.1)
+    assert found[2] > 40.0
+    assert "difference, dB" in capsys.readouterr().out
+
+
 def test_the_figure_says_which_band_it_shows(runs, tmp_path):
     """From 3 BPFI at the run's own cage speed, 1.78 kHz, to 0.9 of 50 kHz."""
-    (drawn,) = vibration_figures(evaluate(read_result(runs["outer"])), tmp_path)
+    _, drawn = vibration_figures(evaluate(read_result(runs["outer"])), tmp_path)
     assert "within 1.78 to 45 kHz: in y over 5 roller passages" in drawn.caption
     assert drawn.png.stat().st_size > 10_000
 

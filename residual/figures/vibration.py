@@ -6,10 +6,11 @@ import numpy as np
 
 from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics, turned
+from lagrange.messages import G
 from residual.evaluation import Evaluation
 from residual.figures.budget import middle
 from residual.figures.saved import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
-from residual.figures.style import legend_above, line_handles, mark_lines, panels, save
+from residual.figures.style import legend_above, line_handles, log_panel, mark_lines, panels, save
 from residual.formatting import text
 from residual.orders import SLOWEST
 from residual.record import CageMotion, Record
@@ -24,8 +25,24 @@ SHORTEST = 2e-3  # s, over which speeds of a cage are means
 
 
 def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw the figure, if the record resolves lines of envelopes."""
-    return [envelope_figure(evaluation, folder)] if evaluation.x.vibration.tells_lines else []
+    """Draw the spectra, and the envelopes if the record resolves their lines."""
+    envelopes = [envelope_figure(evaluation, folder)] if evaluation.x.vibration.tells_lines else []
+    return [acceleration_figure(evaluation, folder), *envelopes]
+
+
+def acceleration_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw amplitude spectra of the acceleration in both directions, in g."""
+    figure, (axis,) = panels(1, 3.2, lines=1, x="frequency, Hz")
+    for d, colour in zip(evaluation.directions, (SKY, BLUE), strict=True):
+        spectrum = d.vibration.spectrum
+        amplitude = np.maximum(spectrum.amplitude[1:] / G, np.finfo(float).tiny)
+        axis.plot(spectrum.frequency[1:], amplitude, color=colour, linewidth=0.7, label=f"{d.vibration.body}, {d.name}")
+    log_panel(axis, spectrum.frequency[1:])
+    axis.set(ylabel="amplitude, g")
+    legend_above(axis, 2)
+    body = evaluation.y.vibration.body
+    caption = f"Amplitude spectra, not rms, Δf = {text(spectrum.resolution, 3)} Hz."
+    return save(figure, folder, f"{body}_spectrum", f"Spectra of the {body}'s acceleration", caption)
 
 
 def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
@@ -35,10 +52,10 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     loud, loudest = max(found, key=lambda each: each[0].vibration.rms)
     shown = middle(evaluation, PASSAGES_SHOWN)
     time = 1e3 * evaluation.record.time[shown]
-    upper.plot(time, loudest.band[shown], color=SKY, linewidth=0.6, label="acceleration in the band")
-    upper.plot(time, loudest.level[shown], color=BLUE, linewidth=0.8, label="its envelope")
+    upper.plot(time, loudest.band[shown] / G, color=SKY, linewidth=0.6, label="acceleration in the band")
+    upper.plot(time, loudest.level[shown] / G, color=BLUE, linewidth=0.8, label="its envelope")
     upper.margins(x=0.0)
-    upper.set(xlabel="time, ms", ylabel=f"{loud.vibration.body}, {loud.name}, m/s²")
+    upper.set(xlabel="time, ms", ylabel=f"{loud.vibration.body}, {loud.name}, g")
     legend_above(upper, 2)
     top = SPECTRUM_TO * evaluation.lines["BPFI"]
     slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
@@ -46,7 +63,7 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     for axis, (direction, envelope) in zip(axes, found, strict=True):
         families = mark_lines(axis, lines, 0.0, top)
         _draw_spectrum(axis, envelope.spectrum, direction.vibration.lines, top)
-        axis.set_ylabel(f"{direction.vibration.body}, {direction.name}, m/s²")
+        axis.set_ylabel(f"{direction.vibration.body}, {direction.name}, g")
     handles = line_handles(families, evaluation.lines)
     legend_above(
         axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4, fontsize=9
@@ -67,18 +84,19 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float) -> None:
     """Draw one envelope's amplitudes and name the lines that stand out of them."""
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
-    amplitude = spectrum.amplitude[inside]
+    amplitude = spectrum.amplitude[inside] / G
     axis.plot(spectrum.frequency[inside], amplitude, color=BLUE, linewidth=1.0)
     highest = float(amplitude.max())
     for line in lines:
         if line.stands_out and line.frequency <= top:
             colour = LINE_COLOURS[family(line.name)]
             sideband = "−" in line.name or "+" in line.name
-            axis.plot(line.frequency, line.amplitude, "o", color=colour, markersize=3.0 if sideband else 4.5)
+            height = line.amplitude / G
+            axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5)
             if not sideband:
-                axis.annotate(line.name, (line.frequency, line.amplitude), xytext=(0, 6), textcoords="offset points",
+                axis.annotate(line.name, (line.frequency, height), xytext=(0, 6), textcoords="offset points",
                               fontsize=9.5, color=colour, ha="center", bbox=BESIDE)  # fmt: skip
-            highest = max(highest, line.amplitude)
+            highest = max(highest, height)
     axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, np.finfo(float).tiny)))
 
 

@@ -17,8 +17,8 @@ from residual.measured.simulated import Assumed, simulation
 from residual.measured.width import Width, damage_width
 from residual.record import Record
 from residual.spectrum import Spectrum, power_spectrum, rms
+from residual.vibration import velocity_level
 
-VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
 MOST_PARTS = 1000  # of a ratio of rates
 
 
@@ -148,7 +148,7 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
         width=damage_width(signal, geometry, diagnosis),
         pulse=mean_pulse(signal.values, signal.rate, diagnosis.of(part).found),
         crest=float(np.max(np.abs(signal.values))) / level, kurtosis=float(np.mean((signal.values / level) ** 4)),
-        velocity=_velocity(spectrum) if signal.unit == "m/s²" else None,
+        velocity=velocity_level(spectrum) if signal.unit == "m/s²" else None,
     )  # fmt: skip
 
 
@@ -209,13 +209,3 @@ def _of_run(path: Path, run: Record, rate: float | None) -> Signal:
         values, own = resample_poly(values, ratio.numerator, ratio.denominator), own * float(ratio)
         notes.append(f"The run was brought to {own:.6g} samples per second.")
     return Signal(name=f"{path.name}, {body}", values=values - values.mean(), rate=own, unit="m/s²", notes=tuple(notes))
-
-
-def _velocity(spectrum: Spectrum) -> float | None:
-    """Vibration velocity, m/s rms, in ISO 20816's band; None: the record is too short or too slow for it."""
-    low, high = VELOCITY_BAND
-    if spectrum.resolution > 0.5 * low or spectrum.frequency[-1] < high:
-        return None
-    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
-    of_velocity = spectrum.psd[inside] / (2.0 * np.pi * spectrum.frequency[inside]) ** 2
-    return float(np.sqrt(np.sum(of_velocity) * spectrum.resolution))

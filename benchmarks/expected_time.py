@@ -17,6 +17,7 @@ from fem.solver.pace import pace
 from fem.solver.simulate import make_plan, size_of_block
 from fem.solver.trial import seconds_by_trial
 from lagrange.scene.scene import read_scene
+from tests.measurements import publish
 
 NU206 = 'bearing={designation="NU206"}'
 SPALL = "spall.0.angle_deg=0"
@@ -63,11 +64,13 @@ app = App(help=__doc__)
 
 
 @app.default
-def main(*models: str, rest: float = 0.0) -> None:
+def main(*models: str, rest: float = 0.0, write: bool = False) -> None:
     """Measure models, all of them if none is named.
 
     Parameters
     ----------
+    write
+        the section of docs/measurements/performance.md
     rest
         seconds of sleep between blocks of samples, for a machine that counts to a busy process what others take
     """
@@ -81,7 +84,8 @@ def main(*models: str, rest: float = 0.0) -> None:
                          f"{own * constants / took:.2f}"))  # fmt: skip
     headings = ("scene", "took, s", "by a piece, s", "over what it took", "by constants, over that")
     console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
-    console.print(new_table("Time to expect of the time loop, processor time", headings, rows))
+    table = new_table("Time to expect of the time loop, processor time", headings, rows)
+    publish("performance", "Estimated run time", "python -m benchmarks.expected_time", table, write=write)
     console.print(f"by a piece off by a factor of {worst:.2f} at most")
 
 

@@ -5,6 +5,7 @@ and with half the step; the energy error. Then what the checker finds in result 
 differentiation is all that may be left.
 """
 
+import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from lagrange import simulate
 from lagrange.first_state import Problem
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
+from tests.measurements import publish
 
 REPEATS = 7  # of which the fastest counts
 DURATION, INTERVAL = 0.06, 1e-5  # s
@@ -107,5 +109,5 @@ def residuals() -> Table:
 
 if __name__ == "__main__":
     console = Console(width=120, highlight=False)
-    console.print(solutions())
+    publish("lagrange", "Speed", "python -m benchmarks.lagrange_model", solutions(), write="--write" in sys.argv)
     console.print(residuals())

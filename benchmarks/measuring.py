@@ -1,4 +1,4 @@
-"""What the benchmarks share: scenes with some keys set, times, runs in turns, tables."""
+"""What the benchmarks share: scenes with some keys set, times, runs in turns, tables of the terminal."""
 
 import resource
 import statistics
@@ -62,8 +62,3 @@ def new_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]
     for row in rows:
         table.add_row(*row)
     return table
-
-
-def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a table for a page of docs/."""
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))

@@ -5,14 +5,14 @@ another load, another speed, a spall elsewhere, or a spall of another width, who
 """
 
 import random
+import sys
 from collections.abc import Callable
-
-from rich.console import Console
 
 from benchmarks.measuring import new_table, timed
 from fem.solver.simulate import make_plan
 from fem.solver.solver import RunState
 from lagrange.scene.scene import Scene, read_scene
+from tests.measurements import publish
 
 MODELS = {
     "Lagrangian": ("model=lagrange",),
@@ -55,7 +55,14 @@ def main() -> None:
             times = sorted(timed(planned, base.varied(change(rng)))[0] for _ in range(PLANS))
             cells.append(f"{1e3 * times[PLANS // 2]:.1f} ({1e3 * times[0]:.1f} … {1e3 * times[-1]:.1f})")
         table.add_row(name, *cells)
-    Console(highlight=False).print(table)
+    publish(
+        "performance",
+        "Planning one scene after another",
+        "python -m benchmarks.planning",
+        f"Medians of {PLANS} plans, ms of processor time from a scene to its run's first state (least … most).",
+        table,
+        write="--write" in sys.argv,
+    )
 
 
 if __name__ == "__main__":

@@ -11,9 +11,10 @@ from pathlib import Path
 
 from cyclopts import App
 
-from benchmarks.measuring import in_turns, markdown_table, paper_plan, spread, timed
+from benchmarks.measuring import in_turns, paper_plan, spread, timed
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import run
+from tests.measurements import markdown_table, publish
 
 DURATION_MS = 5.0
 HOUSING = ('support.kind="housing"',)
@@ -61,7 +62,7 @@ def cost_row(size_mm: float, pairs: int, name: str, folder: Path) -> tuple[str, 
 
 
 @app.default
-def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = ()) -> None:
+def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = (), write: bool = False) -> None:
     """Print a table.
 
     Parameters
@@ -69,6 +70,7 @@ def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = ()) ->
     size_mm: of the mesh
     pairs: of runs in turns, of which medians are taken
     only: tables whose names hold one of these words
+    write: the section of docs/measurements/performance.md
     """
     tables = [name for name in COSTS if not only or any(word in name for word in only)]
     headings = ("table", "a step takes", "lowest … highest ratio", "its length over the plain one")
@@ -76,9 +78,16 @@ def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = ()) ->
         folder = Path(place)
         for file, text in FILES.items():
             (folder / file).write_text(text, encoding="utf-8")
-        print(markdown_table(headings, ()))
+        rows = []
         for name in tables:
-            print("| " + " | ".join(cost_row(size_mm, pairs, name, folder)) + " |", flush=True)
+            rows.append(cost_row(size_mm, pairs, name, folder))
+            print(*rows[-1], sep=" | ", flush=True)
+    words = (
+        f"5 ms of the paper's scene on {size_mm:g} mm, with and without one table in turns, processor time over steps, "
+        "medians."
+    )
+    command = f"python -m benchmarks.table_costs --pairs {pairs}"
+    publish("performance", "Cost of scene tables", command, words, markdown_table(headings, rows), write=write)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from benchmarks import footprint, machine, phases
 from benchmarks.measuring import new_table, paper_plan, timed
 from benchmarks.skips import skip_table
 from fem.solver.finite_elements import ElementPlan
+from tests.measurements import publish
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
 FULL_S = 0.06
@@ -115,11 +116,13 @@ def exponent(meshes: list[Mesh]) -> float:
     return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
 
 
+COMMAND = "python -m benchmarks.throughput"
+
 app = App(help=__doc__)
 
 
 @app.default
-def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True) -> None:
+def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True, write: bool = False) -> None:
     """Measure ceilings, phases, growth and what is skipped.
 
     Parameters
@@ -130,27 +133,33 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
         pairs of runs per line of the skip table
     skips
         measure the skip table
+    write
+        the sections of docs/measurements/performance.md
     """
     console = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
     console.print(f"one thread of {os.cpu_count()}")
     found = machine.measure()
-    console.print(ceilings(found))
+    publish("performance", "Ceilings of the machine", COMMAND, ceilings(found), write=write)
     meshes = [measure(size) for size in sizes]
-    console.print(phase_table(meshes, found))
-    console.print(size_table(meshes))
+    publish("performance", "Time of a step", COMMAND, phase_table(meshes, found), write=write)
+    rows = []
     if len(meshes) > 1:
         fine = [m for m in meshes if m.size_mm <= 1.0]
-        console.print(f"time grows as DOF^{exponent(meshes):.2f} over all meshes (explicit limit in 2D: 1.5)")
+        power = "time grows as DOF to the power, all meshes (explicit limit in 2D: 1.5)"
+        rows.append((power, f"{exponent(meshes):.2f}"))
         if len(fine) > 1 and len(fine) < len(meshes):
-            console.print(f"from 1 mm down as DOF^{exponent(fine):.2f}")
+            rows.append(("from 1 mm down", f"{exponent(fine):.2f}"))
         few, many = (footprint.peak_bytes(size) for size in (max(sizes), min(sizes)))
         each = (many[1] - few[1]) / (many[0] - few[0])
-        words = f"{few[1] / 1e6:.0f} MB at {max(sizes):g} mm and {each:.0f} B per degree of freedom more"
-        console.print(f"peak memory of a process: {words}")
+        rows.append((f"peak memory of a process at {max(sizes):g} mm, MB", f"{few[1] / 1e6:.0f}"))
+        rows.append(("memory per degree of freedom more, B", f"{each:.0f}"))
     wall, processor = footprint.start_seconds()
-    console.print(f"a whole run of one sample at 1 mm, caches warm: {wall:.2f} s, {processor:.2f} s of the processor")
+    rows.append(("a whole run of one sample at 1 mm, caches warm, s", f"{wall:.2f}"))
+    rows.append(("the same, processor time, s", f"{processor:.2f}"))
+    growth = new_table("Growth and memory", ("quantity", "found"), rows)
+    publish("performance", "Growth with the mesh", COMMAND, size_table(meshes), growth, write=write)
     if skips:
-        console.print(skip_table(1.0, pairs))
+        publish("performance", "Cost of physics", COMMAND, skip_table(1.0, pairs), write=write)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ finest is the reference. Contacts that meshes resolve are there for the static e
 processor times of the time loop on one thread, scaled to 60 ms. Writes work_precision.md and work_precision.png.
 """
 
-import subprocess
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 from cyclopts import App
-from rich.console import Console
 from scipy.signal import welch
 
-from benchmarks.measuring import markdown_table, new_table, timed
+from benchmarks.measuring import new_table, timed
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
+from tests.measurements import publish
 
 DOCS = Path(__file__).parent.parent / "docs"
 SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.25)
@@ -189,14 +188,20 @@ def plot(scenes: dict[str, list[Point]], finest: dict[str, Point], path: Path) -
     figure.savefig(path, dpi=160)
 
 
+COMMAND = "python -m benchmarks.work_precision"
+
 app = App(help=__doc__)
 
 
 @app.default
 def main(
-    *, sizes: tuple[float, ...] = SIZES_MM, resolved: tuple[float, ...] = RESOLVED_MM, output: Path = DOCS
+    *,
+    sizes: tuple[float, ...] = SIZES_MM,
+    resolved: tuple[float, ...] = RESOLVED_MM,
+    output: Path = DOCS,
+    write: bool = False,
 ) -> None:
-    """Measure, print, write.
+    """Measure, print and draw.
 
     Parameters
     ----------
@@ -205,46 +210,19 @@ def main(
     resolved
         of meshes that resolve the contacts, mm, at most 0.03
     output
-        folder of the table and the plot
+        folder of the plot
+    write
+        the sections of docs/measurements/work_precision.md
     """
     scenes: dict[str, list[Point]] = {}
-    tables, finest, console = [], {}, Console(width=200)
+    finest = {}
     for scene in SCENES:
         scenes[scene] = list(points(scene, sizes, resolved))
         finest[scene] = [p for p in scenes[scene] if p.kind == "subgrid"][-1]
         cells = rows(scenes[scene], finest[scene])
-        console.print(new_table(scene, HEADINGS, cells))
-        tables.append(f"## {scene[0].upper()}{scene[1:]}\n\n{markdown_table(HEADINGS, cells)}")
+        heading = f"{scene[0].upper()}{scene[1:]}"
+        publish("work_precision", heading, COMMAND, new_table(scene, HEADINGS, cells), write=write)
     plot(scenes, finest, output / "work_precision.png")
-    git = ["git", "rev-parse", "--short", "HEAD"]
-    commit = subprocess.run(git, capture_output=True, text=True).stdout.strip()
-    (output / "work_precision.md").write_text(TEXT.format(tables="\n\n".join(tables), commit=commit))
-
-
-TEXT = """# Work and precision
-
-The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), one thread; *rattling*: clearance of
-40 µm and 200 N; *spall*: 1 mm wide, 0.1 mm deep, under the load. Made at commit {commit} by
-
-```sh
-python -m benchmarks.work_precision
-```
-
-![Error against time](work_precision.png)
-
-{tables}
-
-* *time*: processor time of steps and samples, scaled to 60 ms from a record of 10 ms, of 0.01 ms with resolved
-  contacts. The 2007 simulation took at least 300 CPU hours.
-* *static hub error*: against the exact series for every body (`fem.statics.exact_statics`), which agrees with an
-  independent solution on resolved quadratic meshes within 0.03 %. The rigid bodies' is that of their contact law.
-* all others: over the 10 ms, against the finest mesh; the last ones before *energy* are rms of the hub's acceleration
-  by bands. Rattling rollers' paths are chaotic, so single runs of 10 ms differ by more than their statistics do
-  ([reduced.md](reduced.md)).
-* *energy*: largest imbalance over the exchanged energy.
-* *resolved*: no law below the grid; what is left is mostly the layer between the surfaces
-  ([crossover.md](crossover.md)).
-"""
 
 
 if __name__ == "__main__":

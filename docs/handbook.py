@@ -1,11 +1,13 @@
-"""Pages of the handbook that are made, not written: mkdocs calls `on_files` before it builds the site.
+"""Pages of the handbook that are made, not written, and its formulas: mkdocs calls the `on_` functions.
 
 Scene keys come from the scene's own classes, the result's variables from their declaration, commands from their --help,
 and Python from the packages' docstrings, so that each is described once and a new table or option is here by itself.
 """
 
+import html
 import importlib
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -132,3 +134,31 @@ def on_files(files, config):
     for path, text in pages().items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_page_markdown(markdown, page, config, files):
+    """Version and date of CITATION.cff in the page about citing."""
+    if page.file.src_uri != "cite.md":
+        return markdown
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    for word, key in (("VERSION", "version"), ("DATE", "date-released")):
+        markdown = markdown.replace(word, re.search(rf"^{key}: \"?([^\"\n]+)", text, re.M)[1])
+    return markdown
+
+
+def on_page_content(content, page, config, files):
+    r"""Formulas as MathML, which browsers draw without a script; `\tag{n}` numbers an equation."""
+    from latex2mathml.converter import convert
+
+    def inline(found: re.Match) -> str:
+        return convert(html.unescape(found[1]))
+
+    def block(found: re.Match) -> str:
+        formula = html.unescape(found[1])
+        number = re.search(r"\\tag\{(\w+)\}", formula)
+        text = convert(formula.replace(number[0], "") if number else formula, display="block")
+        label = f'<span id="equation-{number[1]}">({number[1]})</span>' if number else ""
+        return f'<div class="equation">{text}{label}</div>'
+
+    content = re.sub(r'<span class="arithmatex">\\\((.+?)\\\)</span>', inline, content, flags=re.S)
+    return re.sub(r'<div class="arithmatex">\s*\\\[(.+?)\\\]\s*</div>', block, content, flags=re.S)

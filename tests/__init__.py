@@ -2,7 +2,7 @@
 
 test_*         what `python -m pytest` runs, one module per subject
 conftest       what all of them share
-pages          what pages of docs/ written by a command share
+measurements   tables of docs/measurements/, which commands write and pages quote
 reference      analytic and independent solutions, inputs sound and bad, bearings to try
 
 verification   the solver's pieces against analytic solutions, published values, conservation laws

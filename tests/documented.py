@@ -20,12 +20,16 @@ from urllib.request import urlopen
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     "README.md",
+    "docs/design_tutorial.md",
+    "docs/equations_tutorial.md",
     "docs/first_bearing.md",
     "docs/measured.md",
     "docs/rating.md",
     "docs/recipes.md",
+    "docs/stress_tutorial.md",
     "docs/studies.md",
     "docs/tables.md",
+    "docs/vibration_tutorial.md",
 )
 PROGRAMS = ("run-fem", "check-residual", "check-vibration", "render-fem", "run-live", "run-study", "rate-bearing")
 PLACEHOLDER = re.compile(r"\b(NAME|PATH)\b")

@@ -12,7 +12,7 @@ from lagrange.catalogue import bearing_keys, designations, inner_ring_and_shaft
 from lagrange.scene.keys import key_tables
 from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
-from tests.pages import DOCS, markdown_table
+from tests.measurements import DOCS, markdown_table
 
 BEARING_COLUMNS = {
     "bore_diameter_mm": "bore, mm",

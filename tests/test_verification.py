@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests import measurements
 from tests.reference.bearings import STEEL
 from tests.reference.disc_impact import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
 from tests.verification import __main__ as command
@@ -86,7 +87,7 @@ def test_an_unknown_name_is_refused_in_one_line(capsys):
     assert command.app(["discmodes"]) == 2
     text = capsys.readouterr().err
     assert text.startswith("unknown case discmodes; cases: disc-modes, ") and text.count("\n") == 1
-    assert command.app(["disc-modes", "--markdown"]) == 2
+    assert command.app(["disc-modes", "--write"]) == 2
 
 
 def test_a_subject_stands_for_its_cases():
@@ -100,35 +101,19 @@ def test_every_case_says_what_it_does_and_has_a_name_of_its_own():
     assert all(len(case.description) > 40 for case in cases)
 
 
-def test_the_page_gets_the_table_between_its_marks(tmp_path, monkeypatch):
-    page = tmp_path / "page.md"
-    page.write_text(f"before\n{table.BEGIN}\nstale\n### Gone\nstale\n{table.END}\nafter\n")
-    monkeypatch.setattr(command, "PAGE", page)
+def test_a_subjects_table_is_written_and_says_how_it_was_made(tmp_path, monkeypatch):
+    page = tmp_path / "measurements" / "verification.md"
+    page.parent.mkdir()
+    page.write_text("# Verification\n\n## Impact\n\nkept\n")
+    monkeypatch.setattr(measurements, "DOCS", tmp_path)
     pretend(monkeypatch, good, wrong)
-    assert command.app(["--markdown"]) == 1
-    text = page.read_text()
-    assert text.startswith("before\n") and text.endswith("after\n") and "stale" not in text
+    assert command.app(["--write"]) == 1
+    text = page.read_text(encoding="utf-8")
+    subject = Case(checks=good).subject
+    assert text.startswith("# Verification\n\n## Impact\n\nkept\n") and f"## {subject.capitalize()}\n" in text
+    assert measurements.HEAD.search(text)["command"] == f"python -m tests.verification {table.dashed(subject)} --write"
     assert "| `good` | length | 2.001 m | 2 m | +0.05 % | 1 % | analytic: a book |" in text
     assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text
-    page.write_text("no marks\n")
-    with pytest.raises(ValueError, match="marks"):
-        table.write_into(page, {}, ())
-
-
-def test_a_subjects_table_is_made_anew_beside_the_others(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(f"{table.BEGIN}\n\nold\n\n### One\n\nfirst\n\n### Two\n\nsecond\n\n{table.END}\n")
-    table.write_into(page, {"### Two": "### Two\n\nnew", "### Three": "### Three"}, ("### One", "### Two", "### Three"))
-    assert page.read_text() == f"{table.BEGIN}\n\n### One\n\nfirst\n\n### Two\n\nnew\n\n### Three\n\n{table.END}\n"
-
-
-def test_a_table_says_how_it_was_made():
-    outcome = run_case(Case(checks=good))
-    (text,) = table.markdown([outcome], "abc1234").values()
-    assert (
-        f"Made by `python -m tests.verification {table.dashed(outcome.case.subject)} --markdown` at commit abc1234."
-        in text
-    )
 
 
 # the modal solution of the thrown roller ------------------------------------------------------------------------

@@ -14,8 +14,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from cyclopts import App
 
 from fem.quantities import moving_quantities
 from fem.result.store import ResultFile
@@ -25,7 +24,7 @@ from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main as check_main
-from tests.pages import DOCS, commit, markdown_table
+from tests.measurements import DOCS, markdown_table, publish
 
 RECORD_MS = 12.0
 # surface spacings that divide the roller's circumference by 18, 36, 72, 144
@@ -196,19 +195,18 @@ def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) ->
     figure.savefig(path, dpi=160)
 
 
-def main() -> None:
-    """Measure, print, write."""
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def main(*, write: bool = False) -> None:
+    """Measure and print; with write, put the tables into docs/measurements/convergence.md."""
     mesh, step, interval = in_mesh_size(), in_time_step(), in_output_interval()
     tables = [
         table("mesh size", [f"{size:.3g} mm" for size in MESHES_MM], mesh),
         table("time step", [f"{share:g} of the largest" for share in STEP_SHARES], step),
         table("output interval", [f"{us:g} µs" for us in INTERVALS_US], interval),
     ]
-    for rows in tables:
-        shown = Table(*rows[0])
-        for row in rows[1:]:
-            shown.add_row(*row)
-        Console(width=170).print(shown)
     plot(
         {
             "mesh": ("mesh size, mm", list(MESHES_MM), mesh),
@@ -217,33 +215,23 @@ def main() -> None:
         },
         DOCS / "convergence.png",
     )
-    parts = [markdown_table(rows[0], rows[1:]) for rows in tables]
-    (DOCS / "convergence.md").write_text(
-        TEXT.format(tables="\n\n".join(parts), commit=commit(), record=RECORD_MS, law=LAW)
+    publish(
+        "convergence",
+        "Mesh size, time step and output interval",
+        "python -m tests.accuracy.convergence",
+        TEXT.format(record=RECORD_MS, law=LAW),
+        *(markdown_table(rows[0], rows[1:]) for rows in tables),
+        write=write,
     )
 
 
-TEXT = """# Convergence
-
-The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), weightless,
-{record:g} ms. Made at commit {commit} by
-
-```sh
-python -m tests.accuracy.convergence
-```
-
-Each table halves one choice. Orders are log₂ of the ratio of successive changes, or of true errors where the limit is
-exact (series for every body, `fem.statics.exact_statics`). `residual_*` are the mean and rms of the error forces of
-`check-residual --law {law}`, `differentiation_rms_*` the part of them that its finite differences make. The mesh
-carries its time step with it. The series of step and interval start at rest, preloaded, under a load that comes within
-0.05 ms: in steady running their errors are below round-off, and a contact that opens a step later is an error of no
-order.
-
-{tables}
-
-![Distance from the limit](convergence.png)
-"""
+TEXT = """The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), weightless, {record:g} ms. Each
+table halves one choice. Orders are log₂ of the ratio of successive changes, or of true errors where the
+limit is exact (series for every body, `fem.statics.exact_statics`). `residual_*` are mean and rms of the
+error forces of `check-residual --law {law}`, `differentiation_rms_*` the part that its finite differences
+make. The mesh carries its time step with it. The series of step and interval start at rest, preloaded,
+under a load that comes within 0.05 ms."""
 
 
 if __name__ == "__main__":
-    main()
+    app()

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from cyclopts import App
 
 from fem.contacts.model import Model, Motion, standing
 from fem.contacts.resolved import ResolvedModel, SpreadModel
@@ -19,7 +18,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
-from tests.pages import DOCS, commit, markdown_table
+from tests.measurements import DOCS, markdown_table, publish
 
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
@@ -142,43 +141,33 @@ def plot(points: list[Point], path: Path) -> None:
     figure.savefig(path, dpi=160)
 
 
-def main() -> None:
-    """Measure, print, write."""
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def main(*, write: bool = False) -> None:
+    """Measure and print; with write, put the table into docs/measurements/crossover.md."""
     points = []
     for kind, sizes in (("subgrid", SUBGRID_MM), ("resolved", RESOLVED_MM)):
         for size in sizes:
             points.append(measure(kind, size))
             print(points[-1], flush=True)
-    table = Table(*HEADINGS)
-    for row in rows(points):
-        table.add_row(*row)
-    Console(width=150).print(table)
     plot(points, DOCS / "crossover.png")
-    (DOCS / "crossover.md").write_text(TEXT.format(table=markdown_table(HEADINGS, rows(points)), commit=commit()))
+    publish(
+        "crossover",
+        "Static hub displacement by mesh",
+        "python -m tests.accuracy.crossover",
+        TEXT,
+        markdown_table(HEADINGS, rows(points)),
+        write=write,
+    )
 
 
-TEXT = """# From below the grid to resolved
-
-Static hub displacement of the paper's bearing (2000 N, a roller on the load line, weightless) against the exact series.
-Made at commit {commit} by
-
-```sh
-python -m tests.accuracy.crossover
-```
-
-{table}
-
-* *loads*: the largest error of a roller's load over the largest load.
-* *below the grid*: share of a contact's approach that the term below the grid carries at 628 N. On meshes at least
-  twice as coarse as the half-width one patch, four spacings wide, carries the contact and Hertz's formula the rest. On
-  finer ones the pressure is found at points, each spread over such a patch, and the term is what the mesh lacks between
-  two points: it fades out as the mesh comes to resolve the contact.
-* *in the layers*: what the stiff layer between resolved surfaces yields, over the hub's displacement. It shrinks in
-  proportion to the mesh; it is what a resolved run pays for a step only half as long as its mesh's.
-
-![Error and share below the grid](crossover.png)
-"""
+TEXT = """Paper's bearing, 2000 N, a roller on the load line, weightless, against the exact series. *Loads*: largest
+error of a roller's load over the largest load. *Below the grid*: share of a contact's approach that the
+sub-grid term carries at 628 N. *In the layers*: approach of the stiff layer between resolved surfaces over
+the hub's displacement."""
 
 
 if __name__ == "__main__":
-    main()
+    app()

@@ -1,6 +1,6 @@
 """Spalls found in random runs of finite elements: `python -m tests.accuracy.fault_finding --seed N`.
 
-Writes docs/fault_finding.md, below its introduction. Takes some twenty minutes of one processor. The search's numbers
+`--write` puts the tables into docs/measurements/fault_finding.md; twenty minutes. The search's numbers
 were set on other runs; these are drawn by their own seed and searched once. With `--keep FOLDER` trajectories stay
 there, and a search that is changed can be tried again without solving; `--no-write` then leaves the page alone.
 """
@@ -18,7 +18,7 @@ from lagrange.surface.faults import Spall
 from residual.fault_finding import FoundSpall, find_faults
 from residual.record import Record
 from tests.accuracy.random_faults import BODIES, SHORTEST, TURNS, noisy, random_record
-from tests.pages import DOCS, commit, markdown_table
+from tests.measurements import markdown_table, publish
 
 RUNS = {"spalled": 70, "perfect": 10, "wavy": 20, "two spalls": 20}
 PARTS = {"one spall or none": ("spalled", "perfect", "wavy"), "two spalls": ("two spalls",)}
@@ -180,7 +180,7 @@ def _cells(part: list[Case]) -> list[str]:
 
 
 def misses(clean: list[Case], shaken: list[Case]) -> str:
-    headings = ("", "run", "truth", "told", "angle", "width", "scene")
+    headings = ("", "run", "truth", "found", "angle", "width", "scene")
     rows = [
         [name, *row]
         for name, cases in (("as computed", clean), ("noise", shaken))
@@ -192,8 +192,8 @@ def misses(clean: list[Case], shaken: list[Case]) -> str:
 
 
 @app.default
-def main(*, seed: int, keep: Path | None = None, write: bool = True, processes: int = 2, part: float = 1.0) -> None:
-    """Draw runs, search each once, and write what came out.
+def main(*, seed: int, keep: Path | None = None, write: bool = False, processes: int = 2, part: float = 1.0) -> None:
+    """Draw runs, search each once, and print the scores.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def main(*, seed: int, keep: Path | None = None, write: bool = True, processes: 
     keep
         folder for trajectories, which are solved only where they do not lie there
     write
-        the page
+        docs/measurements/fault_finding.md
     processes
         that run at once
     part
@@ -210,19 +210,18 @@ def main(*, seed: int, keep: Path | None = None, write: bool = True, processes: 
     """
     runs = {kind: max(1, round(part * count)) for kind, count in RUNS.items()}
     clean, shaken = campaign(seed, runs, keep, processes)
-    text = f"{scores(clean, shaken)}\n\n### Misses\n\n{misses(clean, shaken)}\n"
-    if not write:
-        print(text)
-        return
-    page = DOCS / "fault_finding.md"
-    words = page.read_text(encoding="utf-8").partition("## Measured")[0]
-    page.write_text(
-        f"{words}## Measured\n\nMade at commit {commit()} by `python -m tests.accuracy.fault_finding --seed {seed}`: "
+    command = f"python -m tests.accuracy.fault_finding --seed {seed}"
+    publish(
+        "fault_finding",
+        "Random runs",
+        command,
         f"{runs['spalled']} runs with a spall, {runs['perfect']} of perfect bearings, {runs['wavy']} with waves and "
-        f"rollers of another size, {runs['two spalls']} with two spalls on any two bodies or on one; finite elements "
-        f"of 2 mm, each of {TURNS:g} turns of the cage, at least {1e3 * SHORTEST:g} ms, sampled every 10 µs.\n\n{text}",
-        encoding="utf-8",
+        f"rollers of another size, {runs['two spalls']} with two spalls on any two bodies or on one; finite\nelements "
+        f"of 2 mm, each of {TURNS:g} turns of the cage, at least {1e3 * SHORTEST:g} ms, sampled every 10 µs.",
+        scores(clean, shaken),
+        write=write,
     )
+    publish("fault_finding", "Wrong answers", command, misses(clean, shaken), write=write)
 
 
 if __name__ == "__main__":

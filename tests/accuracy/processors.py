@@ -13,9 +13,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from rich.console import Console
 
-from tests.pages import markdown_table
+from tests.measurements import markdown_table, publish
 
 # LLVM's names: the least of all 64-bit processors; with AVX2 and fused products (2013); with AVX-512 (2017)
 PROCESSORS = {"x86-64": "SSE2", "x86-64-v3": "AVX2", "x86-64-v4": "AVX-512"}
@@ -43,7 +42,14 @@ def main() -> None:
     for name, run in runs.items():
         apart = {c: np.abs(run[c] - plainest[c]).max() / np.abs(plainest[c]).max() for c in COLUMNS}
         rows.append([f"{PROCESSORS[name]} ({name})", *(f"{value:.1g}" for value in apart.values())])
-    Console().print(markdown_table(["processor", *COLUMNS.values()], rows), soft_wrap=True)
+    publish(
+        "reliability",
+        "Processors",
+        "python -m tests.accuracy.processors",
+        "5 ms of the paper's bearing, 2 mm, largest differences over the largest value.",
+        markdown_table(["compiled for", *COLUMNS.values()], rows),
+        write="--write" in sys.argv,
+    )
 
 
 if __name__ == "__main__":

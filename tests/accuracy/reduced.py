@@ -1,6 +1,6 @@
 """The reduced model against finite elements, and its energy by the time step: `python -m tests.accuracy.reduced`.
 
-Writes docs/reduced.md, below its introduction. Takes some five minutes.
+`--write` puts the tables into docs/measurements/reduced.md. Takes some five minutes.
 """
 
 from dataclasses import replace
@@ -8,6 +8,7 @@ from math import ceil, pi
 from typing import NamedTuple
 
 import numpy as np
+from cyclopts import App
 from rich.console import Console
 
 from fem.contacts.contact_law import LOAD_MARGIN
@@ -18,7 +19,7 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan
 from lagrange.scene.scene import read_scene
-from tests.pages import commit, markdown_table, write_section
+from tests.measurements import markdown_table, publish
 
 FINEST_MM = 0.5
 SCENES = {
@@ -107,23 +108,34 @@ def energies() -> str:
     return markdown_table(("share of the critical step", *(f"{share:g}" for share in SHARES)), rows)
 
 
-def main() -> None:
-    write_section(
-        "reduced.md",
-        "Measured",
-        f"Made at commit {commit()} by `python -m tests.accuracy.reduced`. Differences are from "
-        f"finite elements of {FINEST_MM:g} mm; energy is the largest imbalance over the exchanged energy. After a "
-        "load that grows in 50 µs paths are chaotic in x: over 40 starts 10⁻⁴ to 20° apart std x is 0.0913 ± 0.0024 µm "
-        "by the reduced model and 0.0908 ± 0.0041 over twelve of them by finite elements of 1 mm; mean y is 0.01 % "
-        "apart, std y 0.3 %, the largest load 0.13 %. The last scene's path is, too: over starts 10⁻⁵ to 0.05° apart "
-        "its std y scatters from 0.23 to 0.36 µm with finite elements of 1 mm; "
-        "[statistics](#rattling-bearings) are below.\n\n"
-        f"{comparison()}\n\n### Energy by the step\n\nThe critical step is leapfrog's, 2/ω_max, of a roller whose "
-        f"contacts are closed under {LOAD_MARGIN:g} times the largest static force. A plan takes at most "
-        f"{SHARE:g}·`time_step_safety` of it. Largest imbalance over 60 ms, over the exchanged energy; a run begins "
-        f"again with half the step where that is above {LIMIT:g}.\n\n{energies()}",
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def main(*, write: bool = False) -> None:
+    """Compare and print; with write, put the tables into docs/measurements/reduced.md."""
+    command = "python -m tests.accuracy.reduced"
+    publish(
+        "reduced",
+        "Steady running and shocks",
+        command,
+        f"60 ms of the paper's bearing; differences from finite elements of {FINEST_MM:g} mm. After a load that\n"
+        "grows in 50 µs paths are chaotic in x, as is the path of the rattling bearing: their statistics\n"
+        "over several starts stand under *Rattling bearings*.",
+        comparison(),
+        write=write,
+    )
+    publish(
+        "reduced",
+        "Energy and step length",
+        command,
+        "Largest energy imbalance over 60 ms by the step, as a share of the critical step 2/ω_max of a roller whose\n"
+        f"contacts are closed under {LOAD_MARGIN:g} times the largest static force. A plan takes at most\n"
+        f"{SHARE:g}·`time_step_safety` of it; a run restarts with half the step where the imbalance exceeds {LIMIT:g}.",
+        energies(),
+        write=write,
     )
 
 
 if __name__ == "__main__":
-    main()
+    app()

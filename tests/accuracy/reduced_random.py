@@ -2,7 +2,7 @@
 
 Scenes are those of `tests.stability`, 5 ms each, finite elements on the meshes they name. A file for each scene keeps
 what was found: a folder that is given again is gone on with, also on another machine. The table of all files in the
-folder goes into docs/reduced.md.
+folder goes into docs/measurements/reduced.md with `--write`.
 """
 
 import json
@@ -25,7 +25,7 @@ from fem.errors import RunFailed, UsageError
 from fem.solver.reduced_state import HARD_SHOCK, SHOCK
 from fem.solver.simulate import make_plan, run
 from lagrange.scene.scene import SceneError, parse_scene
-from tests.pages import commit, markdown_table, write_section
+from tests.measurements import markdown_table, publish
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch
 from tests.stability.random_scenes import random_scene
 
@@ -221,10 +221,10 @@ def section(pairs: list[Pair]) -> str:
         f"{pair.number} (hub {100.0 * pair.hub_error:.2f} %, load {100.0 * pair.load_error:+.2f} %)" for pair in off
     )
     return (
-        f"Made at commit {commit()} by `python -m tests.accuracy.reduced_random`: {len(pairs)} scenes of "
+        f"{len(pairs)} scenes of "
         f"`tests/stability/random_scenes.py`, seed {SEED}, {DURATION_MS:g} ms, by both models, finite elements on the "
         "scene's mesh (0.5 to 3 mm for a roller of 10 mm). The hub's mean is compared with the root mean square of its "
-        "displacement; `halved` counts scenes that began again with a shorter step.\n\n"
+        "displacement; `halved` counts scenes that restarted with a shorter step.\n\n"
         f"{markdown_table(headings, class_rows(compared))}\n\n"
         f"{markdown_table(('warned of', 'scenes, off', 'of this alone, off', 'which'), warning_rows(compared))}\n\n"
         f"Without a warning, and off by more than {100.0 * HUB_LIMIT:g} % (hub) or {100.0 * LOAD_LIMIT:g} % (largest "
@@ -244,9 +244,9 @@ def main(
     last: int = 500,
     workers: int = 1,
     folder: Path = Path("runs/reduced_random"),
-    write: bool = True,
+    write: bool = False,
 ) -> None:
-    """Run what is missing, print the tables, write them into docs/reduced.md.
+    """Run what is missing and print the tables.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def main(
     folder
         one JSON file for each scene
     write
-        the section of docs/reduced.md
+        the section of docs/measurements/reduced.md
     """
     console = Console(width=200, highlight=False)
     folder.mkdir(parents=True, exist_ok=True)
@@ -269,10 +269,7 @@ def main(
                 if done % 20 == 0:
                     console.print(f"{done} of {len(missing)} scenes")
     pairs = sorted((kept(path) for path in folder.glob("*.json")), key=lambda pair: pair.number)
-    text = section(pairs)
-    console.print(text, soft_wrap=True)
-    if write:
-        write_section("reduced.md", "Random bearings", text)
+    publish("reduced", "Random bearings", "python -m tests.accuracy.reduced_random", section(pairs), write=write)
 
 
 if __name__ == "__main__":

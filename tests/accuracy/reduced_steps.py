@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from cyclopts import App
-from rich.console import Console
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
@@ -20,7 +19,7 @@ from fem.solver.reduced_state import LIMIT
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.accuracy.reduced import found
-from tests.pages import commit, markdown_table, write_section
+from tests.measurements import markdown_table, publish
 from tests.stability.random_scenes import random_scene
 
 SEEDS, DURATION_MS = (7, 8), 5.0
@@ -93,8 +92,8 @@ app = App(help=__doc__, help_format="markdown")
 
 
 @app.default
-def main(*, count: int = 500, jobs: int = 2) -> None:
-    """Run the scenes and write their table.
+def main(*, count: int = 500, jobs: int = 2, write: bool = False) -> None:
+    """Run the scenes and print their table.
 
     Parameters
     ----------
@@ -102,6 +101,8 @@ def main(*, count: int = 500, jobs: int = 2) -> None:
         scenes of each seed
     jobs
         processes
+    write
+        the section of docs/measurements/reduced.md
     """
     scenes = [(seed, number) for seed in SEEDS for number in range(count)]
     with ProcessPoolExecutor(jobs) as pool:
@@ -110,20 +111,16 @@ def main(*, count: int = 500, jobs: int = 2) -> None:
         "neighbours take", "share of the critical step", "scenes", f"energy off by more than {LIMIT:g}", "quietest",
         "largest force, median", "nine in ten", "worst",
     )  # fmt: skip
-    table = markdown_table(headings, rows(outcomes))
-    Console(width=200).print(table)
-    write_section(
-        "reduced.md",
+    publish(
+        "reduced",
         "Longer steps",
-        f"Made at commit {commit()} by `python -m tests.accuracy.reduced_steps`: scenes 0 to {count - 1} of seeds "
-        f"{SEEDS[0]} and {SEEDS[1]} of `tests/stability/random_scenes.py` that nothing strikes, {DURATION_MS:g} ms, "
-        "none begun again. What neighbours along the rings take at most is over a contact's own softness (0.012 in "
-        "the paper's bearing). Largest forces are compared with those at the first share, in the bearings whose energy "
-        f"is within 10⁻⁵ up to a share of {SHARE:g}.\n\n{table}\n\nA plan takes at most {SHARE:g}·`time_step_safety` "
-        f"of the critical step, {0.9 * SHARE:.2g} by default, and mostly less, because whole steps fill the time "
-        "between samples. The critical step is that of contacts under ten times the largest static force. Further on, "
-        "largest forces go off while energy still balances, so nothing would tell. At 3.3 µs the paper's bearing would "
-        "take two thirds of the time that it takes at 2 µs, and its hub's std differ by 0.05 %.",
+        "python -m tests.accuracy.reduced_steps",
+        f"Scenes 0 to {count - 1} of seeds {SEEDS[0]} and {SEEDS[1]} of `tests/stability/random_scenes.py` without "
+        f"strikes, {DURATION_MS:g} ms, none restarted. *Neighbours take*: largest coupling\nalong the rings over a "
+        "contact's own compliance (0.012 in the paper's bearing). Largest forces are compared with those at the first "
+        f"share, in\nbearings whose energy is within 10⁻⁵ up to a share of {SHARE:g}.",
+        markdown_table(headings, rows(outcomes)),
+        write=write,
     )
 
 

@@ -4,7 +4,7 @@ rattling  statistics of bearings in clearance that start with a step of load, ov
           paths are chaotic. Some half an hour, most of it by finite elements of 0.5 mm.
 bands     the hub's acceleration by bands of frequency, against finite elements of 0.25 mm. Some three minutes.
 
-Each writes its section of docs/reduced.md.
+With `--write` each puts its section into docs/measurements/reduced.md.
 """
 
 from itertools import pairwise
@@ -15,7 +15,7 @@ from cyclopts import App
 from rich.console import Console
 
 from tests.accuracy.reduced import Found, found, plan_of
-from tests.pages import commit, markdown_table, write_section
+from tests.measurements import markdown_table, publish
 
 STEP = ("numerics.start=rest", "numerics.load_ramp_ms=0")
 RATTLING = {
@@ -132,28 +132,30 @@ app = App(help=__doc__, help_format="markdown")
 
 
 @app.default
-def main(*parts: Literal["rattling", "bands"], members: int = 4) -> None:
-    """Measure some parts, or all, and write their sections of docs/reduced.md.
+def main(*parts: Literal["rattling", "bands"], members: int = 4, write: bool = False) -> None:
+    """Measure some parts, or all, and print their tables.
 
     Parameters
     ----------
     members
         starts of each rattling bearing
+    write
+        the sections of docs/measurements/reduced.md
     """
     parts = parts or ("rattling", "bands")
-    made = f"Made at commit {commit()} by `python -m tests.accuracy.reduced_waves"
+    command = "python -m tests.accuracy.reduced_waves"
     if "rattling" in parts:
         words = (
-            f"{made} rattling`: {members} runs of {MEMBERS_MS:g} ms from starts {APART_DEG:g}° apart, full load at "
-            f"once; means and their standard errors. A strike: a contact closes and rises above {IMPACT:g} N."
+            f"{members} runs of {MEMBERS_MS:g} ms from starts {APART_DEG:g}° apart, full load at once; means and "
+            f"standard errors. A strike: a contact closes and rises above {IMPACT:g} N."
         )
-        write_section("reduced.md", "Rattling bearings", f"{words}\n\n{rattling(members)}")
+        publish("reduced", "Rattling bearings", f"{command} rattling", words, rattling(members), write=write)
     if "bands" in parts:
         words = (
-            f"{made} bands`: root mean square of the hub's acceleration, x and y, with a sample each {BANDS_US:g} µs "
-            f"and a Hann window; differences from finite elements of {FINEST_MM:g} mm."
+            f"Root mean square of the hub's acceleration, x and y, a sample each {BANDS_US:g} µs, Hann window; "
+            f"differences from finite elements of {FINEST_MM:g} mm."
         )
-        write_section("reduced.md", "Accelerations of the hub by bands", f"{words}\n\n{bands()}")
+        publish("reduced", "Accelerations by frequency band", f"{command} bands", words, bands(), write=write)
 
 
 if __name__ == "__main__":

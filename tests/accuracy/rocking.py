@@ -9,6 +9,7 @@ from dataclasses import replace
 from math import ceil, pi
 
 import numpy as np
+from cyclopts import App
 from rich.console import Console
 from scipy.linalg import eigh
 
@@ -17,7 +18,7 @@ from fem.elastic.reciprocal_mass import LUMPED
 from fem.solver.finite_elements import ElementPlan
 from fem.statics.reduced_bearing import tangential_compliance
 from lagrange import Bearing
-from tests.pages import DOCS, commit, markdown_table
+from tests.measurements import markdown_table, publish
 from tests.reference.rocking import sticking_modes
 from tests.verification.runs import plan_of, record
 
@@ -86,32 +87,24 @@ def _cells(found: list[float], wanted: list[float]) -> list[str]:
     return [f"{1e-3 * f:.2f} ({100.0 * (f / w - 1.0):+.2f} %)" for f, w in zip(found, wanted, strict=True)]
 
 
-PAGE = """# Contacts that stick
-
-A bearing with preload ({force:.0f} N on every contact) stands still, and all its rollers are given a spin of {spin:g}
-rad/s. They stick to both raceways, rock between them and shift along them. Frequencies of the time loop by the mesh,
-and how far they are from the exact ones. Made at commit {commit} by
-
-```sh
-python -m tests.accuracy.rocking
-```
-
-{table}
-
-* *Without* springs a contact gives way as the patch of nodes does that carries it: less, the coarser the mesh. The
-  paper's contacts are 0.1 mm wide, so no mesh here sees the last of it, which grows as the logarithm of its spacing.
-* *With* them it gives way as a disc and a ring do under the traction of a contact that sticks, of the width that it
-  has under its normal force. What is left is the mesh's own error.
-* *exact*: elastic discs between elastic rings with their inertia (Bessel functions; `tests/reference/rocking.py`).
-  Rigid rollers on springs as soft as the contacts, static and each alone, are off by what is left out.
-"""
+app = App(help=__doc__, help_format="markdown")
 
 
-def main() -> None:
-    """Print the table and write the page."""
+@app.default
+def main(*, write: bool = False) -> None:
+    """Print the table; with write, put it into docs/measurements/rocking.md."""
     rows, force = table()
-    (DOCS / "rocking.md").write_text(PAGE.format(force=force, spin=SPIN, commit=commit(), table=rows))
+    publish(
+        "rocking",
+        "Frequencies of shifting and rocking",
+        "python -m tests.accuracy.rocking",
+        f"A bearing with preload ({force:.0f} N on every contact) stands still; all rollers start with a spin of "
+        f"{SPIN:g} rad/s. Frequencies of the time loop and their\ndifference from the exact ones: elastic discs "
+        "between elastic rings with inertia (Bessel functions, `tests/reference/rocking.py`).",
+        rows,
+        write=write,
+    )
 
 
 if __name__ == "__main__":
-    main()
+    app()

@@ -1,6 +1,6 @@
 """One crossing of a spall by elastic bodies in motion: models of the program against resolved contacts.
 
-`python -m tests.accuracy.spall_crossing` prints the table of docs/surfaces.md, some five minutes of a processor;
+`python -m tests.accuracy.spall_crossing` prints the table of docs/measurements/spalls.md, five minutes;
 `python -m tests.accuracy.spall_crossing varied` what its yardstick's figures depend on, three.
 
 The paper's bearing under 2000 N, a deep spall on the outer ring at the load line, edges of 0.1 mm; the shaft so heavy
@@ -20,7 +20,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.surface.faults import Spall
-from tests.pages import markdown_table
+from tests.measurements import markdown_table, publish
 from tests.reference.resolved_bodies import FINE, Fineness
 from tests.reference.resolved_crossing import Run, crossing
 
@@ -159,8 +159,8 @@ app = App(help=__doc__, help_format="markdown")
 
 
 @app.default
-def compare() -> None:
-    """Print the program's models against the yardstick."""
+def compare(*, write: bool = False) -> None:
+    """Print the program's models against the yardstick; with write, into docs/measurements/spalls.md."""
     table = []
     for width in WIDTHS:
         half = spall(width).half_opening(PAPER.roller_radius)
@@ -168,17 +168,34 @@ def compare() -> None:
         exact = strike(resolved(width, courses["finite elements, 1 mm"][1])[0], half)
         table.append(row(width, "resolved", exact))
         table += [row(width, name, strike(course, half), exact) for name, (course, _) in courses.items()]
-    print(markdown_table(HEADS, table))
+    publish(
+        "spalls",
+        "Crossing on resolved contacts",
+        "python -m tests.accuracy.spall_crossing",
+        WORDS,
+        markdown_table(HEADS, table),
+        write=write,
+    )
+
+
+WORDS = """The paper's bearing under 2000 N at 4500 rpm, a spall 100 µm deep with edges of 0.1 mm on the outer ring at
+the load line; the hub stays, no friction, no gravity. The reference (`tests.reference.resolved_crossing`)
+is a roller between both rings on meshes of quadratic triangles, the spall cut out of the outer ring, nodes
+1.5 to 5 µm apart in the contacts, modes up to 700 kHz. *Load*: before the spall. *Struck after*: from where
+the force has fallen to half of it until it has risen to half of it again. *Peak* and *impulse*: of all
+pulses until 0.25 mm beyond the exit edge."""
 
 
 @app.command
-def varied(*parts: Part) -> None:
+def varied(*parts: Part, write: bool = False) -> None:
     """Print the yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole.
 
     Parameters
     ----------
     parts
         which; all if none is named
+    write
+        the section of docs/measurements/spalls.md
     """
     width = WIDTHS[-1]
     _, hub = by_program(width, "reduced", 1.0, 0.0)
@@ -188,7 +205,13 @@ def varied(*parts: Part) -> None:
         course, change = resolved(width, hub, **how)
         found = strike(course, spall(width).half_opening(PAPER.roller_radius))
         table.append([*row(width, name, found), f"{100.0 * change:+.2f} %"])
-    print(markdown_table([*HEADS, "energy"], table))
+    publish(
+        "spalls",
+        "Fineness of the resolved reference",
+        "python -m tests.accuracy.spall_crossing varied",
+        markdown_table([*HEADS, "energy"], table),
+        write=write,
+    )
 
 
 if __name__ == "__main__":

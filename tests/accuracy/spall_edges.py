@@ -1,6 +1,7 @@
 """One crossing of a spall by the contact law with soft edges, against half-planes pressed on the bare profile.
 
-`python -m tests.accuracy.spall_edges` prints a table in Markdown for `docs/surfaces.md`; two minutes of a processor.
+`python -m tests.accuracy.spall_edges` prints a table; `--write` puts it into docs/measurements/spalls.md.
+Two minutes of a processor.
 
 A roller of the paper's bearing passes the load line between a raceway with a spall and a sound one; the hub stays
 where 2000 N hold it. Slowly, so that forces balance at every place; and at 4500 rpm, where the roller's inertia and
@@ -9,6 +10,7 @@ yardstick makes of the spall. From the strike on the roller may bounce: peak and
 the first touch after the release to a quarter of a millimetre beyond the exit edge.
 """
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -23,7 +25,7 @@ from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import softened
 from lagrange.surface.faults import Spall
-from tests.pages import markdown_table
+from tests.measurements import markdown_table, publish
 from tests.reference.edge_contact import EdgeContact
 
 BEARING, OPERATION = Scene().ideal_bearing(), Scene().ideal_operation()
@@ -165,7 +167,16 @@ def main() -> None:
     """Print the table."""
     heads = ["spall", "contact", "slow: force", "impulse lost", "fast: struck at", "peak", "impulse"]
     table = [row for body in ("outer_ring", "inner_ring") for width in WIDTHS for row in rows(body, width)]
-    print(markdown_table(heads, table))
+    publish(
+        "spalls",
+        "Crossing on half-planes",
+        "python -m tests.accuracy.spall_edges",
+        "A roller of the paper's bearing passes a spall with edges of 0.1 mm on the load line, the hub held where "
+        "2000 N keep it. The reference is two half-planes that\nmeet wherever the bare profile lets them "
+        "(`tests.reference.edge_contact`). First the reference's values, then differences from it.",
+        markdown_table(heads, table),
+        write="--write" in sys.argv,
+    )
 
 
 if __name__ == "__main__":

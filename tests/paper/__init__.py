@@ -1,4 +1,4 @@
-"""The paper's figures against ours: `python -m tests.paper` writes docs/paper.md and its pictures, ten minutes.
+"""The paper's figures against ours: `python -m tests.paper` makes the tables and pictures, ten minutes; `--write`.
 
 variants   what could make the paper's numbers, each as a run; what is measured of it
 supports   the outer ring held at few points: statics

@@ -1,7 +1,6 @@
-"""docs/paper.md: the paper's figures against ours in a table, and what was tried to make the paper's."""
+"""docs/measurements/paper.md: the paper's figures against ours, and runs with other contacts, supports and samples."""
 
 from math import pi, sqrt
-from pathlib import Path
 
 import numpy as np
 
@@ -9,11 +8,11 @@ from lagrange import contact_laws
 from lagrange.contact.laws import delta_star
 from lagrange.scene.scene import read_scene
 from residual import run_comparison
-from tests.pages import markdown_table
+from tests.measurements import markdown_table, publish
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant
 
-TEMPLATE = Path(__file__).with_name("page.md")
+COMMAND = "python -m tests.paper"
 NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours
 POLYGONS = "less-soft-facets-1"
 ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
@@ -122,20 +121,48 @@ def supported_table(measured: list[tuple[Variant, Measured]]) -> str:
     return markdown_table(heading, supported_rows(measured))
 
 
-def page(
+def publish_tables(
     measured: list[tuple[Variant, Measured]],
     cases: list[Held],
     pairs: list[tuple[str, Measured, Measured]],
     supported: list[tuple[Variant, Measured]],
-) -> str:
-    """Write the whole page."""
+    *,
+    write: bool,
+) -> None:
+    """Print the sections; with write, put them into docs/measurements/paper.md."""
+    runs = markdown_table(
+        ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
+        variant_rows(measured),
+    )
+    settings = markdown_table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured]))
+    supports = markdown_table(
+        ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"], support_rows(cases)
+    )
+    fitted = (
+        "*Fitted*: with K and n of Q = K δⁿ identified on the run's own contact forces (`check-residual --law "
+        "fitted`). *Energy error*: of the balance, over the largest\nenergy that bodies and contacts store."
+    )
+    held = (
+        "Statics of the finite elements (1 mm), the ring's outside held over "
+        f"{2e3 * HALF_SUPPORT:g} mm around each point; the rollers at four places of a pitch."
+    )
+    sections = {
+        "Figures": (figures_table(measured, pairs),),
+        "Runs": (fitted, runs, settings),
+        "Outer ring held at few points": (held, supports, "60 ms in time:", supported_table(supported)),
+        "Sparse samples": (markdown_table(["run", "stored every", *ROLLER, *SIDES], coarse_rows(pairs)),),
+    }
+    for heading, parts in sections.items():
+        publish("paper", heading, COMMAND, *parts, write=write)
+
+
+def figures_table(measured: list[tuple[Variant, Measured]], pairs: list[tuple[str, Measured, Measured]]) -> str:
+    """The paper's figures, ours, and the run that makes such numbers."""
     by = {variant.name: m for variant, m in measured}
     names = {variant.name: variant.title for variant, _ in measured}
     seldom, coarse = (next(last for title, _, last in pairs if title == names[name]) for name in (NEAREST, SIDEWAYS))
     ours, soft, facets, polygon = by["ours"], by[NEAREST], by[SIDEWAYS], by[POLYGONS]
-    hanging = next(c for c in cases if c.supports == "top" and c.outside_mm == min(c.outside_mm for c in cases))
-    alone = next(c for c in cases if c.supports == "top" and c.outside_mm == max(c.outside_mm for c in cases))
-    figures = markdown_table(
+    return markdown_table(
         ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
         [
             ["4", "δ* over F of a point contact", "Harris' curve",
@@ -167,52 +194,8 @@ def page(
              "fits figure 6 without clearance (below)"],
             ["10, 11", "peak below 300 Hz", "22 Hz",
              f"{text(ours.peaks[0], 3)} and {text(ours.peaks[1], 3)} Hz, the first bins",
-             "bins are 16.7 Hz apart: drift and the cage's 29.3 Hz are one hump there ([spectra](spectra.md)). No "
+             "bins are 16.7 Hz apart: drift and the cage's 29.3 Hz are one hump there ([spectra](../spectra.md)). No "
              f"variant has a line of its own at 22 Hz; nearest: {text(soft.peaks[0], 3)} and "
              f"{text(soft.peaks[1], 3)} Hz, bins too"],
         ],
     )  # fmt: skip
-    return TEMPLATE.read_text(encoding="utf-8").format(
-        every=COARSE,
-        figures=figures,
-        sink=text(1e6 * SINK),
-        frequency=text(sinking_frequency(), 4),
-        rattle=text(rattle(), 4),
-        harris=text(1e-3 * harris_force()),
-        soft_frequency=text(soft.frequency, 4),
-        soft_y=span(soft.y, 1e6),
-        variants=markdown_table(
-            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
-            variant_rows(measured),
-        ),
-        settings=markdown_table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
-        supports=markdown_table(
-            ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"],
-            support_rows(cases),
-        ),
-        supported=supported_table(supported),
-        half=text(2e3 * HALF_SUPPORT),
-        alone=span(alone.y),
-        hanging=span(hanging.y),
-        hanging_loaded=f"{hanging.loaded[0]}–{hanging.loaded[1]}",
-        clearance=span(by["clearance"].y, 1e6),
-        clearance_loaded=f"{by['clearance'].loaded[0]}–{by['clearance'].loaded[1]}",
-        facets_2=span(by["facets-2"].y, 1e6),
-        facets_2_cage=text(by["facets-2"].cage, 2),
-        facets_2_loaded=by["facets-2"].usual,
-        facets_half=span(by["facets-0.5"].y, 1e6),
-        facets_half_x=span(by["facets-0.5"].x, 1e6),
-        facets_1=span(by["facets-1"].y, 1e6),
-        facets_1_x=span(by["facets-1"].x, 1e6),
-        soft_half_x=span(by["soft-facets-0.5"].x, 1e6),
-        soft_half_y=span(by["soft-facets-0.5"].y, 1e6),
-        facets_x=span(facets.x, 1e6),
-        facets_y=span(facets.y, 1e6),
-        facets_frequency=text(facets.frequency, 4),
-        smooth_x=span(soft.x, 1e6),
-        facets_rho=span(facets.rho, 1e3, digits=5),
-        coarse=markdown_table(
-            ["run", "stored every", *ROLLER, *SIDES],
-            coarse_rows(pairs),
-        ),
-    )

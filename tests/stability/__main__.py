@@ -114,7 +114,7 @@ def main(
     only: int | None = None,
     seconds: float = math.inf,
     resume: bool = False,
-    output: Path = Path("docs/stability.csv"),
+    output: Path = Path("docs/measurements/stability.csv"),
     step_limit: bool = True,
 ) -> None:
     """Run random scenes and draw the map of the time step's limit.

@@ -31,7 +31,7 @@ from cyclopts import App
 from rich.console import Console
 
 from fem.kernels.kernel_folder import cache_folder
-from tests.pages import markdown_table
+from tests.measurements import markdown_table
 from tests.stability import forked
 from tests.stability.fault_calls import CALLS, COUNTED, calls_of, ends
 from tests.stability.samples import differing, samples_of

@@ -25,7 +25,7 @@ from cyclopts import App
 from rich.console import Console
 
 from fem.kernels.kernel_folder import cache_folder
-from tests.pages import markdown_table
+from tests.measurements import markdown_table
 from tests.stability import forked
 from tests.stability.disturbing import AWAY, EVENTS, disturb
 from tests.stability.samples import differing, samples_of

@@ -18,7 +18,7 @@ import tomli_w
 from cyclopts import App
 from rich.console import Console
 
-from tests.pages import markdown_table
+from tests.measurements import markdown_table
 from tests.stability import forked
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED
 from tests.stability.judged import faults_of

@@ -2,7 +2,7 @@
 
 case       a check, a case, and how one is run
 subjects   all cases; the modules below hold them
-table      cases and checks as tables on the screen and in docs/verification.md
+table      cases and checks as tables on the screen and in docs/measurements/verification.md
 
 elastic_bodies      vibration, bending and growth of discs and rings
 contact_statics     line contact, bearings at rest

@@ -6,9 +6,6 @@ from typing import Annotated
 from cyclopts import App, Parameter
 from rich.console import Console
 
-from tests.pages import DOCS, commit
-
-PAGE = DOCS / "verification.md"
 WIDTH = 160
 OK, FAILED, UNUSABLE = 0, 1, 2
 
@@ -20,7 +17,7 @@ app = App(
     help="""Hold the solver's pieces against analytic solutions, published values and conservation laws.
 
 Example: python -m tests.verification disc-modes rolling
-         python -m tests.verification rolling balances --markdown
+         python -m tests.verification rolling balances --write
 
 Exit codes: 0 all passed; 1 a case failed; 2 unknown name.
 """,
@@ -32,8 +29,8 @@ def main(
     *names: Annotated[str, Parameter(help="cases, or subjects with all of their cases; default: all")],
     fast: Annotated[bool, Parameter(negative="", help="leave out the slow ones")] = False,
     list_cases: Annotated[bool, Parameter(name="--list", negative="", help="say what there is, run nothing")] = False,
-    markdown: Annotated[
-        bool, Parameter(negative="", help="write the subjects' tables into docs/verification.md")
+    write: Annotated[
+        bool, Parameter(negative="", help="write the subjects' tables into docs/measurements/verification.md")
     ] = False,
 ) -> int:
     from tests.verification import subjects, table  # loads the solver; --help does without
@@ -42,8 +39,8 @@ def main(
     console = Console(width=WIDTH, highlight=False)
     try:
         cases = subjects.named(list(names)) if names else subjects.all_cases()
-        if markdown and (fast or not subjects.whole(cases)):
-            raise ValueError("--markdown writes tables of whole subjects: name subjects, and leave out --fast")
+        if write and (fast or not subjects.whole(cases)):
+            raise ValueError("--write takes whole subjects: name subjects, and leave out --fast")
     except ValueError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
@@ -58,10 +55,8 @@ def main(
         outcomes.append(run_case(case))
         console.print(table.screen(outcomes[-1]))
     console.print(table.verdict(outcomes))
-    if markdown:
-        order = dict.fromkeys(f"### {case.subject.capitalize()}" for case in subjects.all_cases())
-        table.write_into(PAGE, table.markdown(outcomes, commit()), tuple(order))
-        print(f"written into {PAGE}")
+    if write:
+        table.write_sections(outcomes)
     return OK if all(outcome.passed for outcome in outcomes) else FAILED
 
 

@@ -1,16 +1,13 @@
 """Outcomes as tables."""
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from itertools import groupby
-from pathlib import Path
 
 from rich.table import Table
 
+from tests.measurements import markdown_table, publish
 from tests.verification.case import Check, Outcome
 
-BEGIN = "<!-- made by python -m tests.verification --markdown -->"
-END = "<!-- end of what is made -->"
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the reference's origin")
 
@@ -64,46 +61,23 @@ def _powers(number: str) -> str:
     return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
 
 
-def markdown(outcomes: list[Outcome], commit: str) -> dict[str, str]:
-    """Write subjects' sections, by their headings: how it was made, what each case does, and its checks."""
-    sections = {}
+def write_sections(outcomes: list[Outcome]) -> None:
+    """Write subjects' sections of docs/measurements/verification.md: what each case does, and its checks."""
     for subject, group in groupby(outcomes, key=lambda outcome: outcome.case.subject):
         group = list(group)
-        command = f"python -m tests.verification {dashed(subject)} --markdown"
-        lines = [f"### {subject.capitalize()}", "", f"Made by `{command}` at commit {commit}.", ""]
-        lines += [f"* `{outcome.case.name}`: {outcome.case.description}" for outcome in group]
-        lines += ["", "| case | " + " | ".join(HEADINGS) + " |", "|" + "---|" * (len(HEADINGS) + 1)]
-        for outcome in group:
-            name = f"`{outcome.case.name}`"
-            for check in outcome.checks:
-                lines.append(f"| {name} | {' | '.join(cells(check))} |")
-                name = ""
-            if outcome.trouble:
-                lines.append(f"| {name} | FAILED: {outcome.trouble} | | | | | |")
-        sections[lines[0]] = "\n".join(lines)
-    return sections
+        command = f"python -m tests.verification {dashed(subject)}"
+        cases = "\n".join(f"* `{outcome.case.name}`: {outcome.case.description}" for outcome in group)
+        table = markdown_table(("case", *HEADINGS), [row for outcome in group for row in _rows(outcome)])
+        publish("verification", subject.capitalize(), command, cases, table, write=True)
 
 
-def write_into(page: Path, sections: dict[str, str], order: Sequence[str]) -> None:
-    """Put subjects' sections between the page's two marks, in place of their earlier ones.
-
-    Parameters
-    ----------
-    sections : by their headings
-    order : headings of all subjects; what else stood between the marks goes
-
-    Errors
-    ------
-    ValueError: the page has no marks.
-    """
-    before, begin, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    between, end, after = rest.partition(END)
-    if not begin or not end:
-        raise ValueError(f"{page}: the marks {BEGIN!r} and {END!r} are missing")
-    earlier = {part.partition("\n")[0]: part.strip() for part in re.split(r"^(?=### )", between, flags=re.MULTILINE)}
-    found = earlier | sections
-    text = "\n\n".join(found[heading] for heading in order if heading in found)
-    page.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+def _rows(outcome: Outcome) -> Iterator[list[str]]:
+    name = f"`{outcome.case.name}`"
+    for check in outcome.checks:
+        yield [name, *cells(check)]
+        name = ""
+    if outcome.trouble:
+        yield [name, f"FAILED: {outcome.trouble}", *[""] * (len(HEADINGS) - 1)]
 
 
 def dashed(subject: str) -> str:

@@ -1,0 +1,213 @@
+"""Measurements of the handbook: tables in docs/measurements/, written by their commands and quoted by the pages.
+
+A command with `--write` puts a section into docs/measurements/NAME.md; its second line says which command, when, with
+which version and result format and on which processor. A page quotes a number as a link whose title names its cell:
+
+    [0.04 %](measurements/verification.md#contact-statics "`resolved-bearing` · hub displacement: error")
+
+`python -m tests.measurements` brings quoted numbers in line with the tables and marks tables that are older than the
+result format; `tests/test_measurements.py` fails where that would change a page.
+"""
+
+import platform
+import re
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import date
+from itertools import pairwise
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from fem.result.layout import FORMAT_VERSION
+from lagrange.version import VERSION
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+MEASUREMENTS = "measurements"
+HEAD = re.compile(
+    r"^\*Measured by `(?P<command>[^`]+)` on (?P<date>\d{4}-\d\d-\d\d) with version (?P<version>\d+\.\d+\.\d+), "
+    r"result format (?P<format>\d+), (?P<processor>[^*]+?)\.(?P<older> Older than result format \d+\.)?\*$",
+    re.M,
+)
+QUOTE = re.compile(
+    r'\[(?P<text>[^\]\n]+)\]\((?P<page>[\w/.-]*measurements/[\w.-]+\.md)#(?P<anchor>[\w-]+) "(?P<cell>[^"]+)"\)'
+)
+NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+
+
+def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Write a table in markdown."""
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))
+
+
+def markdown_of(table: Table) -> str:
+    """Write a table of the terminal in markdown."""
+    columns = [[str(cell) for cell in column.cells] for column in table.columns]
+    return markdown_table([str(column.header) for column in table.columns], zip(*columns, strict=True))
+
+
+def publish(name: str, heading: str, command: str, *parts: str | Table, write: bool) -> None:
+    """Print a measurement; with `write` put it into docs/measurements/NAME.md as the section of its heading too.
+
+    Parameters
+    ----------
+    command : the command that makes it, as it is typed, without --write
+    parts : paragraphs and tables, from top to bottom
+    """
+    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str), markup=not isinstance(part, str))
+    if write:
+        text = "\n\n".join(markdown_of(part) if isinstance(part, Table) else part.strip() for part in parts)
+        write_section(DOCS / MEASUREMENTS / f"{name}.md", heading, f"{head(command)}\n\n{text}")
+
+
+def head(command: str) -> str:
+    """The line that says where a table comes from."""
+    return (
+        f"*Measured by `{command} --write` on {date.today().isoformat()} with version {VERSION}, result format "
+        f"{FORMAT_VERSION}, {processor()}.*"
+    )
+
+
+def processor() -> str:
+    """Name of this machine's processor."""
+    try:
+        name = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
+    except OSError:
+        name = None
+    return name[1].strip() if name else platform.processor() or platform.machine()
+
+
+def write_section(page: Path, heading: str, text: str) -> None:
+    """Replace a page's section of the second level, up to the next one; add it at the end where there is none."""
+    sign = f"## {heading}\n"
+    before, _, old = page.read_text(encoding="utf-8").partition(f"\n{sign}")
+    _, _, after = old.partition("\n## ")
+    rest = f"\n## {after}" if after else ""
+    page.write_text(f"{before.rstrip()}\n\n{sign}\n{text.strip()}\n{rest}", encoding="utf-8")
+
+
+@dataclass(frozen=True)
+class Quote:
+    """A number of a page and the cell that it is quoted from."""
+
+    whole: str
+    text: str
+    target: Path
+    anchor: str
+    cell: str
+
+    @property
+    def right(self) -> str:
+        """The text with the table's numbers, in their order, rounded to as many decimals as are shown.
+
+        Errors
+        ------
+        ValueError: no such section, row or column, or fewer numbers in the cell than in the text.
+        """
+        values = iter([_value(number) for number in NUMBER.findall(cell_of(self.target, self.anchor, self.cell))])
+        try:
+            return NUMBER.sub(lambda shown: _written(next(values), shown[0]), self.text)
+        except StopIteration:
+            raise ValueError(f"{self.cell}: fewer numbers than {self.text!r}") from None
+
+
+def quotes(page: Path) -> Iterator[Quote]:
+    """Numbers that a page quotes from measurements."""
+    for found in QUOTE.finditer(page.read_text(encoding="utf-8")):
+        target = (page.parent / found["page"]).resolve()
+        yield Quote(found[0], found["text"], target, found["anchor"], found["cell"])
+
+
+def cell_of(page: Path, anchor: str, name: str) -> str:
+    """A table's cell by `row: column`; a row is named by its first cells with ` · ` between them."""
+    row, _, column = name.rpartition(": ")
+    wanted = row.split(" · ")
+    text = page.read_text(encoding="utf-8")
+    for section in re.split(r"^(?=##+ )", text, flags=re.M):
+        if slug(section.partition("\n")[0].lstrip("# ")) != anchor:
+            continue
+        for headings, rows in tables(section):
+            if column in headings:
+                for cells in rows:
+                    if cells[: len(wanted)] == wanted:
+                        return cells[headings.index(column)]
+    raise ValueError(f"{page.name}#{anchor} has no cell {name!r}")
+
+
+def tables(section: str) -> Iterator[tuple[list[str], list[list[str]]]]:
+    """Headings and rows of a section's tables; an empty first cell is the one above."""
+    for block in re.findall(r"(?:^\|.*\n?)+", section, re.M):
+        headings, _, *rows = ([cell.strip() for cell in line.strip()[1:-1].split("|")] for line in block.splitlines())
+        for above, below in pairwise(rows):
+            below[0] = below[0] or above[0]
+        yield headings, rows
+
+
+def slug(heading: str) -> str:
+    """Anchor of a heading, as the site and GitHub make it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def _value(number: str) -> float:
+    """The value of a number as tables write it: -1.5, 2e-07, 7.3·10⁻⁸."""
+    return float(number.replace("·10", "e").translate(PLAIN))
+
+
+def _written(value: float, like: str) -> str:
+    """A value with the decimals, the power and the sign of another number; without a sign its size."""
+    mantissa = re.split("e|·", like)[0]
+    signed, decimals = mantissa[0] in "-+−", len(mantissa.partition(".")[2])
+    if "e" in like or "·" in like:
+        digits, _, power = f"{abs(value):.{decimals}e}".partition("e")
+        text = f"{digits}e{power}" if "e" in like else f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}"
+    else:
+        text = f"{abs(value):.{decimals}f}"
+    return (("+" if value >= 0.0 else "−" if "−" in mantissa else "-") if signed else "") + text
+
+
+def refreshed(page: Path) -> str:
+    """A page's text with the numbers of today's tables."""
+    text = page.read_text(encoding="utf-8")
+    for quote in quotes(page):
+        text = text.replace(quote.whole, quote.whole.replace(f"[{quote.text}]", f"[{quote.right}]", 1))
+    return text
+
+
+def marked(page: Path) -> str:
+    """A page of measurements whose heads say which tables are older than the result format."""
+
+    def mark(found: re.Match) -> str:
+        line = found[0].removesuffix("*").removesuffix(found["older"] or "")
+        old = int(found["format"]) < FORMAT_VERSION
+        return f"{line}{f' Older than result format {FORMAT_VERSION}.' if old else ''}*"
+
+    return HEAD.sub(mark, page.read_text(encoding="utf-8"))
+
+
+def reader_pages() -> list[Path]:
+    """The pages that quote measurements."""
+    return [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+
+
+def measurement_pages() -> list[Path]:
+    """The pages that commands write."""
+    return sorted((DOCS / MEASUREMENTS).glob("*.md"))
+
+
+def main() -> None:
+    """Bring pages in line with their tables."""
+    for page in measurement_pages():
+        page.write_text(marked(page), encoding="utf-8")
+    for page in reader_pages():
+        page.write_text(refreshed(page), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

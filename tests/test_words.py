@@ -1,0 +1,120 @@
+"""Words of the handbook, the help and the messages: the field's terms, and no everyday verbs for numerics."""
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PACKAGES = ("lagrange", "meshes", "fem", "residual")
+READER_PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+PAGES = [*READER_PAGES, ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((DOCS / "measurements").glob("*.md"))]
+BANNED = re.compile(
+    r"\b(owe[ds]?|owing|pays|paid|told|felt|feels?|lest|aside|(?:gives?|gave) way|gone on with|set right|"
+    r"don't tell of|off the middle|less its mean|hangs on)\b|\b[Ww]hat\b[^.;:!?|]*?\bby\b"
+)
+DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
+LONGEST_LINE = 160
+MOST_LINES = 2800  # of the pages for readers
+
+
+def prose(page: Path) -> str:
+    """A page without its code and the targets of its links."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    return re.sub(r"\]\([^)]*\)", "]", re.sub(r"`[^`\n]*`", "", text))
+
+
+def texts_of(path: Path) -> Iterator[tuple[int, str]]:
+    """Messages of a module, and docstrings of what is public: line and text."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    docstrings = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node):
+            docstrings.add(id(node.body[0].value))
+            if not getattr(node, "name", "").startswith("_"):
+                yield node.body[0].lineno, ast.get_docstring(node)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.JoinedStr):
+            pieces = (part.value if isinstance(part, ast.Constant) else "0" for part in node.values)
+            yield node.lineno, "".join(map(str, pieces))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+            yield node.lineno, node.value
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_keeps_to_the_fields_words(page):
+    text = " ".join(prose(page).split())
+    assert [found[0] for found in BANNED.finditer(text)] == []
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_messages_help_and_docstrings_keep_to_the_fields_words(package):
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {match[0]}"
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for line, text in texts_of(path)
+        for match in BANNED.finditer(" ".join(text.split()))
+    ]
+    assert found == []
+
+
+def test_banned_words_are_found():
+    for text in (
+        "a contact owes energy",
+        "It tells what a ring gives\nway by.",
+        "what steps err by",
+        "it felt the load",
+    ):
+        assert BANNED.search(" ".join(text.split())), text
+    assert not BANNED.search("What follows is the law. A spring held by the ring gives a force.")
+    assert DIARY.search("at commit 5f9d253") and DIARY.search("of d3a7804, before") and not DIARY.search("1234567 N")
+
+
+@pytest.mark.parametrize("page", READER_PAGES, ids=lambda page: page.name)
+def test_a_page_for_readers_is_no_diary(page):
+    text = prose(page)
+    assert [found[0] for found in DIARY.finditer(text)] == []
+    lines = [line for line in text.splitlines() if not line.startswith("|")]
+    assert [line for line in lines if len(line) > LONGEST_LINE] == []
+
+
+def test_the_pages_for_readers_are_short():
+    assert sum(len(page.read_text(encoding="utf-8").splitlines()) for page in READER_PAGES[1:]) <= MOST_LINES
+
+
+INDEX = """
+ball bearing | ball pass frequency | basic dynamic load rating | basic static load rating | bore |
+cage | cage slip | centrifugal | clearance | coefficient of restitution | Coulomb friction |
+conformity | contact angle | contact law | contact stiffness | contamination | convergence | creep |
+crest factor | critical speed | critical step | curvature difference | damping | discretisation
+error | Dowson and Higginson | eccentric | elastohydrodynamic | energy balance | envelope spectrum |
+equation of motion | fatigue load limit | film thickness | finite element | Flamant | friction
+torque | full slip | groove radius | half plane | half-width | Hertz contact | Hertz pressure |
+housing | impact | influence matrix | interference | lamina | Lagrange's equations | leakage | life
+modification factor | line contact | load distribution | load rating | load zone | logarithmic
+decrement | lubricant | lumped mass | material damping | maximum shear stress | Michell's series |
+Mindlin | misalignment | natural frequency | normal force | order spectrum | outer raceway |
+Palmgren | photoelastic | pitch diameter | plane strain | pocket clearance | point contact | power
+spectral density | preload | press fit | pressure-viscosity | prewhitening | radial load | rating
+life | reliability factor | resonance | rolling without slip | rotating load | roughness | run-up |
+sensor | shear stress | sideband | Sjövall | sliding | spall | squeeze film | starvation | static
+safety factor | stick | stiffness matrix | Stribeck curve | Stribeck number | subsurface |
+tangential compliance | temperature | thick-walled ring | traction coefficient | unbalance | varying
+compliance | viscosity ratio | von Mises stress | waviness | whirl
+"""  # of Harris, Rolling Bearing Analysis, and Johnson, Contact Mechanics
+
+
+@cache
+def searched() -> tuple[str, ...]:
+    return tuple(" ".join(prose(page).split()) for page in READER_PAGES[1:])
+
+
+@pytest.mark.parametrize("term", [term.strip() for term in " ".join(INDEX.split()).split("|")])
+def test_a_term_of_the_field_leads_to_a_page(term):
+    """By the site's search, which looks in headings and text."""
+    words = re.compile(rf"\b{re.escape(term)}(?:s|es)?\b", re.I)
+    assert any(words.search(text) for text in searched())

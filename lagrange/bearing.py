@@ -175,6 +175,7 @@ class Operation:
     first_roller_angle: float  # of roller 0, rad from +x
     mounting: Mounting = HELD
     side_load: float = 0.0  # N, along +x
+    misalignment: float = 0.0  # slope of the shaft in the plane of the load, rad; > 0: its +z end towards the load
     course: Course | None = None  # how speed and loads, which are those at t = 0, go on; None: they stay
 
     def going_on(self, **course) -> "Operation":

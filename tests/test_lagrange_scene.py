@@ -54,7 +54,7 @@ def test_override_of_one_body_leaves_the_others():
         ("[operatoin]\nspeed_rpm = 1.0", ["operatoin", "did you mean operation?"]),
         ("[contact]\nzzz = 1", ["contact.zzz", "known here: model, penalty_stiffness_N_per_m, friction_coefficient"]),
         ("[operation]\naxial_load_N = 1", ["axial_load_N: not in this program: axial loads; see docs/limits"]),
-        ("[bearing]\ncrown_um = 1", ["not in this program: profiles along the axis"]),
+        ("[bearing]\ncrown_um = 1", ["did you mean axial.crown_um?"]),
         ("[operation]\ntemperature = 1", ["not in this program: temperature"]),
         ("[operation]\nouter_ring_speed_rpm = 1", ["not in this program: a turning outer ring"]),
         ("[support]\nfit_clearence_um = 1", ["did you mean fit_clearance_um?"]),

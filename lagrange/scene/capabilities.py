@@ -47,6 +47,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "contact angle": lambda scene: (
         f"bearing.contact_angle_deg = {a:g}" if (a := scene.bearing.contact_angle_deg) > 0.0 else None
     ),
+    "axial": lambda scene: None if scene.axial is None else "[axial]",
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -96,6 +97,9 @@ REFUSED = (
     ("bore", "contact angle", RADIAL),
     ("fit", "contact angle", RADIAL),
     ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
+    ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
+    ("axial", "contact angle",
+     "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 

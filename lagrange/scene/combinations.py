@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from math import pi
 
 from lagrange.contact.raceway_laws import OWN, law_names
+from lagrange.scene.axial import axial_faults
 from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
@@ -135,6 +136,16 @@ def _profiles(scene: SceneTables) -> Iterator[str]:
         yield from profile_faults(scene.perfect_bearing(), scene.profile)
 
 
+def _axial(scene: SceneTables) -> Iterator[str]:
+    if scene.axial is not None:
+        yield from axial_faults(scene.perfect_bearing(), scene.axial)
+    elif scene.operation.misalignment_mrad:
+        yield (
+            f"operation.misalignment_mrad = {scene.operation.misalignment_mrad:g}: only with [axial], in which rollers "
+            "tilt; add that table, if empty"
+        )
+
+
 COMBINATIONS: tuple[Callable[[SceneTables], Iterator[str]], ...] = (
     _law,
     _mass,
@@ -149,4 +160,5 @@ COMBINATIONS: tuple[Callable[[SceneTables], Iterator[str]], ...] = (
     _spalls,
     _sizes,
     _profiles,
+    _axial,
 )

@@ -20,8 +20,7 @@ MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "axial loads": ("axial", "thrust"),
     "temperatures that follow from heat ([fit] takes given ones)": ("temperature", "thermal", "heat"),
-    "profiles along the axis (crowning)": ("crown", "crowning", "crowned", "profile"),
-    "misalignment and moments": ("misalignment", "tilt", "skew", "moment"),
+    "applied moments": ("moment",),
     "a turning outer ring": ("outer_ring_speed", "outer_speed"),
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
+from lagrange.scene.axial import SHAPES, SURFACES
 from lagrange.scene.faults import SceneError
 
 
@@ -31,7 +32,7 @@ class _Named:
 
 
 def content_in_place(data: dict[str, Any], folder: Path) -> None:
-    """Put the files of [[profile]], [operation] and [lagrange] into the tables of a scene that lies in a folder.
+    """Put the files of [[profile]], [operation], [lagrange] and [axial] into the tables of a scene in a folder.
 
     Errors
     ------
@@ -74,6 +75,12 @@ def _named(data: dict[str, Any]) -> Iterator[_Named]:
     ):
         table = data.get(place)
         yield from _file(_Named(place, table, name, f"{name}_sha256", f"{name}_content", kind))
+
+    axial: Any = data.get("axial")
+    for surface in SURFACES:
+        name = f"{surface}_profile"
+        if isinstance(axial, dict) and axial.get(name) not in SHAPES:
+            yield from _file(_Named("axial", axial, name, f"{name}_sha256", f"{name}_content", "drops"))
 
 
 def _file(named: _Named) -> Iterator[_Named]:

@@ -19,7 +19,7 @@ from lagrange.scene.scene import Scene
 
 UNITS = {  # endings of keys
     "GPa": "GPa", "kg_m3": "kg/m³", "rpm": "rpm", "N_per_m": "N/m", "N_s_m": "N s/m", "N_m": "N m", "N": "N",
-    "N_per_m_n": "N/mⁿ",
+    "N_per_m_n": "N/mⁿ", "N_m_rad": "N m/rad", "mrad": "mrad",
     "kg_m2": "kg m²", "kg": "kg", "g_mm": "g mm", "m_s2": "m/s²", "deg": "°", "mm": "mm", "um": "µm", "us": "µs",
     "ms": "ms", "kHz": "kHz", "Hz": "Hz", "s_m": "s/m", "1_s": "1/s",
     "Pa_s": "Pa s", "1_Pa": "1/Pa", "1_K": "1/K", "C": "°C",

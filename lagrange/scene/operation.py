@@ -40,6 +40,13 @@ class OperationTable(Table):
     first_roller_deg: float = Field(
         0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
     )
+    misalignment_mrad: float | None = Field(
+        None,
+        ge=-50.0,
+        le=50.0,
+        description="slope of the shaft in the plane of the load, positive where its +z end is towards it; 0 if left "
+        "out; with [axial]",
+    )
     unbalance_g_mm: float | None = Field(
         None, ge=0.0, le=1e9, description="of what turns with the inner ring, included in its mass"
     )
@@ -201,6 +208,7 @@ def _ideal(o: OperationTable) -> Operation:
         inner_mass=o.inner_ring_and_shaft_kg,
         gravity=o.gravity_m_s2,
         first_roller_angle=radians(o.first_roller_deg + FROM_LOAD),
+        misalignment=1e-3 * (o.misalignment_mrad or 0.0),
     )
     if o.changes is None:
         return found

@@ -16,6 +16,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 
 from lagrange.catalogue import inner_ring_and_shaft, listed
 from lagrange.files.input import plain_text
+from lagrange.scene.axial import SURFACES as AXIAL_SURFACES
 from lagrange.scene.bearing import heavy_inner_ring_and_shaft
 from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
@@ -28,8 +29,9 @@ from lagrange.step_size import fitting_interval, wave_interval
 from lagrange.surface.passages import strike_interval
 
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
+PROFILES = tuple(f"{surface}_profile_content" for surface in AXIAL_SURFACES)
 CONTENTS = (  # texts of files, in the tables that name them
-    "content", "speed_table_content", "load_table_content", "law_table_content",
+    "content", "speed_table_content", "load_table_content", "law_table_content", *PROFILES,
 )  # fmt: skip
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table", "law_table")  # of tables that name a file
 
@@ -123,7 +125,8 @@ class Scene(SceneTables):
     def _as_written(self) -> dict[str, Any]:
         """The tables before they were completed, without the texts of the files that they name."""
         data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
-        for table in (*data.get("profile", []), data.get("operation", {}), data.get("lagrange", {})):
+        named = [data.get(name, {}) for name in ("operation", "lagrange", "axial")]
+        for table in (*data.get("profile", []), *named):
             for key in CONTENTS:
                 table.pop(key, None)
         return data

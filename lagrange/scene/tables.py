@@ -6,10 +6,12 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from lagrange.axial import Axial
 from lagrange.bearing import BallBearing, Bearing, Cage, Operation
 from lagrange.fits import OperatingClearance, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting
+from lagrange.scene.axial import AxialTable
 from lagrange.scene.bearing import BearingTable, BodiesTable, CageTable, LubricantTable, MaterialTable
 from lagrange.scene.columns import Columns
 from lagrange.scene.faults import Table
@@ -56,6 +58,7 @@ class SceneTables(Table):
     sensor: SensorTable | None = None
     cage: CageTable | None = None
     lubricant: LubricantTable | None = None
+    axial: AxialTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
@@ -152,6 +155,10 @@ class SceneTables(Table):
         """The cage in SI; None: there is none."""
         return None if self.cage is None else self.cage.cage(self.perfect_bearing())
 
+    def ideal_axial(self) -> Axial | None:
+        """Profiles, slices and tilt in SI; None: the bearing is a plane section."""
+        return None if self.axial is None else self.axial.axial(self.perfect_bearing())
+
     def ideal_operation(self) -> Operation:
         """The operating point in SI, of the bearing's section."""
         operation = replace(self.operation.ideal(), mounting=self._mounting())
@@ -177,4 +184,5 @@ class SceneTables(Table):
                     if table.sha256 is not None and table.content is not None}  # fmt: skip
         law = self.lagrange.law_table_sha256, self.lagrange.law_table_content
         laws = {} if law[0] is None or law[1] is None else {law[0]: law[1]}
-        return profiles | self.operation.files | laws
+        axial = {} if self.axial is None else self.axial.files
+        return profiles | self.operation.files | laws | axial

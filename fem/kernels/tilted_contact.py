@@ -1,0 +1,97 @@
+"""A tilted contact in the time loop: energy, force and moment of a table by approach and slope; scalars or eight lanes.
+
+The table is `lagrange.axial.ContactTable`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels.jit import part
+from fem.kernels.lane_functions import maximum, minimum
+from fem.kernels.lane_memory import gather_quads
+from fem.kernels.lanes import select, to_float, to_int
+from lagrange.axial.table import SPAN, ContactTable
+
+
+class TiltedLaw(NamedTuple):
+    """A contact's table as kernels take it."""
+
+    first_approach: float  # m
+    per_approach: float  # 1/m, steps
+    rows: float  # the last first row of four
+    first_slope: float  # rad
+    per_slope: float  # 1/rad
+    columns: float  # the last first column of four
+    width: int  # of a row
+    coefficients: np.ndarray  # (rows, width), J^½
+
+    @classmethod
+    def of(cls, table: ContactTable) -> "TiltedLaw":
+        rows, columns = table.coefficients.shape
+        return cls(
+            table.first_approach, 1.0 / table.approach_step, float(rows - SPAN),
+            table.first_slope, 1.0 / table.slope_step, float(columns - SPAN), columns, table.coefficients,
+        )  # fmt: skip
+
+
+@part
+def energy_force_moment(law, approach, slope):
+    """U, J; Q = ∂U/∂δ, N; M = −∂U/∂ψ, N m, of approaches, m, and slopes, rad.
+
+    Errors
+    ------
+    Outside the table the outermost cubic goes on; callers keep within it.
+    """
+    u, d, p, _, _, _ = _surface(law, approach, slope)
+    u = _closed(law, approach, u)
+    return u * u, 2.0 * u * d, -2.0 * u * p
+
+
+@part
+def force_and_stiffness(law, approach, slope):
+    """U, Q, M and the second derivatives of U: ∂Q/∂δ, N/m; ∂Q/∂ψ = −∂M/∂δ, N/rad; −∂M/∂ψ, N m/rad."""
+    u, d, p, dd, dp, pp = _surface(law, approach, slope)
+    u = _closed(law, approach, u)
+    stiffness = select(u > 0.0, 2.0 * (d * d + u * dd), 0.0)
+    cross = select(u > 0.0, 2.0 * (d * p + u * dp), 0.0)
+    tilt = select(u > 0.0, 2.0 * (p * p + u * pp), 0.0)
+    return u * u, 2.0 * u * d, -2.0 * u * p, stiffness, cross, tilt
+
+
+@part
+def _closed(law, approach, u):
+    return select(approach > law.first_approach, maximum(u, 0.0), 0.0)
+
+
+@part
+def _surface(law, approach, slope):
+    """u and its derivatives u_δ, u_ψ, u_δδ, u_δψ, u_ψψ."""
+    x, y = (approach - law.first_approach) * law.per_approach, (slope - law.first_slope) * law.per_slope
+    # an open contact may be far from the table, a place that is not known NaN
+    row = to_int(minimum(maximum(x, 0.0), law.rows))
+    column = to_int(minimum(maximum(y, 0.0), law.columns))
+    s, t = x - to_float(row), y - to_float(column)
+    at = row * law.width + column
+    first = _spline(t, gather_quads(law.coefficients, at))
+    second = _spline(t, gather_quads(law.coefficients, at + law.width))
+    third = _spline(t, gather_quads(law.coefficients, at + 2 * law.width))
+    fourth = _spline(t, gather_quads(law.coefficients, at + 3 * law.width))
+    u, d, dd = _spline(s, (first[0], second[0], third[0], fourth[0]))
+    p, dp, _ = _spline(s, (first[1], second[1], third[1], fourth[1]))
+    pp, _, _ = _spline(s, (first[2], second[2], third[2], fourth[2]))
+    over, along = law.per_approach, law.per_slope
+    return u, d * over, p * along, dd * over * over, dp * over * along, pp * along * along
+
+
+@part
+def _spline(t, coefficients):
+    """A cubic B-spline, its slope and its bend per knot a fraction t beyond the second of four knots."""
+    r = 1.0 - t
+    c0, c1, c2, c3 = coefficients
+    value = (
+        r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
+    ) * (1.0 / 6.0)
+    slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
+    bend = r * c0 + (3.0 * t - 2.0) * c1 + (3.0 * r - 2.0) * c2 + t * c3
+    return value, slope, bend

@@ -1,0 +1,96 @@
+"""Forces of a roller's slices by their approaches: each by the plane law, alone or with its neighbours.
+
+A slice of n carries the n-th part of what the plane law gives the whole length. Coupled, it yields to the others too:
+d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+STEPS = 60  # of Newton's method
+SETTLED = 1e-12  # of the largest approach
+
+
+class LineLaw(Protocol):
+    """Force and energy of the whole length by its approach; `PowerLaw` and `LogarithmicLaw` are such laws."""
+
+    def force(self, approach): ...
+
+    def slope(self, approach): ...
+
+    def potential(self, approach): ...
+
+    def approach(self, force): ...
+
+
+class Sums(NamedTuple):
+    """Of the slices of contacts, (...,)."""
+
+    energy: np.ndarray  # J
+    force: np.ndarray  # N
+    moment: np.ndarray  # N m, Σ F z
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Slices:
+    """The slices of one contact. SI."""
+
+    law: LineLaw
+    place: np.ndarray  # (n,), z of their middles
+    drop: np.ndarray  # (n,), of roller and raceway together
+    coupling: np.ndarray | None = None  # C, (n, n), m/N; None: each is alone
+
+    @property
+    def count(self) -> int:
+        return self.place.size
+
+    def opening(self, slope) -> np.ndarray:
+        """The approach, m, from which on a contact of this slope, rad, is closed."""
+        return np.min(self.drop + np.asarray(slope)[..., None] * self.place, axis=-1)
+
+    def approaches(self, approach, slope) -> np.ndarray:
+        """Of the slices, (..., n), m: δ − P − ψ z."""
+        return np.asarray(approach)[..., None] - self.drop - np.asarray(slope)[..., None] * self.place
+
+    def forces(self, approach, slope) -> np.ndarray:
+        """Of the slices, (..., n), N, by approach, m, and slope, rad, (...,).
+
+        Errors
+        ------
+        RuntimeError: coupled slices do not settle; they are narrower than their contacts.
+        """
+        deep = self.approaches(approach, slope)
+        if self.coupling is None:
+            return self.law.force(deep) / self.count
+        return _coupled(self.law, self.coupling, deep.reshape(-1, self.count)).reshape(deep.shape)
+
+    def sums(self, approach, slope) -> Sums:
+        """Energy, force and moment of contacts, (...,)."""
+        forces = self.forces(approach, slope)
+        if self.coupling is None:
+            energy = self.law.potential(self.approaches(approach, slope)).mean(axis=-1)
+        else:
+            own = self.law.potential(self.law.approach(self.count * forces)).mean(axis=-1)
+            energy = own + 0.5 * np.einsum("...k,kl,...l->...", forces, self.coupling, forces)
+        return Sums(energy, forces.sum(axis=-1), forces @ self.place)
+
+
+def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray:
+    """Forces, (m, n), N, of slices that yield to each other too, by approaches, (m, n), m.
+
+    Newton's method on w + C F(w) = d, w the approach that the plane law sees: slices with w < 0 are open.
+    """
+    n = coupling.shape[0]
+    own, left = deep.copy(), np.arange(len(deep))
+    for _ in range(STEPS):
+        w = own[left]
+        missing = deep[left] - w - law.force(w) @ coupling / n
+        far = np.abs(missing).max(axis=1) > SETTLED * np.abs(deep[left]).max(axis=1)
+        left, w, missing = left[far], w[far], missing[far]
+        if not left.size:
+            return law.force(own) / n
+        matrix = np.eye(n) + coupling * (law.slope(w) / n)[:, None, :]
+        own[left] = w + np.linalg.solve(matrix, missing[..., None])[..., 0]
+    raise RuntimeError(f"{left.size} of {len(deep)} contacts of {n} coupled slices do not settle; take fewer slices")

@@ -1,0 +1,125 @@
+"""One contact's energy as a smooth table over approach and slope: force and moment are its exact derivatives.
+
+u = √U is a bicubic B-spline, twice continuously differentiable; where it is negative the contact is open. A time step
+costs the same at any number of slices, and conserves energy as the plane law does.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+SPAN = 4  # coefficients that a cubic B-spline adds up in a point
+
+
+class TiltedContact(NamedTuple):
+    """A contact's energy and its derivatives, shape of the approaches."""
+
+    energy: np.ndarray  # U, J
+    force: np.ndarray  # Q = ∂U/∂δ, N
+    moment: np.ndarray  # M = −∂U/∂ψ, N m
+    stiffness: np.ndarray  # ∂Q/∂δ, N/m
+    cross: np.ndarray  # ∂Q/∂ψ = −∂M/∂δ, N/rad
+    tilt_stiffness: np.ndarray  # −∂M/∂ψ, N m/rad
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactTable:
+    """u = √U, J^½, of one contact by approach δ, m, and relative slope ψ, rad.
+
+    Slices approach each other by δ − P(z) − ψ z. Coefficients of a cubic B-spline on equally spaced knots: the first
+    knot lies at the second coefficient, so that n coefficients cover n − 3 steps.
+    """
+
+    first_approach: float  # m
+    approach_step: float
+    first_slope: float  # rad
+    slope_step: float
+    coefficients: np.ndarray  # (n_approaches, n_slopes), J^½
+
+    @property
+    def last_approach(self) -> float:
+        """The largest approach, m, that the table holds."""
+        return self.first_approach + (self.coefficients.shape[0] - 3) * self.approach_step
+
+    @property
+    def last_slope(self) -> float:
+        """The largest slope, rad, that the table holds."""
+        return self.first_slope + (self.coefficients.shape[1] - 3) * self.slope_step
+
+    def holds(self, approach, slope) -> np.ndarray:
+        """Whether the table goes so far; open contacts with less approach than its first are held at any slope."""
+        approach, slope = np.asarray(approach), np.asarray(slope)
+        known = (slope >= self.first_slope) & (slope <= self.last_slope)
+        return (approach <= self.last_approach) & (known | (approach <= self.first_approach))
+
+    def at(self, approach, slope) -> TiltedContact:
+        """Energy, force, moment and their derivatives at approaches, m, and slopes, rad, of any shape.
+
+        Outside the table the outermost cubic goes on.
+        """
+        approach, slope = np.broadcast_arrays(np.asarray(approach, dtype=float), np.asarray(slope, dtype=float))
+        rows, by_row = _weights(approach, self.first_approach, self.approach_step, self.coefficients.shape[0])
+        columns, by_column = _weights(slope, self.first_slope, self.slope_step, self.coefficients.shape[1])
+        near = self.coefficients[rows[..., :, None], columns[..., None, :]]
+
+        def summed(i: int, j: int) -> np.ndarray:
+            return np.einsum("...ij,...i,...j->...", near, by_row[i], by_column[j])
+
+        u = summed(0, 0)
+        closed = (u > 0.0) & (approach > self.first_approach)
+        u = np.where(closed, u, 0.0)
+        d, p = (np.where(closed, summed(*which), 0.0) for which in ((1, 0), (0, 1)))
+        dd, dp, pp = (np.where(closed, summed(*which), 0.0) for which in ((2, 0), (1, 1), (0, 2)))
+        return TiltedContact(
+            u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp)
+        )
+
+
+def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Indices of the coefficients that count at x, (..., SPAN), and their weights in value and two derivatives."""
+    position = (x - first) / step
+    base = np.clip(np.floor(position).astype(int), 0, n - SPAN)
+    t = position - base
+    r = 1.0 - t
+    value = np.stack([r**3, 4.0 - 3.0 * t * t * (2.0 - t), 4.0 - 3.0 * r * r * (2.0 - r), t**3], axis=-1) / 6.0
+    slope = 0.5 * np.stack([-r * r, t * (3.0 * t - 4.0), -r * (3.0 * r - 4.0), t * t], axis=-1) / step
+    bend = np.stack([r, 3.0 * t - 2.0, 3.0 * r - 2.0, t], axis=-1) / step**2
+    return base[..., None] + np.arange(SPAN), (value, slope, bend)
+
+
+def fitted(first: tuple[float, float], step: tuple[float, float], values: np.ndarray) -> ContactTable:
+    """The table through values of u at equally spaced knots.
+
+    Parameters
+    ----------
+    first, step : of approach, m, and slope, rad
+    values : (n_approaches, n_slopes), J^½
+    """
+    return ContactTable(
+        first_approach=first[0],
+        first_slope=first[1],
+        approach_step=step[0],
+        slope_step=step[1],
+        coefficients=np.ascontiguousarray(_interpolating(_interpolating(values).T).T),
+    )
+
+
+def _interpolating(values: np.ndarray) -> np.ndarray:
+    """Coefficients of cubic B-splines through the values of each column; natural ends: no bend beyond them."""
+    from scipy.linalg import solve_banded
+
+    n = len(values)
+    bands = np.repeat(np.array([[1.0], [4.0], [1.0]]), n + 2, axis=1) / 6.0
+    right = np.zeros((n + 2, *values.shape[1:]))
+    right[1:-1] = values
+    # end rows c0 − 2 c1 + c2 = 0, which with the next row leave c1 = value
+    bands[:, 1], bands[:, -2] = (0.0, 1.0, 1.0 / 6.0), (1.0 / 6.0, 1.0, 0.0)
+    bands[0, 1], bands[2, -2] = 0.0, 0.0
+    bands[0, 2], bands[2, -3] = 0.0, 0.0
+    bands[1, 0] = bands[1, -1] = 1.0
+    bands[2, 0] = bands[0, -1] = 0.0
+    found = solve_banded((1, 1), bands, right)
+    found[0] = 2.0 * found[1] - found[2]
+    found[-1] = 2.0 * found[-2] - found[-3]
+    return found

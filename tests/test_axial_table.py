@@ -1,0 +1,76 @@
+"""The table of a tilted contact's energy: its derivatives, its kernel, the slices that it stands for."""
+
+import numpy as np
+import pytest
+
+from fem.kernels.jit import kernel
+from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
+from lagrange.axial import ContactTable
+from lagrange.axial.profile import Profile
+from lagrange.axial.slices import Slices
+from lagrange.axial.tabulate import tabulated
+from lagrange.contact.raceway_laws import johnson
+from tests.reference.bearings import paper
+
+PAPER = paper()
+LARGEST, STEEPEST = 630.0, 4e-3  # N, rad
+
+
+def slices(kind: str, count: int = 21) -> Slices:
+    place = (np.arange(count) + 0.5 - 0.5 * count) * PAPER.roller_length / count
+    return Slices(law=johnson(PAPER, "inner"), place=place, drop=Profile(kind=kind).drop(place, PAPER))
+
+
+@pytest.fixture(scope="module")
+def table() -> ContactTable:
+    return tabulated(slices("logarithmic"), LARGEST, STEEPEST)
+
+
+def places(table: ContactTable, count: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(0)
+    return rng.uniform(table.first_approach, table.last_approach, count), rng.uniform(-STEEPEST, STEEPEST, count)
+
+
+@pytest.mark.parametrize("kind", ["none", "logarithmic"])
+def test_a_table_gives_the_forces_and_moments_of_its_slices(kind):
+    own = slices(kind)
+    table = tabulated(own, LARGEST, STEEPEST)
+    approach, slope = places(table, 4000)
+    found, exact = table.at(approach, slope), own.sums(approach, slope)
+    assert np.sqrt(np.mean((found.force - exact.force) ** 2)) < 1e-4 * 1900.0  # N, of the largest
+    assert np.sqrt(np.mean((found.moment - exact.moment) ** 2)) < 1e-4 * 3.0  # N m
+    assert found.force.min() >= 0.0
+
+
+def test_the_kernel_and_numpy_read_a_table_alike(table):
+    @kernel
+    def read(law, approach, slope, found):
+        for i in range(approach.size):
+            found[i, :3] = energy_force_moment(law, approach[i], slope[i])
+
+    @kernel
+    def read_all(law, approach, slope, found):
+        for i in range(approach.size):
+            found[i, :] = force_and_stiffness(law, approach[i], slope[i])
+
+    approach, slope = places(table, 500)
+    approach[:2], slope[2:4] = (-1.0, 1e-6), (1.1 * STEEPEST, -1.1 * STEEPEST)  # outside too
+    found = np.zeros((500, 6))
+    read_all(TiltedLaw.of(table), approach, slope, found)
+    exact = np.column_stack(table.at(approach, slope))
+    assert found == pytest.approx(exact, rel=1e-9, abs=1e-9 * np.abs(exact).max())
+    three = np.zeros((500, 3))
+    read(TiltedLaw.of(table), approach, slope, three)
+    assert np.array_equal(three, found[:, :3])
+
+
+def test_force_and_moment_are_the_derivatives_of_the_energy(table):
+    approach, slope = places(table, 300)
+    found = table.at(approach, slope)
+    d, p = 1e-10, 1e-7
+    plus, minus = table.at(approach + d, slope), table.at(approach - d, slope)
+    right, left = table.at(approach, slope + p), table.at(approach, slope - p)
+    assert (plus.energy - minus.energy) / (2.0 * d) == pytest.approx(found.force, rel=1e-4, abs=1e-2)
+    assert -(right.energy - left.energy) / (2.0 * p) == pytest.approx(found.moment, rel=1e-4, abs=1e-5)
+    assert (plus.force - minus.force) / (2.0 * d) == pytest.approx(found.stiffness, rel=1e-2, abs=1e5)
+    assert -(right.moment - left.moment) / (2.0 * p) == pytest.approx(found.tilt_stiffness, rel=1e-2, abs=2.0)

@@ -1,20 +1,111 @@
-"""Tables of tilted contacts of elastic bodies: the plane law of the whole approach, in slices."""
+"""Tables of tilted contacts of elastic bodies: the plane law of the whole approach in slices that know each other."""
+
+from math import ceil, floor, log10
+
+import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
+from fem.elastic.axial_series import bodies, slice_compliance
+from fem.elastic.cache import kept
+from fem.elastic.continuum import disc_hertz_approach
 from lagrange.axial import Axial, ContactTable, contact_tables
+from lagrange.axial.slices import Slices
+from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing
 from lagrange.contact.raceway_laws import LogarithmicLaw
 
-
-def plane_law(law: ContactLaw) -> LogarithmicLaw:
-    """The law δ = A Q (B − ½ ln Q) as slices take it."""
-    return LogarithmicLaw(
-        name="series", compliance=0.5 * law.A, level=2.0 * law.B, largest_force=law.Q_line, source="plane series"
-    )
+WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
+ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
+SLOPES = 1e-3  # rad: tables are made for multiples, so that they serve other scenes too
 
 
 def tilted_tables(
-    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, largest_slope: float
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, misalignment: float
 ) -> tuple[ContactTable, ContactTable]:
-    """Tables of the inner and the outer contact by their plane laws; see `lagrange.axial.contact_tables`."""
-    return contact_tables(bearing, axial, tuple(plane_law(law) for law in laws), largest_force, largest_slope)
+    """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
+
+    Parameters
+    ----------
+    largest_force : N, of a contact at rest; misalignment : rad, of the shaft
+    """
+    power = 10.0 ** floor(log10(max(largest_force, 1.0)))
+    force, slope = ceil(2.0 * largest_force / power) * 0.5 * power, ceil(abs(misalignment) / SLOPES) * SLOPES
+
+    def make() -> dict[str, np.ndarray]:
+        widths = coupled_width(bearing, axial)
+        curved = tuple(slice_law(law, widths) for law in laws)
+        tables = contact_tables(bearing, axial, curved, force, slope, couplings(bearing, axial))
+        found = {}
+        for side, table in zip(SIDES, tables, strict=True):
+            grid = table.first_approach, table.approach_step, table.first_slope, table.slope_step
+            found |= {f"{side}_grid": np.array(grid), side: table.coefficients}
+        return found
+
+    arrays = kept("tilted", repr((bearing, axial, laws, force, slope)), make)
+    inner, outer = (
+        ContactTable(
+            **dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True)),
+            coefficients=np.ascontiguousarray(arrays[side]),
+        )
+        for side in SIDES
+    )
+    return inner, outer
+
+
+SIDES = "inner", "outer"
+GRID = "first_approach", "approach_step", "first_slope", "slope_step"
+
+
+def tilted_slices(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw]) -> tuple[Slices, Slices]:
+    """The slices that the tables stand for: forces along a roller by its approach and slope."""
+    width = coupled_width(bearing, axial)
+    inner, outer = (slice_law(law, width) for law in laws)
+    return contact_slices(bearing, axial, (inner, outer), couplings(bearing, axial))
+
+
+def coupled_width(bearing: Bearing, axial: Axial) -> float | None:
+    """Of slices that know each other, m; None: each is alone."""
+    return bearing.roller_length / axial.slices if axial.coupling else None
+
+
+def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:
+    """The plane law δ = A Q (B − ½ ln Q) as slices take it, straight beyond what they may carry.
+
+    Parameters
+    ----------
+    width : of `coupled_width`
+    """
+    largest = law.Q_line
+    if width is not None:
+        largest = min(largest, (width / WIDTHS) ** 2 / law.pair.half_width_factor)
+    return LogarithmicLaw(
+        name="series", compliance=0.5 * law.A, level=2.0 * law.B, largest_force=largest, source="plane series"
+    )
+
+
+def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
+    """What slices yield by others' forces, inner and outer contact, (slices, slices) each, m/N.
+
+    The force of a roller's other contact is coupled to it as a whole; by as much as slices differ they squeeze the
+    roller one by one. That is all where `axial.coupling` is off.
+    """
+    length, n = bearing.roller_length, axial.slices
+    squeezed = across_roller(bearing) * n / length * (np.eye(n) - 1.0 / n)
+    if not axial.coupling:
+        return squeezed, squeezed
+    roller, inner, outer = (
+        slice_compliance(body, length, width, n)
+        for body, width in zip(bodies(bearing), (length, axial.ring_width, axial.ring_width), strict=True)
+    )
+    return roller + inner + squeezed, roller + outer + squeezed
+
+
+def across_roller(bearing: Bearing) -> float:
+    """Approach of one contact by an even line load on the other, m per N/m: squeezed roller less one that is pushed."""
+    if bearing.roller.rigid:
+        return 0.0
+    squeezed, pushed = (
+        disc_hertz_approach(bearing.roller_radius, bearing.roller, ANY_WIDTH * bearing.roller_radius, patches)
+        for patches in (2, 1)
+    )
+    return squeezed - pushed

@@ -11,6 +11,7 @@ import numpy as np
 
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
+FIRST, BISECTIONS = 1e-8, 60  # m, beyond the opening, to begin with
 
 
 class LineLaw(Protocol):
@@ -45,6 +46,22 @@ class Slices:
     @property
     def count(self) -> int:
         return self.place.size
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether a slope and its opposite have the same energy."""
+        return bool(np.allclose(self.drop, self.drop[::-1], rtol=1e-12, atol=0.0))
+
+    def straight_approach(self, force: float) -> float:
+        """Of a contact without slope under a force, N; m."""
+        low = float(self.opening(np.zeros(1))[0])
+        high = low + FIRST
+        while self.sums(np.array([high]), np.zeros(1)).force[0] < force:
+            high = low + 2.0 * (high - low)
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.sums(np.array([middle]), np.zeros(1)).force[0] < force else (low, middle)
+        return high
 
     def opening(self, slope) -> np.ndarray:
         """The approach, m, from which on a contact of this slope, rad, is closed."""

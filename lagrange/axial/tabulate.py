@@ -9,9 +9,11 @@ from lagrange.axial.slices import LineLaw, Slices
 from lagrange.axial.table import ContactTable, fitted
 from lagrange.bearing import Bearing
 
-KNOTS = 96  # between the opening and the largest approach of a straight contact, and as many slopes either way
+KNOTS = 64  # between the opening and the largest approach of a straight contact
+COARSER = 2.5  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
+MOST_SLOPES = 300  # steps of slope either way
+BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
 MORE = 3.0  # times the largest force: what moves carries more than what stands
-DOUBLINGS = 60
 
 
 def contact_tables(
@@ -19,59 +21,67 @@ def contact_tables(
     axial: Axial,
     laws: tuple[LineLaw, LineLaw],
     largest_force: float,
-    largest_slope: float,
+    misalignment: float = 0.0,
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[ContactTable, ContactTable]:
     """Tables of the inner and the outer contact, where all rollers are alike.
 
+    They go as far as a roller can tilt between the raceways, in clearance and profiles, and deeper.
+
     Parameters
     ----------
     laws : of the whole length
-    largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
+    largest_force : N, of a contact at rest
+    misalignment : rad, of the shaft, beside what rollers tilt
     couplings : (n, n) each, m/N, of slices; None: each is alone
+
+    Errors
+    ------
+    RuntimeError: slices do not settle.
     """
+    both = contact_slices(bearing, axial, laws, couplings)
+    deepest = [each.straight_approach(MORE * largest_force) for each in both]
+    play = max(2.0 * bearing.radial_clearance, 0.0)
+    ends = sum(float(each.drop[[0, -1]].max()) for each in both)
+    steepest = abs(misalignment) + (play + ends + sum(deepest)) / bearing.roller_length
+    inner, outer = (tabulated(each, deep, steepest) for each, deep in zip(both, deepest, strict=True))
+    return inner, outer
+
+
+def contact_slices(
+    bearing: Bearing,
+    axial: Axial,
+    laws: tuple[LineLaw, LineLaw],
+    couplings: tuple[np.ndarray, np.ndarray] | None = None,
+) -> tuple[Slices, Slices]:
+    """The slices of the inner and the outer contact; as of `contact_tables`."""
     place, drops = axial.centres(bearing), axial.drops(bearing)
     inner, outer = (
-        tabulated(
-            Slices(law=law, place=place, drop=drop, coupling=None if couplings is None else couplings[i]),
-            largest_force,
-            largest_slope,
-        )
+        Slices(law=law, place=place, drop=drop, coupling=None if couplings is None else couplings[i])
         for i, (law, drop) in enumerate(zip(laws, drops, strict=True))
     )
     return inner, outer
 
 
-def tabulated(slices: Slices, largest_force: float, largest_slope: float) -> ContactTable:
-    """The table of a contact's energy up to a force, N, of a straight contact, and to a slope, rad, either way.
+def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
+    """The table of a contact's energy up to an approach, m, and to a slope, rad, either way.
 
     Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
     ring from.
     """
-    deepest = _approach(slices, MORE * largest_force)
-    slope = np.linspace(-largest_slope, largest_slope, 2 * KNOTS + 1)
-    opening = slices.opening(slope)
     step = (deepest - float(slices.opening(np.zeros(1))[0])) / KNOTS
+    by_slope = COARSER * step / float(np.abs(slices.place).max())
+    half = min(ceil(steepest / by_slope), MOST_SLOPES)
+    slope = steepest / half * np.arange(-half, half + 1)
+    opening = slices.opening(slope)
     first = float(opening.min()) - 2.0 * step
     approach = first + step * np.arange(ceil((deepest - first) / step) + 1)
     signed = approach[:, None] - opening
-    energy = slices.sums(opening + np.abs(signed), np.broadcast_to(slope, signed.shape)).energy
-    return fitted((first, -largest_slope), (step, slope[1] - slope[0]), np.sign(signed) * np.sqrt(energy))
-
-
-def _approach(slices: Slices, force: float) -> float:
-    """Of a straight contact under a force, N; m."""
-    still = np.zeros(1)
-    low = float(slices.opening(still)[0])
-    high = low + 1e-9
-    for _ in range(DOUBLINGS):
-        if slices.sums(np.array([high]), still).force[0] >= force:
-            break
-        high = low + 2.0 * (high - low)
-    for _ in range(DOUBLINGS):
-        middle = 0.5 * (low + high)
-        if slices.sums(np.array([middle]), still).force[0] < force:
-            low = middle
-        else:
-            high = middle
-    return high
+    wanted = signed > -BELOW * step
+    if slices.is_symmetric:
+        wanted &= slope >= 0.0
+    at, energy = np.nonzero(wanted), np.zeros(signed.shape)
+    energy[at] = slices.sums(opening[at[1]] + np.abs(signed[at]), slope[at[1]]).energy
+    if slices.is_symmetric:
+        energy[:, :half] = energy[:, :half:-1]
+    return fitted((first, -steepest), (step, steepest / half), np.sign(signed) * np.sqrt(energy))

@@ -1,0 +1,125 @@
+"""Circular bodies under loads that vary along the axis: Navier's equations, the plane series, the half-space."""
+
+from math import exp, log, pi
+
+import numpy as np
+import pytest
+
+from fem.elastic.axial_series import (
+    EULER,
+    _fields,
+    _scaled,
+    axial_difference,
+    axial_limit,
+    bodies,
+    harmonic_compliance,
+    slice_compliance,
+)
+from fem.elastic.continuum import (
+    disc_harmonic_compliance,
+    disc_hertz_approach,
+    ring_harmonic_compliance,
+    ring_hertz_approach,
+)
+from tests.reference.bearings import STEEL, paper
+
+PAPER = paper()
+ROLLER, INNER, OUTER = bodies(PAPER)
+UNIT = 1.0 / (pi * STEEL.plane_strain_modulus)  # m per N/m
+STEP = 1e-5  # m, of differences
+
+
+@pytest.mark.parametrize("decay", [False, True])
+@pytest.mark.parametrize("n", [0, 1, 4])
+def test_each_field_satisfies_navier_and_hooke(n, decay):
+    """Differences of second order of the displacements at points of a cube, as good as their own error."""
+    k, R, nu, orders = 600.0, 5e-3, STEEL.poisson_ratio, np.array([n])
+
+    def displaced(point, which):
+        x, y, z = point
+        r, angle = np.hypot(x, y), np.arctan2(y, x)
+        U, V, W = _fields(orders, k, r, nu, _scaled(orders, k, r, R, decay), decay)[0, :3, which]
+        radial, around = U * np.cos(n * angle) * np.cos(k * z), V * np.sin(n * angle) * np.cos(k * z)
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([c * radial - s * around, s * radial + c * around, W * np.cos(n * angle) * np.sin(k * z)])
+
+    at, axes = np.array([3.1e-3, 1.7e-3, 0.4e-3]), STEP * np.eye(3)
+    for which in range(3):
+
+        def u(*shifts, which=which):
+            return displaced(at + sum(shifts), which)
+
+        second = np.empty((3, 3, 3))  # ∂i ∂j u
+        for i in range(3):
+            for j in range(3):
+                a, b = axes[i], axes[j]
+                second[i, j] = (u(a, b) - u(a, -b) - u(-a, b) + u(-a, -b)) / (4.0 * STEP**2)
+        laplacian = second[0, 0] + second[1, 1] + second[2, 2]
+        swelling = np.array([sum(second[i, j, j] for j in range(3)) for i in range(3)])
+        left = laplacian + swelling / (1.0 - 2.0 * nu)
+        assert np.abs(left).max() < 2e-3 * np.abs(second).max()
+        gradient = np.stack([(u(axes[i]) - u(-axes[i])) / (2.0 * STEP) for i in range(3)])
+        strain = 0.5 * (gradient + gradient.T)
+        stress = 2.0 * strain + 2.0 * nu / (1.0 - 2.0 * nu) * np.trace(strain) * np.eye(3)
+        r, angle, z = np.hypot(*at[:2]), np.arctan2(at[1], at[0]), at[2]
+        out = np.array([np.cos(angle), np.sin(angle), 0.0])
+        traction = stress @ out
+        rows = _fields(orders, k, r, nu, _scaled(orders, k, r, R, decay), decay)[0, 3:, which]
+        known = (
+            rows[0] * np.cos(n * angle) * np.cos(k * z),
+            rows[1] * np.sin(n * angle) * np.cos(k * z),
+            rows[2] * np.cos(n * angle) * np.sin(k * z),
+        )
+        found = traction @ out, traction @ np.array([-out[1], out[0], 0.0]), traction[2]
+        assert found == pytest.approx(known, rel=1e-3, abs=1e-3 * np.abs(stress).max())
+
+
+def test_long_waves_give_the_plane_series():
+    n, k = np.array([2, 4, 6, 20]), 0.05  # 1/m: kR = 2.5e-4
+    roller = disc_harmonic_compliance(n, ROLLER.radius, STEEL)
+    assert harmonic_compliance(ROLLER, n, k) == pytest.approx(roller, rel=1e-6)
+    n = np.array([1, 2, 5, 20])
+    for ring in (INNER, OUTER):
+        plane = ring_harmonic_compliance(n, ring.radius, ring.held, STEEL)
+        assert harmonic_compliance(ring, n, k) == pytest.approx(plane, rel=1e-6)
+        assert axial_difference(ring, k) / UNIT == pytest.approx(0.0, abs=1e-5)
+    assert axial_difference(ROLLER, 1.0) == pytest.approx(axial_limit(STEEL), rel=1e-4)
+    assert axial_limit(STEEL) / UNIT == pytest.approx(0.1978, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    "k, expected, within",
+    [
+        (pi / 10, (-0.3644, -0.4133, -0.2040), 0.0005),
+        (pi / 5, (-1.4303, -1.3453, -0.8674), 0.0005),
+        (pi, (-4.6530, -4.5389, -3.9678), 0.003),
+    ],
+)
+def test_differences_of_the_papers_bodies(k, expected, within):
+    """Of an independent prototype, 1/mm."""
+    found = [axial_difference(body, 1e3 * k) / UNIT for body in (ROLLER, INNER, OUTER)]
+    assert found == pytest.approx(expected, abs=within)
+
+
+def test_short_waves_see_the_depth_that_the_plane_approach_implies():
+    """K0 of a half-space under a line load cos kz less the plane approach under Hertz's pressure, at its centre."""
+    k, half_width = 24e3, 1e-5
+    plane = {
+        ROLLER: disc_hertz_approach(ROLLER.radius, STEEL, half_width, 2),
+        INNER: ring_hertz_approach(INNER.radius, INNER.held, STEEL, half_width),
+        OUTER: ring_hertz_approach(OUTER.radius, OUTER.held, STEEL, half_width),
+    }
+    for body, approach in plane.items():
+        depth = 0.25 * half_width * exp(0.5 * approach / UNIT - 0.5)
+        expected = -2.0 * (log(k * depth) + EULER)
+        assert axial_difference(body, k) / UNIT == pytest.approx(expected, abs=0.005)
+
+
+def test_slices_know_each_other_as_a_half_space_has_it():
+    """Own value 2 ln(h/ℓ) − 2 over π E' of narrow slices; neighbours far apart 1/(π E' z)."""
+    slices, length = 61, 10e-3
+    h = length / slices
+    found = slice_compliance(INNER, length, 2.0 * length, slices) * h / UNIT
+    assert found == pytest.approx(found.T, abs=1e-9)
+    assert found[30, 30] == pytest.approx(2.0 * log(h / 1.7334e-3) - 2.0, abs=0.05)
+    assert found[30, 33] == pytest.approx(1.0 / 3.0, abs=0.05)

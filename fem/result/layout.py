@@ -37,6 +37,7 @@ ATTRIBUTES = {  # of the file
     "mesh_nodes": "of elastic bodies",
     "degrees_of_freedom": "of the model",
     "time_step": "s",
+    "long_step": "s, away from edges of spalls, of a run whose steps have two lengths",
     "critical_time_step": "s, of the mesh with all contacts closed",
     "steps": "of the time loop",
     "wall_seconds": "of the time loop",

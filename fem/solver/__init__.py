@@ -2,5 +2,9 @@
 
 solver, simulate                       what every solver answers: plan, first state, blocks of samples; the registry
 finite_elements, reduced, lagrangian   the plans
-element_state, reduced_state           their states; `lagrangian_start`, `lagrangian_steps`: of the Lagrangian model
+row_state, rigid_state                 runs of compiled time loops; of rigid bodies
+element_state, reduced_state, lagrangian_state   the models' own parts of these
+rigid_arrays, reduced_arrays, lagrangian_arrays  arrays of rigid bodies; what each model has of its own
+lagrangian_start, lagrangian_judge     its first sample and its verdict on steps, which need no compiler
+sections, paces                        two step lengths of rigid bodies: planned, and for the loop
 """

@@ -70,7 +70,8 @@ class RigidState(RowState):
 
     @property
     def outcome_attributes(self) -> dict[str, float | str]:
-        return super().outcome_attributes | {"time_step": self.plan.time_step}
+        found = super().outcome_attributes | {"time_step": self.plan.time_step}
+        return found if self.paces is None else found | {"long_step": self.plan.long_step}
 
     def named_arrays(self) -> dict[str, np.ndarray]:
         found: dict[str, np.ndarray] = {}

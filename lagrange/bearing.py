@@ -49,6 +49,10 @@ class Material:
         return ((self.lame_lambda + 2.0 * self.lame_mu) / self.density) ** 0.5
 
 
+# Of a solid shaft's radius, the part that meshes take as rigid: hub and loads then are nearest to the whole shaft's
+CORE = 0.45
+
+
 @dataclass(frozen=True, kw_only=True)
 class OwnLaw:
     """A contact law Q = K δ^n of the user's own; SI."""
@@ -72,7 +76,7 @@ class Bearing:
     roller_length: float
     inner_raceway_radius: float
     outer_raceway_radius: float
-    bore_radius: float
+    bore_radius: float  # 0: a solid shaft is the inner ring
     outside_radius: float
     roller: Material
     inner_ring: Material
@@ -83,9 +87,9 @@ class Bearing:
     rows: int = 1  # that share loads evenly
 
     def __post_init__(self):
-        if not 0.0 < self.bore_radius < self.inner_raceway_radius:
+        if not 0.0 <= self.bore_radius < self.inner_raceway_radius:
             raise ValueError(
-                f"bore radius {self.bore_radius:.4g} m must lie between 0 and the inner raceway radius "
+                f"bore radius {self.bore_radius:.4g} m must lie between 0 (a solid shaft) and the inner raceway radius "
                 f"{self.inner_raceway_radius:.4g} m"
             )
         if not self.outer_raceway_radius < self.outside_radius:
@@ -95,6 +99,11 @@ class Bearing:
             )
         if self.n_rollers < 1 or self.roller_radius <= 0.0 or self.roller_length <= 0.0:
             raise ValueError("number, radius and length of the rollers must be positive")
+
+    @property
+    def core_radius(self) -> float:
+        """Of what meshes and pictures have as the rigid hub, m: the bore's; of a solid shaft a part of its own."""
+        return self.bore_radius or CORE * self.inner_raceway_radius
 
     @property
     def cosine(self) -> float:

@@ -240,13 +240,15 @@ def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.n
 def rotation_energy(bearing: Bearing, operation: Operation):
     """Energy of shaft and rolling elements turning about their own axes, J, at the operation's speed, of its shape.
 
-    The shaft is taken as a solid cylinder in the bore, with the mass that the inner ring leaves of M.
+    The shaft is taken as a solid cylinder in the bore, with the mass that the inner ring leaves of M; one that is the
+    inner ring as wide as its raceway.
     """
     turning = kinematics(bearing, operation.speed)
     share = 0.4 if isinstance(bearing, BallBearing) else 0.5
     element = share * bearing.roller_mass * bearing.roller_radius**2
     ring = 0.5 * bearing.inner_ring_mass * (bearing.bore_radius**2 + bearing.inner_raceway_radius**2)
-    shaft = 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * bearing.bore_radius**2
+    radius = bearing.bore_radius or bearing.inner_raceway_radius
+    shaft = 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
     return 0.5 * ((ring + shaft) * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
 
 

@@ -29,7 +29,7 @@ def bearing_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
             radius=bearing.roller_radius,
             layers=max(2.0, 0.5 * round(2.0 * pi * bearing.roller_radius / (3.0 * mesh_size))),
         ),
-        inner_ring=_ring(bearing.bore_radius, bearing.inner_raceway_radius, bearing.inner_raceway_radius, mesh_size),
+        inner_ring=_ring(bearing.core_radius, bearing.inner_raceway_radius, bearing.inner_raceway_radius, mesh_size),
         outer_ring=_ring(bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_raceway_radius, mesh_size),
     )
 
@@ -40,7 +40,7 @@ def graded_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     return BearingShapes(
         roller=graded_disc(bearing.roller_radius, mesh_size),
         inner_ring=GradedAnnulus(
-            inner_radius=bearing.bore_radius, outer_radius=inner, sectors=_sectors(inner, mesh_size),
+            inner_radius=bearing.core_radius, outer_radius=inner, sectors=_sectors(inner, mesh_size),
             raceway_outside=True,
         ),
         outer_ring=GradedAnnulus(

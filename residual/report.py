@@ -253,7 +253,7 @@ def player_json(evaluation: Evaluation) -> str:
     largest = float(np.hypot(*load).max())
     data = {
         "rings": [float(f"{1e3 * r:.6g}") for r in (
-            bearing.bore_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
+            bearing.core_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
         )],
         "roller": float(f"{1e3 * bearing.roller_radius:.6g}"),
         "load": [_rounded(row, 4) for row in load[:, shown] / (largest if largest > 0.0 else 1.0)],

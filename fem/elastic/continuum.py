@@ -43,7 +43,7 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
     n : ndarray of int, >= 0
     loaded_radius, held_radius : float, m
         Held inside the load: an inner ring loaded on its raceway. Held outside: an outer ring loaded on its
-        raceway.
+        raceway. Held at 0: a solid shaft, whose load acts all over it, `disc_harmonic_compliance`.
     Returns
     -------
     ndarray, shape of n, m/Pa; positive into the body
@@ -51,7 +51,9 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
     ------
     Round-off, at most 1e-11 relative at any n for the rings of a bearing.
     """
-    if loaded_radius <= 0.0 or held_radius <= 0.0 or loaded_radius == held_radius:
+    if held_radius == 0.0 < loaded_radius:
+        return disc_harmonic_compliance(n, loaded_radius, material)
+    if loaded_radius <= 0.0 or held_radius < 0.0 or loaded_radius == held_radius:
         raise ValueError(
             f"ring radii must be positive and differ: loaded {loaded_radius:.4g} m, held {held_radius:.4g} m"
         )
@@ -86,12 +88,14 @@ def ring_sag(free_radius: float, held_radius: float, material: Material, gravity
 
     Parameters
     ----------
-    free_radius, held_radius : float, m, as of `ring_harmonic_compliance`
+    free_radius, held_radius : float, m, as of `ring_harmonic_compliance`; a solid shaft is held where its weight is
     gravity : float, m/s²
     Errors
     ------
     Round-off.
     """
+    if held_radius == 0.0:
+        return 0.0
     lame_lambda, mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
     one, t = np.array([1]), held_radius / free_radius
     bend = -material.density * gravity * free_radius**2 / (2.0 * (lame_lambda + 2.0 * mu))

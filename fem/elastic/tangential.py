@@ -73,12 +73,27 @@ def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> n
     return radius * found
 
 
+def disc_cross_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
+    """Displacement cos nθ into a free solid disc, less its mean motion, per unit tangential traction sin nθ, m/Pa.
+
+    Errors: round-off. Source: as of `disc_shear_compliance`; n = 1 by Betti from `continuum.disc_harmonic_compliance`.
+    """
+    n = np.asarray(n)
+    kappa = kolosov(material)
+    found = 1.0 / np.where(n < 2, 1, n - 1) - kappa / (n + 1.0)
+    found[n == 0] = 0.0
+    found[n == 1] = 0.5 * (1.0 - kappa)
+    return radius / (4.0 * material.lame_mu) * found
+
+
 def ring_shear_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
     """Tangential displacement of an annulus, fixed on one circle, per unit tangential traction sin nθ on the other.
 
     Parameters and errors as of `continuum.ring_harmonic_compliance`; m/Pa.
     """
     n = np.asarray(n)
+    if held_radius == 0.0:
+        return disc_shear_compliance(n, loaded_radius, material)
     t = held_radius / loaded_radius
     mu, kappa = material.lame_mu, kolosov(material)
     found = np.empty(n.shape)
@@ -100,6 +115,8 @@ def ring_cross_compliance(n: np.ndarray, loaded_radius: float, held_radius: floa
     moves the surface by along sin nθ.
     """
     n = np.asarray(n)
+    if held_radius == 0.0:
+        return disc_cross_compliance(n, loaded_radius, material)
     t = held_radius / loaded_radius
     mu, kappa = material.lame_mu, kolosov(material)
     convexity = 1 if t < 1.0 else -1

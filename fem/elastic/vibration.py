@@ -69,7 +69,7 @@ def shift_vibrations(
     As many as the polynomials have: the fastest are theirs, not the ring's, and all together carry its statics.
     """
     frequency, into, carried = _of_order(1, min(loaded, held), max(loaded, held), loaded, material, thickness, hub)
-    first = 0 if hub is None else 1  # what moves ring and hub as one
+    first = 0 if hub is None and held > 0.0 else 1  # what moves ring and hub, or a disc, as one
     order = np.ones(len(frequency) - first, dtype=np.intp)
     return Modes(order=order, frequency=frequency[first:], shape=into[first:], carried=carried[first:])
 

@@ -94,7 +94,7 @@ def bearing_message(player: Player) -> Message:
         "roller": bearing.roller_radius / MM,
         "inner": bearing.inner_raceway_radius / MM,
         "outer": bearing.outer_raceway_radius / MM,
-        "bore": bearing.bore_radius / MM,
+        "bore": bearing.core_radius / MM,
         "outside": bearing.outside_radius / MM,
         "spalls": spalls,
         "lines": [

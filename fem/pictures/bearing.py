@@ -187,7 +187,7 @@ def _marks(whole: _Whole) -> None:
         return
     turns = np.column_stack([np.cos(instant.roller_turn), np.sin(instant.roller_turn)])
     places = [*(scale * (whole.centres + MARK[0] * bearing.roller_radius * turns))]
-    radius = 0.5 * (bearing.bore_radius + bearing.inner_raceway_radius)
+    radius = 0.5 * (bearing.core_radius + bearing.inner_raceway_radius)
     turn = np.array([np.cos(instant.ring_turn), np.sin(instant.ring_turn)])
     places.append(scale * (radius * turn + whole.hub))
     size = MARK[1] * bearing.roller_radius * scale
@@ -198,7 +198,7 @@ def _marks(whole: _Whole) -> None:
 def _shaft(whole: _Whole) -> None:
     """The hub as a disc, with its centre, the outer ring's centre, the load and the sense of rotation."""
     page, operation = whole.page, whole.instant.operation
-    hub, bore = whole.scale * whole.hub, whole.scale * whole.bearing.bore_radius
+    hub, bore = whole.scale * whole.hub, whole.scale * whole.bearing.core_radius
     size = min(27.0, 75.0 * bore)
     page.fill(disc(hub, bore, 0.05), SHAFT)
     page.stroke(circle(hub, bore, 0.06), INK, OUTLINE)

@@ -282,8 +282,8 @@ class Case:
 
     @property
     def diameters(self) -> tuple[float, float]:
-        """d and D, mm."""
-        return 2e3 * self.bearing.bore_radius, 2e3 * self.bearing.outside_radius
+        """d and D, mm; of a solid shaft its own."""
+        return 2e3 * (self.bearing.bore_radius or self.bearing.inner_raceway_radius), 2e3 * self.bearing.outside_radius
 
     @cached_property
     def torques(self) -> dict[str, Torque]:

@@ -112,7 +112,8 @@ def _rings(bearing: Bearing, hub_mass: float) -> tuple[Modes, Modes]:
     inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
     outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
     length, hub = bearing.roller_length, hub_mass - bearing.inner_ring_mass
-    return shift_vibrations(*inner, length, hub), shift_vibrations(*outer, length)
+    solid = bearing.bore_radius == 0.0  # its load and its mass act all over it
+    return shift_vibrations(*inner, length, None if solid else hub), shift_vibrations(*outer, length)
 
 
 def vibration_caution(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:

@@ -82,7 +82,9 @@ def unseen_waves(bearing: Bearing, inner_mass: float, modes: BearingModes | None
         outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
         found = (
             disc_inertia(bearing.roller_radius, bearing.roller, length),
-            ring_inertia(*inner, length, hub),
+            ring_inertia(*inner, length, hub)
+            if bearing.bore_radius > 0.0
+            else disc_inertia(bearing.inner_raceway_radius, bearing.inner_ring, length),
             ring_inertia(*outer, length),
         )
         return {"inertia": np.array(found)}

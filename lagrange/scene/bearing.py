@@ -31,10 +31,13 @@ def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
     keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
     data = BearingTable.completed(data)
     sizes = [data.get(key, BearingTable.model_fields[key].default) for key in keys]
-    if any(type(size) not in (float, int) or size <= 0.0 for size in sizes):
+    if any(type(size) not in (float, int) or size < 0.0 for size in sizes):
         return None
     bore, length, raceway, rows = sizes
     length *= rows
+    if bore == 0.0:  # the shaft itself
+        solid = steel_ring_and_shaft(raceway, length, raceway, SHAFT_WIDTHS)
+        return None if solid < USUAL_MASS else solid
     ring = steel_ring_and_shaft(bore, length, raceway, 0.0)
     return None if ring < USUAL_MASS else steel_ring_and_shaft(bore, length, raceway, SHAFT_WIDTHS)
 
@@ -61,7 +64,9 @@ class BearingTable(Table):
         description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance, at a contact "
         "angle outer − inner − 2 · roller · cos α is the clearance times cos α",
     )
-    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's bore")
+    bore_diameter_mm: float = Field(
+        25.0, ge=0.0, le=10_000.0, description="diameter of the inner ring's bore; 0: a solid shaft is the inner ring"
+    )
     outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0, description="outside diameter of the outer ring")
     clearance_um: float | None = Field(
         None,

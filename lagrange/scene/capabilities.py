@@ -41,6 +41,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "load history": lambda scene: f"operation.{key}" if (key := scene.operation.changes) else None,
     "fit in the housing": lambda scene: scene.fit.of_housing if scene.fit else None,
     "fit": lambda scene: "[fit]" if scene.fit else None,
+    "solid shaft": lambda scene: None if scene.bearing.bore_diameter_mm else "bearing.bore_diameter_mm = 0",
     "surfaces": _surfaces,
     "lubricant": lambda scene: "[lubricant]" if scene.lubricant else None,
     "rollers' surfaces": _of_rollers,
@@ -59,6 +60,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "outer ring moves": lambda scene: scene.mounting().bore is not None or scene.mounting().points is not None,
     "balls": lambda scene: scene.bearing.type == "ball",
     "contact angle": lambda scene: scene.bearing.contact_angle_deg > 0.0,
+    "solid shaft": lambda scene: scene.bearing.bore_diameter_mm == 0.0,
     "no housing": lambda scene: scene.mounting().housing is None,
 }
 EITHER = "; leave one of them out"
@@ -96,6 +98,9 @@ REFUSED = (
     ("points", "contact angle", RADIAL),
     ("bore", "contact angle", RADIAL),
     ("fit", "contact angle", RADIAL),
+    ("fit", "solid shaft", f"{{given}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
+    ("solid shaft", "modes", f"{{modes}}: not together with {{given}}, a shaft whose mass is all over it{EITHER}"),
+    ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
     ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",

@@ -21,6 +21,7 @@ Reads CSV, WAV, MATLAB, NPY, NPZ and result files of run-fem; UFF58, TDMS and Pa
 folder with vibration.html, figures and summary.json.
 
 Example: check-vibration record.csv --bearing NU206 --speed 1480 --speed-tolerance 2%
+         check-vibration monday.csv tuesday.csv wednesday.csv --bearing NU206 --speed 1480
 
 Exit codes: 0 done, whatever the verdict; 2 unusable input; 130 interrupted; 143 terminated.
 """,
@@ -31,7 +32,7 @@ Exit codes: 0 done, whatever the verdict; 2 unusable input; 130 interrupted; 143
 def _command(
     record: Annotated[Path, Parameter(help="vibration record, or result file of run-fem")],
     /,
-    *,
+    *more: Annotated[Path, Parameter(help="further records of a series, in its order: growth over them")],
     rate: Annotated[float | None, Parameter(help="samples per second, Hz; default: the record's own")] = None,
     channel: Annotated[str | None, Parameter(help="name, part of a name, or number of the channel")] = None,
     unit: Annotated[str | None, Parameter(help="g, m/s2, mm/s, or V with --sensitivity; default: the file's")] = None,
@@ -53,7 +54,6 @@ def _command(
 ) -> int:  # fmt: skip
     from lagrange.messages import telling
     from residual.measured.checks import Options, Question, check_record
-    from residual.measured.report import print_check, write_check
     from residual.store import check_replaceable
 
     question = Question(
@@ -62,8 +62,22 @@ def _command(
         tolerance=_share("--speed-tolerance", speed_tolerance),
     )  # fmt: skip
     options = Options(rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)
-    folder = output if output is not None else record.with_name(f"{record.stem}-vibration")
+    ending = "trend" if more else "vibration"
+    folder = output if output is not None else record.with_name(f"{record.stem}-{ending}")
     check_replaceable(folder, app.name[0])
+    if more:
+        if against is not None:
+            raise InputError("--against: of one record; a series is compared with itself, name one record")
+        from residual.measured.trend import print_trend, trend_of, write_trend
+
+        trend = trend_of((record, *more), question, options)
+        write_trend(trend, folder, not no_figures)
+        if not quiet:
+            with telling():
+                print_trend(trend, folder)
+        return 0
+    from residual.measured.report import print_check, write_check
+
     check = check_record(record, against, question, options)
     write_check(check, folder, not no_figures)
     if not quiet:

@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib import rc_context
 
-from residual.figures.saved import BLUE, ORANGE, SavedFigure
+from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SavedFigure
 from residual.figures.style import STYLE, legend_above, line_handles, mark_lines, panels, save, without_minor_ticks
 from residual.formatting import text
 from residual.measured.checks import Check, Judged
+from residual.measured.diagnosis import DEEP
 from residual.measured.pulse import PASSES_IN_BAND, SMOOTHING, Pulse
+from residual.measured.trend import Trend
 
 PASSES_SHOWN = 8.0
 LINES_TO = 3.2  # times BPFI
@@ -82,6 +84,27 @@ def _record(check: Check, folder: Path) -> SavedFigure:
         "the outer ring, about the largest value."
     )
     return save(figure, folder, "record", "Spectrum and excerpt of the record", caption)
+
+
+def trend_figure(trend: Trend, folder: Path) -> SavedFigure:
+    """Draw depths of lines and the level over a series."""
+    with rc_context(STYLE):
+        figure, (upper, lower) = panels(2, 4.6, lines=1)
+        used = [(k, entry) for k, entry in enumerate(trend.entries, 1) if entry.depths is not None]
+        places = np.array([k for k, _ in used])
+        for name, colour in (("BPFO", RED), ("BPFI", GREEN), ("2×BSF", ORANGE)):
+            depths = [entry.depths[name] for _, entry in used if entry.depths is not None]
+            upper.plot(places, depths, "o-", color=colour, markersize=3.5, linewidth=1.0, label=name)
+        upper.axhline(DEEP, color=GREY, linestyle="--", linewidth=0.9)
+        upper.set(ylabel="depth of modulation", ylim=(0.0, None))
+        legend_above(upper, 3)
+        lower.plot(places, [entry.rms for _, entry in used], "o-", color=BLUE, markersize=3.5, linewidth=1.0)
+        lower.set(xlabel="record of the series", ylabel=f"rms, {used[0][1].unit or 'own unit'}", ylim=(0.0, None))
+        caption = (
+            f"Above: depth of all harmonics of each part's line, dashed: {DEEP:g}, from which a line may accuse. "
+            "Below: level of the record."
+        )
+        return save(figure, folder, "trend", "Growth over the series", caption)
 
 
 def _pulse(check: Check, own: Pulse, folder: Path) -> SavedFigure:

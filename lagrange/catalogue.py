@@ -1,94 +1,268 @@
-"""Standard cylindrical roller bearings of series NU 2: what catalogues give, and estimates of what they don't.
+"""Standard bearings: sizes and ratings of makers' catalogues, and estimates of what these don't state.
 
-From SKF's General Catalogue (as of 2006), pages 522 to 537, single row cylindrical roller bearings of design ECP: bore,
-outside diameter and width (ISO 15), the diameter F of the inner raceway (NU), the diameter E of the outer raceway (N)
-and the static load rating C0; other makers' values differ a little. The radial internal clearance is that of group
-Normal, or of the group that the designation names (ISO 5753-1).
+`catalogue.csv` holds bore, outside diameter and width (ISO 15), the diameters F of the inner and E of the outer raceway
+as far as catalogues give them, and the load ratings C and C0, each row from one maker (docs/bearings.md). The clearance
+is that of group Normal, or of the group that the designation names (ISO 5753-1).
 
 Estimates, because makers do not publish them:
 
-* roller diameter (E − F)/2, what fits without clearance; the clearance is put on the outer raceway;
-* as many rollers as fill 0.8 of those that fit on the pitch circle, a cage taking the rest;
-* the rollers' effective length that ISO 76 needs for C0 with that many: C0 = 44 (1 − D/d_m) Z L D, N and mm. Bearings
-  that take the same rollers agree in it: 7.8 mm in NU 204 and 205, 10.6 mm in NU 209 and 210;
+* caged cylindrical rollers: diameter (E − F)/2, as many as fill 0.8 of those that fit on the pitch circle;
+* needles in a cage, and full complements of rollers: one raceway is known; 0.68 of those that fit, or all, of that
+  diameter in half millimetres, below 3 mm in quarters, with which ISO 281 comes nearest to C;
+* rollers' effective length that ISO 76 needs for C0 with that many: C0 = 44 (1 − D/d_m) Z L D, N and mm;
+* balls: the diameter that ISO 76 needs for C0, in 1/32 inch, below 7 mm in 1/64, and the number with which ISO 281
+  then comes nearest to C; on a pitch circle of (d + D)/2;
+* raceways without clearance; the clearance is put on the outer one;
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
 
+import csv
 import re
-from math import asin, pi
+from dataclasses import dataclass
+from functools import lru_cache
+from math import asin, degrees, pi, sqrt
+from pathlib import Path
 
-# bore, outside diameter, width, F, E: mm; C0: kN
-_SERIES_NU2 = {
-    "NU204": (20, 47, 14, 26.5, 41.5, 22.0),
-    "NU205": (25, 52, 15, 31.5, 46.5, 27.0),
-    "NU206": (30, 62, 16, 37.5, 55.5, 36.5),
-    "NU207": (35, 72, 17, 44.0, 64.0, 48.0),
-    "NU208": (40, 80, 18, 49.5, 71.5, 53.0),
-    "NU209": (45, 85, 19, 54.5, 76.5, 64.0),
-    "NU210": (50, 90, 20, 59.5, 81.5, 69.5),
-    "NU211": (55, 100, 21, 66.0, 90.0, 95.0),
-    "NU212": (60, 110, 22, 72.0, 100.0, 102.0),
-    "NU213": (65, 120, 23, 78.5, 108.5, 118.0),
-    "NU214": (70, 125, 24, 83.5, 113.5, 137.0),
-    "NU215": (75, 130, 25, 88.5, 118.5, 156.0),
-    "NU216": (80, 140, 26, 95.3, 127.3, 166.0),
+from lagrange.rating.capacity import (
+    Dimensions,
+    ball_dynamic_capacity,
+    ball_static_capacity,
+    dynamic_capacity,
+    static_capacity,
+    static_factor,
+)
+
+_DATA = Path(__file__).with_name("catalogue.csv")
+_BORES = 10, 18, 24, 30, 40, 50, 65, 80, 100  # mm, up to which clearances are
+_ROLLER_CLEARANCE = {  # ISO 5753-1, µm, by group and these bores: cylindrical and needle rollers
+    "C2": ((0, 25), (0, 25), (0, 25), (0, 25), (5, 30), (5, 35), (10, 40), (10, 45), (15, 50)),
+    "CN": ((20, 45), (20, 45), (20, 45), (20, 45), (25, 50), (30, 60), (40, 70), (40, 75), (50, 85)),
+    "C3": ((35, 60), (35, 60), (35, 60), (35, 60), (45, 70), (50, 80), (60, 90), (65, 100), (75, 110)),
+    "C4": ((50, 75), (50, 75), (50, 75), (50, 75), (60, 85), (70, 100), (80, 110), (90, 125), (105, 140)),
+    "C5": ((65, 90), (65, 90), (65, 90), (70, 95), (80, 105), (95, 125), (110, 140), (130, 165), (155, 190)),
 }
-_CLEARANCE = {  # ISO 5753-1, µm, by group: of bores up to 24, 30, 40, 50, 65, 80 mm
-    "C2": ((0, 25), (0, 25), (5, 30), (5, 35), (10, 40), (10, 45)),
-    "CN": ((20, 45), (20, 45), (25, 50), (30, 60), (40, 70), (40, 75)),
-    "C3": ((35, 60), (35, 60), (45, 70), (50, 80), (60, 90), (65, 100)),
-    "C4": ((50, 75), (50, 75), (60, 85), (70, 100), (80, 110), (90, 125)),
-    "C5": ((65, 90), (70, 95), (80, 105), (95, 125), (110, 140), (130, 165)),
+_BALL_CLEARANCE = {  # deep-groove balls
+    "C2": ((0, 7), (0, 9), (0, 10), (1, 11), (1, 11), (1, 11), (1, 15), (1, 15), (1, 18)),
+    "CN": ((2, 13), (3, 18), (5, 20), (5, 20), (6, 20), (6, 23), (8, 28), (10, 30), (12, 36)),
+    "C3": ((8, 23), (11, 25), (13, 28), (13, 28), (15, 33), (18, 36), (23, 43), (25, 51), (30, 58)),
+    "C4": ((14, 29), (18, 33), (20, 36), (23, 41), (28, 46), (30, 51), (38, 61), (46, 71), (53, 84)),
+    "C5": ((20, 37), (25, 45), (28, 48), (30, 53), (40, 64), (45, 73), (55, 90), (65, 105), (75, 120)),
 }
-_BORES = 24, 30, 40, 50, 65, 80
-_WRITTEN = re.compile(r"NU[ -]?(2\d\d)[ -]?(?:EC?[A-Z]{0,2})?[ /-]*(C[2-5N])?", re.IGNORECASE)
-_FILLED = 0.8  # of the pitch circle, by rollers
+_FILLED, _NEEDLES = 0.8, 0.68  # of the pitch circle, by rollers and by needles in a cage
+_DIAMETERS = *(0.25 * k for k in range(6, 12)), *(0.5 * k for k in range(6, 80))  # mm, of needles, and without a cage
+_SMALL_BALL, _FINE, _COARSE = 7.0, 25.4 / 64.0, 25.4 / 32.0  # mm: balls' diameters are multiples, below it of the finer
+_FEWEST_BALLS, _MOST_BALLS = 5, 20
+_ASSEMBLED = 215.0  # °, of the arc that balls of a deep-groove bearing may fill: they are put in between the rings
 _STEEL = 7.85e-6  # kg/mm³
 SHAFT_WIDTHS = 3.0  # of the ring, length of its shaft
+# a maker's letters behind the number: design, cage, seals, clearance, tolerance
+_SUFFIX = re.compile(
+    r"(?:EC|E|CV|V[HJ]?)?(?:M[ABLPRH]?|ML|J[AP]?|PH?A?|TN9|TVP2|T|W)?(?:2?RS[HLR]?1?|2?RZ|2?Z|ZZ|DDU?|LL[BU]|VV)?"
+    r"(?:C(?P<group>[2-5N]))?(?:P[56])?"
+)
+_RIBS = re.compile(r"(NUP|NJ|N)(?=\d)")  # of cylindrical roller bearings whose rings have other ribs than NU's
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A row of the table. mm and kN; raceways None where the catalogue gives none."""
+
+    bore: float
+    outside: float
+    width: float
+    inner: float | None
+    outer: float | None
+    dynamic: float
+    static: float
+    source: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elements:
+    """Estimates of rollers or balls and of the raceways around them, without clearance. mm."""
+
+    number: int
+    diameter: float
+    length: float  # of balls the width of the rings
+    inner: float
+    outer: float
+
+    @property
+    def row(self) -> Dimensions:
+        pitch = 0.5 * (self.inner + self.outer)
+        return Dimensions(rollers=self.number, diameter=self.diameter, length=self.length, pitch=pitch)
+
+
+@lru_cache(maxsize=1)
+def entries() -> dict[str, Entry]:
+    """All rows by designation."""
+    with _DATA.open(encoding="utf-8", newline="") as file:
+        return {row["designation"]: _entry(row) for row in csv.DictReader(file)}
+
+
+def _entry(row: dict[str, str]) -> Entry:
+    inner, outer = (float(cell) if cell else None for cell in (row["inner_raceway_mm"], row["outer_raceway_mm"]))
+    return Entry(
+        bore=float(row["bore_mm"]),
+        outside=float(row["outside_mm"]),
+        width=float(row["width_mm"]),
+        inner=inner,
+        outer=outer,
+        dynamic=float(row["dynamic_kN"]),
+        static=float(row["static_kN"]),
+        source=row["source"],
+    )
 
 
 def designations() -> tuple[str, ...]:
-    """Names of the bearings."""
-    return tuple(_SERIES_NU2)
+    """Names of the bearings; N, NJ and NUP have the section of the NU of the same number."""
+    return tuple(entries())
+
+
+def _row_of(name: str) -> str:
+    """The designation under which a bearing's section stands in the table."""
+    return _RIBS.sub("NU", name)
+
+
+def has_balls(name: str) -> bool:
+    return name[0].isdigit()
 
 
 def listed(designation: object) -> tuple[str, str] | None:
     """A bearing of the table, and its group of clearance, of a designation as people write it; None: not in the table.
 
-    "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number tell the cage.
+    "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number name design, cage and seals.
     """
-    found = _WRITTEN.fullmatch(designation.strip()) if isinstance(designation, str) else None
-    name = f"NU{found[1]}" if found else None
-    return None if found is None or name not in _SERIES_NU2 else (name, (found[2] or "CN").upper())
+    return _listed(_written(designation)) if isinstance(designation, str) else None
 
 
-def bearing_keys(designation: str, group: str = "CN") -> dict[str, float | int]:
+def _written(designation: str) -> str:
+    """Without blanks and strokes."""
+    return re.sub(r"[\s/.-]", "", designation.upper())
+
+
+@lru_cache(maxsize=64)
+def _listed(written: str) -> tuple[str, str] | None:
+    ribs = _RIBS.match(written)
+    if re.match(_NO_SUCH, written):
+        return None
+    for name in entries():
+        of_these = name if ribs is None or not name.startswith("NU") else ribs[1] + name[2:]
+        if written.startswith(of_these) and (found := _SUFFIX.fullmatch(written[len(of_these) :])):
+            return of_these, f"C{found['group'] or 'N'}"
+    return None
+
+
+def instead(designation: str) -> str:
+    """What to give for a bearing that the table lacks."""
+    written = _written(designation)
+    for pattern, advice in _OTHERS:
+        if re.match(pattern, written):
+            return advice
+    for name, members in _series().items():
+        if _row_of(written).startswith(name):
+            return f"of its series the table has {members[0]} to {members[-1]}"
+    known = ", ".join(f"{members[0]} to {members[-1]}" for members in _series().values())
+    return f"the table has {known}, and N, NJ, NUP as NU"
+
+
+_NO_SUCH = r"N2[23]\d\d"  # nobody makes them
+_OTHERS = (
+    (_NO_SUCH, "NU of the same number has that section"),
+    (r"SL18\d{4}", "NCF with the last four figures is that size of another maker"),
+    (r"NNU?\d|NNC", "of two rows: give its sizes and rows = 2"),
+    (r"3[0-3]\d{3}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
+    (r"7\d{3}", 'angular contact: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg'),
+    (r"2[1-4]\d{3}", "rows of barrels that align themselves are not in this program"),
+    (r"RNA|NK|HK|BK|K\d", "give its sizes, with the shaft's raceway as inner_raceway_diameter_mm"),
+)
+
+
+def _series() -> dict[str, list[str]]:
+    """Bearings by series, the longest names first."""
+    found = dict[str, list[str]]()
+    for name in entries():
+        found.setdefault(name[:-2], []).append(name)
+    return dict(sorted(found.items(), key=lambda each: -len(each[0])))
+
+
+@lru_cache(maxsize=256)
+def elements(name: str) -> Elements:
+    """Estimates of what rolls in a bearing of the table. KeyError: no such bearing."""
+    entry = entries()[_row_of(name)]
+    if has_balls(name):
+        return _balls(entry)
+    if entry.inner is not None and entry.outer is not None:
+        return _rollers(entry, 0.5 * (entry.outer - entry.inner), _FILLED)
+    filled = _NEEDLES if name.startswith("NA") else 1.0
+    tried = (_rollers(entry, diameter, filled) for diameter in _DIAMETERS)
+    return min(tried, key=lambda found: abs(dynamic_capacity(found.row) - 1e3 * entry.dynamic))
+
+
+def _rollers(entry: Entry, diameter: float, filled: float) -> Elements:
+    """Rollers of a diameter that carry the static rating; without a cage as many as fit."""
+    inner = entry.inner if entry.inner is not None else (entry.outer or 0.0) - 2.0 * diameter
+    outer = inner + 2.0 * diameter if entry.outer is None else entry.outer
+    pitch = 0.5 * (inner + outer)
+    most = pi / asin(min(diameter / pitch, 1.0)) if pitch > 0.0 else 1.0
+    number = max(int(most) if filled == 1.0 else round(filled * most), 1)
+    length = 1e3 * entry.static / (44.0 * abs(1.0 - diameter / pitch) * number * diameter)
+    return Elements(number=number, diameter=diameter, length=round(length, 1), inner=inner, outer=outer)
+
+
+def _balls(entry: Entry) -> Elements:
+    pitch = 0.5 * (entry.bore + entry.outside)
+    tried = []
+    for number in range(_FEWEST_BALLS, _MOST_BALLS + 1):
+        diameter = 0.15 * (entry.outside - entry.bore)
+        for _ in range(50):  # the factor hardly depends on it
+            diameter = sqrt(1e3 * entry.static / (static_factor(diameter / pitch) * number))
+        arc = 2.0 * degrees(asin(diameter / pitch)) * (number - 1)
+        if arc <= _ASSEMBLED:
+            miss = abs(ball_dynamic_capacity(number, diameter, pitch) / (1e3 * entry.dynamic) - 1.0)
+            tried.append((miss, number, diameter))
+    _, number, diameter = min(tried)
+    step = _FINE if diameter < _SMALL_BALL else _COARSE
+    diameter = round(step * round(diameter / step), 3)
+    return Elements(
+        number=number, diameter=diameter, length=entry.width, inner=pitch - diameter, outer=pitch + diameter
+    )
+
+
+def ratings(name: str) -> tuple[float, float]:
+    """C by ISO 281 and C0 by ISO 76 of the estimated elements, N. KeyError: no such bearing."""
+    found = elements(name)
+    if has_balls(name):
+        sizes = found.number, found.diameter, found.row.pitch
+        return ball_dynamic_capacity(*sizes), ball_static_capacity(*sizes)
+    return dynamic_capacity(found.row), static_capacity(found.row)
+
+
+def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     """Keys of [bearing] but the outer raceway, with the middle of a group's clearance. KeyError: no such bearing."""
-    bore, outside, _, inner, outer, rating = _SERIES_NU2[designation]
-    diameter, pitch = 0.5 * (outer - inner), 0.5 * (outer + inner)
-    rollers = round(_FILLED * pi / asin(diameter / pitch))
-    length = 1e3 * rating / (44.0 * (1.0 - diameter / pitch) * rollers * diameter)
-    lowest, highest = next(limits for largest, limits in zip(_BORES, _CLEARANCE[group], strict=True) if bore <= largest)
-    return {
-        "rollers": rollers,
-        "roller_diameter_mm": diameter,
-        "roller_length_mm": round(length, 1),
-        "inner_raceway_diameter_mm": float(inner),
+    entry, found = entries()[_row_of(name)], elements(name)
+    table = (_BALL_CLEARANCE if has_balls(name) else _ROLLER_CLEARANCE)[group]
+    lowest, highest = next(limits for largest, limits in zip(_BORES, table, strict=True) if entry.bore <= largest)
+    return ({"type": "ball"} if has_balls(name) else {}) | {
+        "rollers": found.number,
+        "roller_diameter_mm": found.diameter,
+        "roller_length_mm": found.length,
+        "inner_raceway_diameter_mm": round(found.inner, 9),
         "clearance_um": 0.5 * (lowest + highest),
-        "bore_diameter_mm": float(bore),
-        "outside_diameter_mm": float(outside),
+        "bore_diameter_mm": entry.bore,
+        "outside_diameter_mm": entry.outside,
     }
 
 
-def width_of(designation: str) -> float:
+def width_of(name: str) -> float:
     """Of its rings, mm. KeyError: no such bearing."""
-    return float(_SERIES_NU2[designation][2])
+    return entries()[_row_of(name)].width
 
 
-def inner_ring_and_shaft(designation: str) -> float:
+def inner_ring_and_shaft(name: str) -> float:
     """Mass, kg. KeyError: no such bearing."""
-    bore, _, width, inner, *_ = _SERIES_NU2[designation]
-    return steel_ring_and_shaft(bore, width, inner, SHAFT_WIDTHS)
+    entry = entries()[_row_of(name)]
+    return steel_ring_and_shaft(entry.bore, entry.width, elements(name).inner, SHAFT_WIDTHS)
 
 
 def steel_ring_and_shaft(bore: float, width: float, raceway: float, shaft: float) -> float:

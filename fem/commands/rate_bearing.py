@@ -33,7 +33,7 @@ def _rate(
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
     /,
     *,
-    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
     ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS, CSV")] = None,

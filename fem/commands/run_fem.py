@@ -85,7 +85,7 @@ def _run(
     model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
-    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
     converge: Annotated[

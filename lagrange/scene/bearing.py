@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
-from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, designations, listed, steel_ring_and_shaft
+from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
 from lagrange.scene.faults import Check, Table
 from lagrange.surface.film import Lubricant
 
@@ -46,7 +46,7 @@ class BearingTable(Table):
     """What the bearing is; defaults are the paper's."""
 
     designation: str | None = Field(
-        None, max_length=40, description="of a standard bearing, NU204 to NU216: the default of the other keys"
+        None, max_length=40, description="of a standard bearing, as NU206/C3 or 6205: the default of the other keys"
     )
     type: Literal["roller", "ball"] = Field(
         "roller", description="of the rolling elements; balls have no finite elements"
@@ -100,12 +100,12 @@ class BearingTable(Table):
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
         """Values of a standard bearing, grooves of balls; a clearance becomes the outer raceway's diameter."""
-        if data.get("type") == "ball":
-            data = USUAL_GROOVES | data
         outer = "outer_raceway_diameter_mm" in data
         if (found := listed(data.get("designation"))) is not None:
             given = {"clearance_um": outer, "inner_raceway_diameter_mm": data.get("pitch_diameter_mm") is not None}
             data = {key: value for key, value in bearing_keys(*found).items() if not given.get(key)} | data
+        if data.get("type") == "ball":
+            data = USUAL_GROOVES | data
         data = cls._with_inner_raceway(data)
         parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
         if outer or not all(map(_is_number, parts)):
@@ -152,15 +152,15 @@ class BearingTable(Table):
         )
 
     def _standard(self) -> Iterator[str]:
-        name = self.designation
-        if name is not None and listed(name) is None:
+        name, found = self.designation, listed(self.designation)
+        if name is not None and found is None:
             yield (
-                f"designation = {name!r}: not in the table; known are {', '.join(designations())}, with a clearance as "
-                "in NU206/C3; of another bearing leave it out and give rollers, roller_diameter_mm, roller_length_mm, "
-                "inner_raceway_diameter_mm, clearance_um, bore_diameter_mm and outside_diameter_mm"
+                f"designation = {name!r}: not in the table; {instead(name)}; of another bearing leave it out and give "
+                "rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
+                "bore_diameter_mm and outside_diameter_mm"
             )
-        if name is not None and self.type == "ball":
-            yield f'designation = {name!r}: a roller bearing, not with type = "ball"; leave one of them out'
+        if found is not None and has_balls(found[0]) != (self.type == "ball"):
+            yield f'designation = {name!r}: not with type = "{self.type}"; leave one of them out'
 
     def _clearance_twice(self) -> Iterator[str]:
         if self.clearance_um is not None:  # else it has become the diameter

@@ -14,7 +14,7 @@ from typing import Any, Self
 import tomli_w
 from pydantic import PrivateAttr, ValidationError, model_validator
 
-from lagrange.catalogue import inner_ring_and_shaft, listed
+from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import plain_text
 from lagrange.scene.axial import SURFACES as AXIAL_SURFACES
 from lagrange.scene.bearing import heavy_inner_ring_and_shaft
@@ -30,6 +30,7 @@ from lagrange.surface.passages import strike_interval
 
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 PROFILES = tuple(f"{surface}_profile_content" for surface in AXIAL_SURFACES)
+FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
 CONTENTS = (  # texts of files, in the tables that name them
     "content", "speed_table_content", "load_table_content", "law_table_content", *PROFILES,
 )  # fmt: skip
@@ -78,18 +79,23 @@ class Scene(SceneTables):
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
-        numerics = data.get("numerics", {})
+        standard, numerics = listed(bearing.get("designation")), data.get("numerics", {})
+        known: dict[str, Any] = {} if standard is None else bearing_keys(*standard)
         diameter: Any = bearing.get("roller_diameter_mm")
+        if diameter is None and not FITTING[0] <= known.get("roller_diameter_mm", FITTING[0]) <= FITTING[1]:
+            diameter = known["roller_diameter_mm"]
+        kind = bearing.get("type", known.get("type"))
         if (
             type(diameter) in (float, int)
             and 0.5 <= diameter <= 500.0
-            and bearing.get("type") != "ball"
+            and kind != "ball"
             and isinstance(numerics, dict)
         ):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
-        if bearing.get("type") == "ball" and isinstance(options, dict):
+        if known.get("type") == "ball":
+            data = {"model": "lagrange"} | data  # the one that has balls
+        if kind == "ball" and isinstance(options, dict):
             data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}
-        standard = listed(bearing.get("designation"))
         if standard is not None and isinstance(operation, dict):
             mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
             data = {"name": standard[0]} | data | {"operation": mass | operation}

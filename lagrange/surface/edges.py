@@ -194,15 +194,19 @@ class Softened:
 
     def _own(self, approach):
         """The law's share of an approach, m, by Newton's method to round-off; all of it where it is open."""
-        approach = np.asarray(approach, dtype=float)
-        own = approach + 0.0 * self.compliance
+        depth, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), self.compliance)
+        own = depth.flatten()
+        left = np.flatnonzero((depth > 0.0) & (soft != 0.0))  # each until it has settled, whatever stands beside it
+        depth, soft = depth.ravel()[left], soft.ravel()[left]
         for _ in range(MOST_STEPS):
-            too_far = own + self.compliance * self.law.force(own) - approach
-            step = too_far / (1.0 + self.compliance * self.law.slope(own))
-            own = np.where(own > 0.0, np.maximum(own - step, SLOWEST * own), own)
-            if np.all(np.abs(step) <= SETTLED * np.abs(own)):
+            if not left.size:
                 break
-        return own
+            now = own[left]
+            step = (now + soft * self.law.force(now) - depth) / (1.0 + soft * self.law.slope(now))
+            own[left] = now = np.maximum(now - step, SLOWEST * now)
+            moves = np.abs(step) > SETTLED * now
+            left, depth, soft = left[moves], depth[moves], soft[moves]
+        return own.reshape(np.broadcast_shapes(np.shape(approach), np.shape(self.compliance)))
 
 
 class SoftenedLaws(NamedTuple):

@@ -38,6 +38,7 @@ class Entry:
     velocity: float | None = None  # m/s rms
     speed: float = np.nan  # rpm, as found
     depths: dict[str, float] | None = None  # by the line of a part
+    prominent: str | None = None  # the part's line that stands out; others' depths hold some of that
 
     @classmethod
     def of(cls, name: str, judged: Judged) -> "Entry":
@@ -46,6 +47,7 @@ class Entry:
             name=name, verdict=found.verdict, unit=judged.signal.unit, rms=judged.rms, kurtosis=judged.kurtosis,
             crest=judged.crest, velocity=judged.velocity, speed=60.0 * found.shaft,
             depths={part: found.of(part).depth for part in BODIES},
+            prominent=found.findings[0].name if found.findings[0].stands_out else None,
         )  # fmt: skip
 
 
@@ -85,7 +87,7 @@ class Trend:
             said.append(f"So it is in every record from {used[since].name} on ({since + 1} of {len(used)}).")
         elif accused := [each.name for each in used if each.verdict in ACCUSING]:
             said.append(f"Earlier records accuse a part, first {accused[0]}: {len(accused)} of {len(used)}.")
-        grown = [each for each in self.growth if each.sure]
+        grown = [each for each in self.growth if each.sure and each.name == used[-1].prominent]
         said += [
             f"The depth of {each.name} grows, from {text(each.first, 2)} to {text(each.last, 2)} (Kendall's τ "
             f"{text(each.tau, 2)}, p {text(each.p, 2)})." for each in grown

@@ -51,7 +51,7 @@ def _install_completion() -> None:
 @app.default
 def _command(
     run: Annotated[
-        Path | None, Parameter(help="result file of run-fem, or a CSV table; default: newest runs/*.nc")
+        Path | None, Parameter(help="result file of run-fem, or a CSV or MATLAB table; default: newest runs/*.nc")
     ] = None,
     /,
     *,

@@ -1,4 +1,4 @@
-"""Reader of trajectory tables (CSV, TSV, semicolons): other people's data."""
+"""Reader of trajectory tables (CSV, TSV, semicolons, MATLAB): other people's data."""
 
 import csv
 import warnings
@@ -32,7 +32,7 @@ ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit o
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
 def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record:
-    """Read a trajectory table with one header line.
+    """Read a trajectory table with one header line, or a MATLAB file (.mat) whose variables are its columns.
 
     Parameters
     ----------
@@ -42,7 +42,8 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record
     resample : bring irregular samples to equal steps instead of refusing them
 
     Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab,
-    semicolon or blanks) is taken from the header. Rounded time stamps of an even clock become that clock's times.
+    semicolon or blanks) is taken from the header. A MATLAB file may hold a matrix, roller_x with a column for each
+    roller, and fields of a struct in place of variables. Rounded time stamps of an even clock become its times.
 
     Errors
     ------
@@ -50,8 +51,37 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record
     that can't be read, more than fits in memory, and all that `checked` refuses.
     """
     path = Path(path)
+    if path.suffix.lower() == ".mat" and path.is_file():
+        return _record(path, scene, _matlab_columns(path, scene), resample)
     check_readable(path)
     return _record(path, scene, _read_columns(path, scene), resample)
+
+
+def _matlab_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
+    """Read every quantity that a MATLAB file has, SI."""
+    from residual.measured.formats import read_channels
+
+    try:
+        channels = read_channels(path)
+    except OSError as error:
+        raise InputError(f"{path}: can't be read: {error.strerror or error}") from None
+    except ValueError as error:
+        hint = "; of a table write a struct: s = table2struct(T, 'ToScalar', true)" if "a signal" in str(error) else ""
+        raise InputError(f"{path}: {error}{hint}") from None
+    named = {_matlab_name(name, scene.table): values for name, values in channels.values.items()}
+    header, arrays = list(named), {}
+    for quantity, (indices, factor) in _columns_found(path, header, scene).items():
+        values = factor * np.column_stack([named[header[index]] for index in indices])
+        arrays[quantity] = values if per_roller(quantity) else values[:, 0]
+    return arrays
+
+
+def _matlab_name(name: str, columns: Columns) -> str:
+    """A column's name for a variable, a struct's field (s.time), or a column of a matrix (roller_x[1])."""
+    bare, _, number = name.rpartition(".")[2].partition("[")
+    if number and bare in Columns.model_fields and per_roller(bare):
+        return columns.header(bare, int(number.rstrip("]")) - 1)[0][0]
+    return bare
 
 
 def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:

@@ -3,8 +3,10 @@
 import json
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from fem.commands.run_fem import run_main
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
@@ -262,3 +264,48 @@ def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys
     summary = json.loads((tmp_path / "table-residual" / "summary.json").read_text(encoding="utf-8"))
     assert summary["error_y"]["mean_N"] == pytest.approx(-0.19, abs=0.01)
     assert summary["watched"][0]["y"]["rms_N"] == pytest.approx(540e6 * 1e-7 / np.sqrt(2), rel=0.02)
+
+
+def matlab_columns(run):
+    names = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
+    return {name: getattr(run, name) for name in names} | {"inner_force": run.law_force}
+
+
+def test_matlab_file_of_matrices_or_a_struct_gives_the_arrays_of_the_run(run, tmp_path):
+    columns = matlab_columns(run)
+    savemat(tmp_path / "matrices.mat", columns, oned_as="column", do_compression=True)
+    savemat(tmp_path / "struct.mat", {"run1": columns, "comment": "of a rig"})
+    with h5py.File(tmp_path / "new.mat", "w", userblock_size=512) as file:  # 7.3: matrices transposed
+        for name, values in columns.items():
+            file[name] = np.atleast_2d(values.T)
+    with (tmp_path / "new.mat").open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(512))
+    for name in ("matrices", "struct", "new"):
+        found = read_table(tmp_path / f"{name}.mat", run.scene)
+        np.testing.assert_allclose(found.roller_x, run.roller_x, rtol=0.0, atol=1e-15, err_msg=name)
+        np.testing.assert_allclose(found.inner_y, run.inner_y, rtol=0.0, atol=1e-15, err_msg=name)
+        np.testing.assert_array_equal(found.inner_force, run.law_force, err_msg=name)
+
+
+def test_matlab_file_takes_names_and_units_of_the_scene(run, tmp_path):
+    table = {f"X{j}": 1e3 * run.roller_x[:, j] for j in range(13)} | {"roller_y": run.roller_y}
+    savemat(tmp_path / "a.mat", {"t": run.time, "inner_x": run.inner_x, "inner_y": run.inner_y} | table)
+    scene = scene_with(run, '[table]\ntime = "t"\nroller_x = "X{j} [mm]"\n')
+    np.testing.assert_allclose(read_table(tmp_path / "a.mat", scene).roller_x, run.roller_x, rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ({"time": np.arange(50.0), "inner_x": np.zeros(50)}, "missing column inner_y, roller_0_x"),
+        ({"words": "none"}, "table2struct"),
+        (None, "can't be read"),
+    ],
+)
+def test_unusable_matlab_file_is_refused(run, tmp_path, content, words):
+    if content is None:
+        (tmp_path / "a.mat").write_bytes(b"MATLAB 5.0 MAT-file" + bytes(500))
+    else:
+        savemat(tmp_path / "a.mat", content)
+    with pytest.raises(InputError, match=words):
+        read_table(tmp_path / "a.mat", run.scene)

@@ -175,7 +175,7 @@ def bearing_shapes():
 
 
 def worst_of_shapes():
-    """The same bearings, on a roller and 4° aside: largest errors of hub and of any load, at 1 mm and at 2 mm."""
+    """The same bearings, on a roller and 4° beside it: largest errors of hub and of any load, at 1 mm and at 2 mm."""
     places = [(bearing, first) for bearing in SHAPES.values() for first in (ON_A_ROLLER, ON_A_ROLLER + 0.07)]
     for what, share, tolerance in ((*ONE_MM, 2e-3), (*TWO_MM, 7e-3)):
         pairs = [

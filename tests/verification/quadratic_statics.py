@@ -75,7 +75,7 @@ def hertz(found: QuadraticStatics):
 def quadratic_shapes():
     """Eleven bearings at rest, meshes 1 mm and 2 mm and the series, against quadratic elements: no series in between.
 
-    The same bearings and loads as in `bearing-shapes`. What the quadratic elements err by is seen from two refinements.
+    The same bearings and loads as in `bearing-shapes`. Two refinements show the error of the quadratic elements.
     """
     source = QUADRATIC.format(FINE)
     one_mm, two_mm = [], []

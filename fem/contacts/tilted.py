@@ -16,20 +16,20 @@ from lagrange.contact.raceway_laws import LogarithmicLaw
 
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
-SLOPES = 1e-3  # rad: tables are made for multiples, so that they serve other scenes too
+SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
 
 
 def tilted_tables(
-    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, misalignment: float
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, largest_slope: float
 ) -> tuple[ContactTable, ContactTable]:
     """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
 
     Parameters
     ----------
-    largest_force : N, of a contact at rest; misalignment : rad, of the shaft
+    largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
     """
     power = 10.0 ** floor(log10(max(largest_force, 1.0)))
-    force, slope = ceil(2.0 * largest_force / power) * 0.5 * power, ceil(abs(misalignment) / SLOPES) * SLOPES
+    force, slope = ceil(2.0 * largest_force / power) * 0.5 * power, ceil(largest_slope / SLOPES) * SLOPES
 
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)

@@ -9,7 +9,7 @@ from lagrange.axial.slices import LineLaw, Slices
 from lagrange.axial.table import ContactTable, fitted
 from lagrange.bearing import Bearing
 
-KNOTS = 64  # between the opening and the largest approach of a straight contact
+KNOTS = 72  # between the opening and the largest approach of a straight contact
 COARSER = 2.5  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
 MOST_SLOPES = 300  # steps of slope either way
 BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
@@ -21,31 +21,35 @@ def contact_tables(
     axial: Axial,
     laws: tuple[LineLaw, LineLaw],
     largest_force: float,
-    misalignment: float = 0.0,
+    largest_slope: float,
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[ContactTable, ContactTable]:
     """Tables of the inner and the outer contact, where all rollers are alike.
 
-    They go as far as a roller can tilt between the raceways, in clearance and profiles, and deeper.
-
     Parameters
     ----------
     laws : of the whole length
-    largest_force : N, of a contact at rest
-    misalignment : rad, of the shaft, beside what rollers tilt
+    largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
     couplings : (n, n) each, m/N, of slices; None: each is alone
 
     Errors
     ------
     RuntimeError: slices do not settle.
     """
-    both = contact_slices(bearing, axial, laws, couplings)
-    deepest = [each.straight_approach(MORE * largest_force) for each in both]
-    play = max(2.0 * bearing.radial_clearance, 0.0)
-    ends = sum(float(each.drop[[0, -1]].max()) for each in both)
-    steepest = abs(misalignment) + (play + ends + sum(deepest)) / bearing.roller_length
-    inner, outer = (tabulated(each, deep, steepest) for each, deep in zip(both, deepest, strict=True))
+    inner, outer = (
+        tabulated(each, each.straight_approach(MORE * largest_force), largest_slope)
+        for each in contact_slices(bearing, axial, laws, couplings)
+    )
     return inner, outer
+
+
+def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: float) -> float:
+    """The largest slope, rad, of a roller to a ring: of the shaft, and as far as it can tilt between raceways.
+
+    `depth` : m, by which contacts give way
+    """
+    play, ends = max(2.0 * bearing.radial_clearance, 0.0), np.minimum(axial.drops(bearing)[:, [0, -1]], 4.0 * depth)
+    return abs(misalignment) + (play + float(ends.max(axis=1).sum()) + 2.0 * depth) / bearing.roller_length
 
 
 def contact_slices(
@@ -77,11 +81,12 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
     first = float(opening.min()) - 2.0 * step
     approach = first + step * np.arange(ceil((deepest - first) / step) + 1)
     signed = approach[:, None] - opening
-    wanted = signed > -BELOW * step
-    if slices.is_symmetric:
-        wanted &= slope >= 0.0
+    known = signed > -BELOW * step
+    wanted = known & (slope >= 0.0) if slices.is_symmetric else known
     at, energy = np.nonzero(wanted), np.zeros(signed.shape)
     energy[at] = slices.sums(opening[at[1]] + np.abs(signed[at]), slope[at[1]]).energy
     if slices.is_symmetric:
         energy[:, :half] = energy[:, :half:-1]
-    return fitted((first, -steepest), (step, steepest / half), np.sign(signed) * np.sqrt(energy))
+    u = np.sign(signed) * np.sqrt(energy)
+    u = np.where(known, u, u.min(axis=0) * signed / (-BELOW * step))
+    return fitted((first, -steepest), (step, steepest / half), u)

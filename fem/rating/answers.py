@@ -4,11 +4,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lagrange import BallBearing, Bearing, Operation, contact_laws
+from lagrange.axial import Axial
 from lagrange.catalogue import listed, width_of
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.first_state import equilibrium_state
@@ -29,16 +30,21 @@ from lagrange.rating.life import (
     reference_viscosity,
     reliability_factor,
 )
-from lagrange.rating.reference_life import LaminaLoads, reference_life, rigid_loads, shared_out
+from lagrange.rating.reference_life import LAMINAE, LaminaLoads, positions, reference_life, rigid_loads, shared_out
 from lagrange.rating.sources import Source, Unavailable
-from lagrange.rating.stiffness import Pitch, in_series, lagrangian_pitch
+from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
 from lagrange.spinning import growths
 
+if TYPE_CHECKING:
+    from fem.rating.tilted import TiltedPitch
+
 RPM = 2.0 * pi / 60.0
 POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
 INSTANTS = 2000  # of a load that changes with time
+SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
+TILTS = "with [axial] only the damping of rollers whose axes stay parallel is at hand"
 PLANE = "the bearing's section is plane: the scene has no [axial], and rollers don't tilt"
 NO_FIT = "the scene has no [fit]: interference and temperatures are taken to be in its clearance"
 
@@ -208,9 +214,33 @@ class Case:
         return life_modification(self.kappa, self.contamination * fatigue_load_limit(self.row) / self.some_load)
 
     @cached_property
+    def axial(self) -> Axial | None:
+        return self.scene.ideal_axial()
+
+    @cached_property
+    def profile(self) -> bool | np.ndarray:
+        """As `rigid_loads` takes it: the standard's without [axial]."""
+        if self.axial is None:
+            return True
+        axial, z = self.axial, 1e-3 * positions(self.row)
+        drops = [each.drop(z, self.bearing) for each in (axial.roller, axial.inner_raceway, axial.outer_raceway)]
+        return 1e3 * (2.0 * drops[0] + drops[1] + drops[2])
+
+    def rigid_at(self, first: float = 0.0, slope: float | None = None, profile: bool | None = None) -> LaminaLoads:
+        """The standard's load distribution, roller 0 at an angle from the load, rad.
+
+        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's
+        """
+        return rigid_loads(
+            self.row, self.section_load, 2e3 * self.bearing.radial_clearance,
+            self.operation.misalignment if slope is None else slope,
+            profile=self.profile if profile is None else profile, first=first,
+        )  # fmt: skip
+
+    @cached_property
     def rigid(self) -> LaminaLoads:
         """The standard's load distribution."""
-        return rigid_loads(self.row, self.section_load, 2e3 * self.bearing.radial_clearance)
+        return self.rigid_at()
 
     @property
     def some_load(self) -> float:
@@ -225,28 +255,54 @@ class Case:
     @cached_property
     def rigid_pitch(self) -> np.ndarray:
         """The same at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
-        pitch, clearance = 2.0 * pi / self.row.rollers, 2e3 * self.bearing.radial_clearance
-        firsts = pitch * np.arange(POSITIONS) / POSITIONS
-        return np.concatenate([rigid_loads(self.row, self.section_load, clearance, first=at).loads for at in firsts])
+        firsts = 2.0 * pi / self.row.rollers * np.arange(POSITIONS) / POSITIONS
+        return np.concatenate([self.rigid_at(at).loads for at in firsts])
 
     @cached_property
     def elastic(self) -> Pitch:
         return self.elastic_under(self.on_bearing)
 
-    def elastic_under(self, operation: Operation) -> Pitch:
+    def elastic_under(self, operation: Operation, samples: int = SAMPLES) -> Pitch:
         mounting = self.scene.mounting()
         if mounting.points is not None or mounting.bore is not None:
             raise Unavailable("[support]: elastic rings are rated with the outer ring held all around")
         from fem.rating.elastic import elastic_pitch
 
-        return elastic_pitch(self.bearing, operation, self.scene.damping.contacts)
+        if self.axial is not None:
+            return self.tilted_under(operation, elastic=True).pitch
+        return elastic_pitch(self.bearing, operation, self.scene.damping.contacts, samples)
 
     @cached_property
     def lagrangian(self) -> Pitch:
+        return self.lagrangian_under(self.on_bearing)
+
+    def lagrangian_under(self, operation: Operation, samples: int = SAMPLES) -> Pitch:
+        if self.axial is not None:
+            return self.tilted_under(operation, elastic=False).pitch
         try:
-            return lagrangian_pitch(self.bearing, self.on_bearing, self.laws, self.scene.damping.contacts)
+            return lagrangian_pitch(self.bearing, operation, self.laws, self.scene.damping.contacts, samples)
         except RuntimeError as error:
             raise Unavailable(str(error)) from None
+
+    def tilted_under(self, operation: Operation, elastic: bool, axial: Axial | None = None) -> "TiltedPitch":
+        """Equilibria with rollers that tilt, by elastic rings, or rigid ones on the scene's contact law."""
+        from fem.rating.tilted import tilted_pitch
+
+        axial = axial or self.axial or _refuse(PLANE)
+        return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
+
+    @cached_property
+    def tilted(self) -> "TiltedPitch":
+        """By the contacts of the scene's model."""
+        return self.tilted_under(self.on_bearing, elastic=self.scene.model != "lagrange")
+
+    def lives_by_slope(self) -> dict[str, float]:
+        """L10r, 10⁶ revolutions, by misalignment in mrad."""
+        if self.axial is None:
+            raise Unavailable(PLANE)
+        capacity = dynamic_capacity(self.row)
+        return {f"{mrad:g} mrad": reference_life(self.row, capacity, self.rigid_at(slope=1e-3 * mrad).loads)
+                for mrad in SLOPES}  # fmt: skip
 
     @property
     def pitch(self) -> Pitch:
@@ -269,6 +325,9 @@ class Case:
     def stressed(self) -> dict[str, LineContact]:
         """The most loaded contact of each raceway over the pitch."""
         pairs = self.line_contacts
+        if self.axial is not None:
+            peaks = self.tilted.peaks
+            return {pair.kind: line_contact(pair, peaks[pair.kind]) for pair in pairs[:2]}
         forces = self.pitch.inner_force.max(), self.pitch.outer_force.max()
         return {pair.kind: line_contact(pair, float(q)) for pair, q in zip(pairs, forces, strict=False)}
 
@@ -354,13 +413,17 @@ class Case:
         return 1e6 * self.films.thinner / self.options.roughness
 
     def elastic_life(self) -> float:
-        pitch = self.elastic
+        acting = self.on_bearing
         if self.cycle is not None:
             weight = self.operation.inner_mass * self.operation.gravity
-            down = self.load / load_factor(self.bearing) - weight
-            pitch = self.elastic_under(replace(self.on_bearing, side_load=0.0, radial_load=down))
+            acting = replace(acting, side_load=0.0, radial_load=self.load / load_factor(self.bearing) - weight)
+        capacity = dynamic_capacity(self.row)
+        if self.axial is not None:  # slices alone, which the standard's factor of edges is made for
+            alone = replace(self.axial, slices=LAMINAE, coupling=False)
+            return reference_life(self.row, capacity, *self.tilted_under(acting, True, alone).loads)
+        pitch = self.elastic if self.cycle is None else self.elastic_under(acting)
         inner, outer = (shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
-        return reference_life(self.row, dynamic_capacity(self.row), inner, outer)
+        return reference_life(self.row, capacity, inner, outer)
 
     def modified_life(self) -> float:
         life = basic_life(dynamic_capacity(self.row), self.load)
@@ -423,9 +486,17 @@ DECLARED: tuple[_Declared, ...] = (
     ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED, lambda c: (c.pitch, c.contacts)[1]),
     ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
      lambda c: c.with_housing()),
-    ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting", s.LINEARISED, lambda c: _refuse(PLANE)),
+    ("misalignment_mrad", "mrad", "slope of the shaft, +z end towards the load", s.TILTED,
+     lambda c: 1e3 * c.tilted.slope),
+    ("tilting_moment_N_m", "N m", "moment that holds that slope, mean over a pitch", s.TILTED,
+     lambda c: c.tilted.moment),
+    ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting at constant load, mean over a pitch",
+     s.TILTED, lambda c: c.tilted.tilt_stiffness),
+    ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
+     lambda c: c.lives_by_slope()),
     ("damping_N_s_per_m", "N s/m", "damping by the contacts' dampers, mean over a pitch", s.LINEARISED,
-     lambda c: c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
+     lambda c: _refuse(TILTS) if c.axial is not None
+     else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
      else _refuse("the scene has no [damping] of contacts")),
     ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub's mass", s.LINEARISED, lambda c: c.frequencies()),
     ("hub_um", "µm", "hub's displacement x, y, mean over a pitch", s.LINEARISED,

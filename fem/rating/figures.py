@@ -14,7 +14,7 @@ from lagrange.rating.capacity import dynamic_capacity
 from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
 from lagrange.rating.reference_life import reference_life, rigid_loads
 from lagrange.rating.sources import Unavailable
-from lagrange.rating.stiffness import Pitch, lagrangian_pitch
+from lagrange.rating.stiffness import Pitch
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED
 from residual.figures.style import STYLE
 
@@ -83,7 +83,7 @@ def _load_zone(case: Case) -> Figure:
         (words, pitch.theta.ravel(), pitch.inner_force.ravel(), colour) for words, pitch, colour in _contacts(case)
     ]
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
-    rigid = [rigid_loads(row, case.section_load, 2e3 * case.bearing.radial_clearance, first=at) for at in turned]
+    rigid = [case.rigid_at(at) for at in turned]
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi
     curves.append(("ISO/TS 16281", angles.ravel(), np.concatenate([each.of_rollers for each in rigid]), GREY))
     for words, theta, force, colour in curves:
@@ -135,14 +135,9 @@ def _load_deflection(case: Case) -> Figure:
             rows.append(np.hypot(*pitch.place.mean(axis=0)))
         return UM * np.array(rows)
 
-    damping = case.scene.damping.contacts
     for words, _, colour in _contacts(case):
-        if colour == BLUE:
-            from fem.rating.elastic import elastic_pitch
-
-            found = curve(lambda each: elastic_pitch(case.bearing, each, damping, FEW))
-        else:
-            found = curve(lambda each: lagrangian_pitch(case.bearing, each, case.laws, damping, FEW))
+        under = case.elastic_under if colour == BLUE else case.lagrangian_under
+        found = curve(lambda each, under=under: under(each, FEW))
         axis.plot(found, share[:, 0] * case.static_load, "o-", markersize=3, color=colour, label=words)
     axis.set(xlabel="displacement of the hub, µm", ylabel="load, N", xlim=(0, None), ylim=(0, None))
     axis.legend(fontsize=7.5)
@@ -169,16 +164,18 @@ def _life(case: Case) -> Figure:
 
 
 def _misalignment(case: Case) -> Figure:
-    row, load = case.row, case.section_load
-    capacity, clearance = dynamic_capacity(row), 2e3 * case.bearing.radial_clearance
-    tilts = np.linspace(0.0, TILTED, 25)
+    row, capacity, tilts = case.row, dynamic_capacity(case.row), np.linspace(0.0, TILTED, 25)
     figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
-    for profile, words, colour in ((True, "logarithmic profile", BLUE), (False, "straight rollers", RED)):
-        lives = [
-            reference_life(row, capacity, rigid_loads(row, load, clearance, tilt, profile=profile).loads)
-            for tilt in tilts
-        ]
-        axis.plot(1e3 * tilts, lives, color=colour, label=words)
+    curves: list[tuple[bool | None, str, str, str]] = [
+        (True, "logarithmic profile", BLUE, "-"),
+        (False, "straight rollers", RED, "-"),
+    ]
+    if case.axial is not None:
+        curves.append((None, "the scene's profiles", GREEN, "--"))
+        axis.axvline(1e3 * abs(case.operation.misalignment), color=GREY, linestyle=":", linewidth=0.9)
+    for profile, words, colour, style in curves:
+        lives = [reference_life(row, capacity, case.rigid_at(slope=tilt, profile=profile).loads) for tilt in tilts]
+        axis.plot(1e3 * tilts, lives, color=colour, linestyle=style, label=words)
     axis.set(xlabel="misalignment, mrad", ylabel="L10r, 10⁶ revolutions", yscale="log", xlim=(0, None))
     axis.legend(fontsize=7.5)
     caption = "ISO/TS 16281, rigid rings whose axes are held at an angle in the plane of the load."

@@ -73,6 +73,7 @@ class TiltedBearing:
         RuntimeError: no equilibrium is found, or it lies outside the tables.
         """
         x = self._first(slope) if start is None else start.copy()
+        x[2:4] = slope
         free = np.ones(x.size, dtype=bool)
         free[2:4] = self.shaft_tilt_stiffness is not None
         size, damping = max(float(np.hypot(*self.load)), 1e-3), 0.0

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.axial.profile import logarithmic_drop
 from lagrange.rating.capacity import REDUCTION, Dimensions
 from lagrange.rating.sources import Unavailable
 
 LAMINAE = 40  # n_s; the standard asks for 30 at least
 EXPONENT = 10.0 / 9.0  # of the load of a lamina over its approach
 STIFFNESS = 35948.0  # c_L/L_we^(8/9), N/mm^(10/9)/mm^(8/9), both contacts of a steel roller
-LONG = 2.5  # L_we/D_we beyond which the middle of the profile is straight
 STEPS = 100  # of Newton's method; five are usual
 
 
@@ -24,11 +24,14 @@ def positions(row: Dimensions, laminae: int = LAMINAE) -> np.ndarray:
 
 def profile_drop(row: Dimensions, x: np.ndarray) -> np.ndarray:
     """P(x), mm, of the standard's logarithmic profile: (42), of long rollers (43) and (44)."""
-    diameter, length = row.diameter, row.length
-    if length <= LONG * diameter:
-        return 0.00035 * diameter * np.log(1.0 / (1.0 - (2.0 * x / length) ** 2))
-    beyond = np.maximum(2.0 * np.abs(x) - (length - LONG * diameter), 0.0) / (LONG * diameter)
-    return 0.0005 * diameter * np.log(1.0 / (1.0 - beyond**2))
+    return logarithmic_drop(x, row.length, row.diameter)
+
+
+def _drop(row: Dimensions, x: np.ndarray, profile: bool | np.ndarray) -> np.ndarray:
+    """Of both contacts together, mm."""
+    if isinstance(profile, np.ndarray):
+        return profile
+    return 2.0 * profile_drop(row, x) if profile else np.zeros(x.size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +54,7 @@ def rigid_loads(
     clearance: float = 0.0,
     tilt: float = 0.0,
     *,
-    profile: bool = True,
+    profile: bool | np.ndarray = True,
     laminae: int = LAMINAE,
     first: float = 0.0,
 ) -> LaminaLoads:
@@ -60,13 +63,13 @@ def rigid_loads(
     Parameters
     ----------
     load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
-    profile : the standard's; else straight rollers
+    profile : the standard's; False: straight rollers; or the drops of both contacts together at the laminae, mm
     first : rad, of roller 0 from the load
 
     Source: ISO/TS 16281:2008, c_s = 35948 L_we^(8/9)/n_s, δ_jk = δ_j − x_k tan ψ_j − 2 P(x_k).
     """
     x = positions(row, laminae)
-    drop = 2.0 * profile_drop(row, x) if profile else np.zeros(laminae)
+    drop = _drop(row, x, profile)
     cos = np.cos(first + 2.0 * np.pi * np.arange(row.rollers) / row.rollers)
     gap = 0.5 * clearance + np.outer(np.tan(tilt) * cos, x) + drop
     stiff = STIFFNESS * row.length ** (8 / 9) / laminae

@@ -140,8 +140,8 @@ def simulate(
     began = time.perf_counter()
     with _PLANNING:
         plan = programs_named(lambda: make_plan(scene))
-        plan.prepare()
-    setup, memory, state = time.perf_counter() - began, Memory(plan), plan.first_state()
+        state = plan.prepare()
+    setup, memory = time.perf_counter() - began, Memory(plan)
     run(plan, memory.append, progress or (lambda seen: None), stop, state, memory.keep, memory.begin_again)
     return Result.of(state, memory, setup)
 

@@ -133,8 +133,7 @@ class Player:
             }
         )
         plan = make_plan(played)
-        plan.prepare(tell)
-        state = plan.first_state()
+        state = plan.prepare(tell)
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
         self.bearing = played.ideal_bearing()

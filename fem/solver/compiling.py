@@ -9,7 +9,7 @@ from importlib.metadata import version
 
 from fem.kernels import kernel_folder
 from fem.solver.pace import in_words, pace, remember
-from fem.solver.solver import Plan
+from fem.solver.solver import Plan, RunState
 from lagrange.messages import said_if_long
 
 
@@ -49,7 +49,7 @@ class CompiledPlan(Plan):
     def _compiling_key(self) -> str:
         return f"compiling {self.scene.model}"
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+    def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
         """Compile the time loop, or load it compiled, without taking a step."""
         from numba.core.event import install_recorder
 
@@ -58,13 +58,15 @@ class CompiledPlan(Plan):
         try:
             long = "" if tell is None else COMPILING + self.compiling
             with said_if_long(PATIENCE, long, tell), install_recorder("numba:compile") as new:
-                self.first_state().take_steps(0)
+                state = self.first_state()
+                state.take_steps(0)
         finally:
             if collecting:
                 gc.enable()
         took, key = time.process_time() - began, self._compiling_key
         if new.buffer and took > PATIENCE:
             remember(key, self.compiling_seconds * pace(key), took)
+        return state
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -133,9 +133,8 @@ class LagrangianPlan(CompiledPlan):
         still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
-        if self.n_samples > 1:
-            super().prepare(tell)
+    def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
+        return self.first_state() if self.n_samples == 1 else super().prepare(tell)
 
     def first_state(self) -> RunState:
         if self.n_samples == 1:

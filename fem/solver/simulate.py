@@ -65,8 +65,7 @@ def run(
     RunFailed: the run went wrong numerically; good samples were written.
     """
     if state is None:
-        plan.prepare()
-        state = plan.first_state()
+        state = plan.prepare()
     state.stop = stop
     size = 1
     while state.done < plan.n_samples and not stop():

@@ -202,8 +202,9 @@ class Plan(ABC):
     def static_hub(self) -> np.ndarray:
         """Hub under the radial load alone, standing, weightless, (2,), m. RuntimeError, UsageError: no equilibrium."""
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> None:  # noqa: B027 (most need nothing)
-        """Load or compile what the steps need; `tell` gets a sentence if that takes long."""
+    def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
+        """Load or compile what the steps need, and give the first state; `tell` gets a sentence if that takes long."""
+        return self.first_state()
 
     @abstractmethod
     def first_state(self) -> RunState:

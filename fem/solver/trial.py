@@ -46,8 +46,7 @@ def seconds_by_trial(plan: Plan) -> float | None:
         return None
     try:
         with install_listener("numba:compile", _Refusal()):
-            plan.prepare()
-            state = plan.first_state()
+            state = plan.prepare()
             state.advance(1)
             size, warm, before = 1, state.done, state.processor
             while state.done < plan.n_samples and state.processor - before < ENOUGH:

@@ -97,7 +97,7 @@ class FitTable(Table):
 def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
     """Sizes that don't go with the bearing's, and interferences that no ring bears."""
     bore, outside = bearing.bore_diameter_mm, bearing.outside_diameter_mm
-    if fit.shaft_bore_mm >= bore:
+    if fit.shaft_bore_mm >= bore > 0.0:
         yield f"fit.shaft_bore_mm = {fit.shaft_bore_mm:g} must be below bearing.bore_diameter_mm = {bore:g}; 0: solid"
     if 0.0 < fit.housing_outside_diameter_mm <= outside:
         yield (
@@ -106,7 +106,7 @@ def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
         )
     for name, diameter in (("shaft", bore), ("housing", outside)):
         given, most = getattr(fit, f"{name}_interference_um"), 1e3 * LARGEST_INTERFERENCE * diameter
-        if abs(given) > most:
+        if abs(given) > most > 0.0:
             yield (
                 f"fit.{name}_interference_um = {given:g}: more than {LARGEST_INTERFERENCE:g} of the diameter, "
                 f"{diameter:g} mm; between {-most:g} and {most:g}"

@@ -112,7 +112,7 @@ class SceneTables(Table):
 
     def clearance_without_films(self) -> OperatingClearance | None:
         """The same but for the films, which need the bearing that this makes."""
-        if self.fit is None:
+        if self.fit is None or self.bearing.bore_diameter_mm == 0.0:  # a solid shaft has no fit
             return None
         bearing = self.unmounted_bearing()
         roller = self._growths(bearing)[1]

@@ -183,6 +183,22 @@ def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency():
     assert y[far].max() < 1e-3
 
 
+def test_an_envelope_shows_the_depth_of_a_swell_at_its_line():
+    """Of a carrier of 5 m/s² that swells by 0.4 at BPFO the envelope has a line of 2 m/s² there, and none elsewhere."""
+    time, lines = 1e-5 * np.arange(20_000), {"BPFO": 238.0, "BPFI": 350.0, "2×BSF": 215.0}
+    record = Record(1e-5)
+    record.add(samples_of(inner_ay=np.cos(2.0 * np.pi * 8e3 * time[:3000])))
+    assert record.envelope(lines)[1].size == 0  # 7 passes
+    swell = 1.0 + 0.4 * np.cos(2.0 * np.pi * 235.0 * time)  # slips by 1.3 %
+    record = Record(1e-5)
+    record.add(samples_of(inner_ay=5.0 * swell * np.cos(2.0 * np.pi * 8e3 * time) + 90.0))
+    step, amplitude, found = record.envelope(lines)
+    assert found["BPFO"] == pytest.approx(2.0, rel=0.02) and step == pytest.approx(5.0)
+    assert max(found["BPFI"], found["2×BSF"]) < 0.02
+    assert step * np.argmax(amplitude) == pytest.approx(235.0, abs=0.1)
+    assert record.envelope(dict.fromkeys(lines, 0.0))[1].size == 0  # the bearing stands
+
+
 def test_an_orbit_is_given_once_and_not_too_finely():
     record = Record(1e-5)
     record.add(samples_of(inner_x=np.arange(1700.0)))

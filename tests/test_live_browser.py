@@ -71,7 +71,7 @@ def test_all_is_drawn_and_read_and_nothing_comes_from_elsewhere(page, live):
     )
     assert min(sizes) > 12.0
     assert coloured(page, "#bearing") > 2000 and coloured(page, "#zone canvas") > 50
-    for name in ("bearing", "zone .plot", "orbit .plot", "spectrum .plot"):
+    for name in ("bearing", "zone .plot", "orbit .plot", "spectrum .plot", "envelope .plot"):
         box = page.locator(f"#{name}").bounding_box()
         assert box["width"] > 250 and box["height"] > 150
     page.wait_for_function("() => document.querySelector('#record').textContent.includes('Hz')")

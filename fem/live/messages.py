@@ -15,6 +15,7 @@ from fem.errors import UsageError
 from fem.live.controls import Values
 from fem.live.player import FROM_LOAD, Player
 from lagrange.kinematics import kinematics
+from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.surfaces import own_radius
 from lagrange.surface.faults import Spall
@@ -102,6 +103,7 @@ def bearing_message(player: Player) -> Message:
             for name, value in frequencies.items()
             if value > 0.0
         ],
+        "faults": [{"name": name, "frequency": value} for name, value in player.fault_lines.items() if value > 0.0],
         "step": player.plan.time_step / UM,
         "interval": player.plan.interval / UM,
         "start": scene.numerics.start,
@@ -111,10 +113,13 @@ def bearing_message(player: Player) -> Message:
 
 
 def frame_message(player: Player, slowness: float | None) -> Message:
-    """An instant: ms, µm, N, rad, m/s²; angles of rollers from the load, counter-clockwise; `slowness` reached."""
+    """An instant: ms, µm, N, rad, m/s², envelope in g; angles of rollers from the load, counter-clockwise; `slowness`
+    reached.
+    """
     now, bearing = player.now, player.bearing
     from_load = np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi
     frequency, amplitude = player.record.spectrum()
+    bin_width, envelope, at_lines = player.record.envelope(player.fault_lines)
     speed = player.scene.ideal_operation().speed
     frame = {
         "time": float(now["time"]) * 1e3,
@@ -129,6 +134,11 @@ def frame_message(player: Player, slowness: float | None) -> Message:
         "orbit": _short(player.record.orbit() / UM, 4),
         "frequency": _short(frequency, 1),
         "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
+        "envelope": {
+            "bin": bin_width,
+            "amplitude": [float(f"{value:.3g}") for value in envelope / G],
+            "lines": {name: value / G for name, value in at_lines.items()},
+        },
         "record": player.record.length * 1e3,
         "imbalance": player.imbalance,
         "balanced": player.is_balanced,

@@ -130,6 +130,33 @@ const charts = (function () {
     };
   }
 
+  // frequencies by name, from low to high; names that would overlap go to a further row, or are left out
+  function mark(u, lines, rows) {
+    const { ctx, bbox } = u, ratio = devicePixelRatio;
+    ctx.save();
+    ctx.font = 11 * ratio + "px system-ui, sans-serif";
+    ctx.textAlign = "center";
+    const last = Array(rows).fill(-1e9);
+    for (const line of lines) {
+      const x = u.valToPos(line.frequency, "x", true);
+      if (x < bbox.left || x > bbox.left + bbox.width) continue;
+      ctx.strokeStyle = line.faint ? "#c9d1d9" : "#8b949e";
+      ctx.lineWidth = ratio;
+      ctx.setLineDash([4 * ratio, 3 * ratio]);
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      const wide = ctx.measureText(line.name).width;
+      const row = last.findIndex((end) => x - 0.5 * wide >= end + 4 * ratio);
+      if (row < 0) continue;
+      ctx.fillStyle = SOFT;
+      ctx.fillText(line.name, x, bbox.top - (6 + 12 * row) * ratio);
+      last[row] = x + 0.5 * wide;
+    }
+    ctx.restore();
+  }
+
   function spectrum(holder) {
     const DECADES = 5, NAMED = [20, 100, 500, 2e3, 1e4];
     let lines = [], data = [[20, 2e4], [null, null], [null, null]], top = 1;
@@ -147,38 +174,13 @@ const charts = (function () {
         { ...AXIS, label: "amplitude of acceleration, m/s²", size: 58, splits: decades, filter: (u, splits) => splits, values: (u, values) => values.map(power) },
       ],
       series: [{}, { stroke: BLUE, width: 1.3, points: { show: false } }, { stroke: RED, width: 1.3, points: { show: false } }],
-      hooks: { drawClear: [mark] },
+      hooks: { drawClear: [(u) => mark(u, lines, 1)] },
     }, data);
-
-    function mark(u) {
-      const { ctx, bbox } = u, ratio = devicePixelRatio;
-      ctx.save();
-      ctx.font = 11 * ratio + "px system-ui, sans-serif";
-      ctx.textAlign = "center";
-      let last = -1e9;
-      for (const line of lines) {
-        const x = u.valToPos(line.frequency, "x", true);
-        if (x < bbox.left || x > bbox.left + bbox.width) continue;
-        ctx.strokeStyle = line.name.includes("×") ? "#c9d1d9" : "#8b949e";
-        ctx.lineWidth = ratio;
-        ctx.setLineDash([4 * ratio, 3 * ratio]);
-        ctx.beginPath();
-        ctx.moveTo(x, bbox.top);
-        ctx.lineTo(x, bbox.top + bbox.height);
-        ctx.stroke();
-        const wide = ctx.measureText(line.name).width;
-        if (x - 0.5 * wide < last + 4 * ratio) continue;
-        ctx.fillStyle = SOFT;
-        ctx.fillText(line.name, x, bbox.top - 6 * ratio);
-        last = x + 0.5 * wide;
-      }
-      ctx.restore();
-    }
 
     return {
       u,
       forget(bearing) {
-        const more = (line) => [2, 3, 4, 5].map((k) => ({ name: k + "×", frequency: k * line.frequency }));
+        const more = (line) => [2, 3, 4, 5].map((k) => ({ name: k + "×", frequency: k * line.frequency, faint: true }));
         const own = bearing.lines;
         lines = [...own, ...own.filter((line) => line.name === "BPFO").flatMap(more)];
         lines.sort((a, b) => a.frequency - b.frequency);
@@ -198,9 +200,34 @@ const charts = (function () {
     };
   }
 
+  function envelope(holder) {
+    let lines = [], data = [[0, 1], [null, null]], end = 1, top = 1e-9;
+    const u = plot(holder, {
+      padding: [32, 12, 0, 0],
+      scales: { x: { time: false, range: () => [0, end] }, y: { range: () => [0, top] } },
+      axes: [{ ...ACROSS, label: "frequency, Hz" }, { ...AXIS, label: "amplitude of the envelope, g", size: 64 }],
+      series: [{}, { stroke: RED, width: 1.3, points: { show: false } }],
+      hooks: { drawClear: [(u) => mark(u, lines, 2)] },
+    }, data);
+    return {
+      u,
+      forget(bearing) {
+        lines = [...bearing.faults].sort((a, b) => a.frequency - b.frequency);
+        end = 2.3 * Math.max(...lines.map((line) => line.frequency), 1);
+      },
+      remember(frame) {
+        const { bin, amplitude } = frame.envelope;
+        data = amplitude.length ? [amplitude.map((value, i) => i * bin), amplitude] : [[0, end], [null, null]];
+        const highest = 1.1 * Math.max(...amplitude, 1e-9); // the scale stays while values change, so that a line is seen to rise
+        if (highest > top || highest < 0.02 * top) top = highest;
+      },
+      draw: () => u.setData(data),
+    };
+  }
+
   function all() {
     const holder = (name) => document.querySelector("#" + name + " .plot");
-    const made = [zone(holder("zone")), orbit(holder("orbit")), spectrum(holder("spectrum"))];
+    const made = [zone(holder("zone")), orbit(holder("orbit")), spectrum(holder("spectrum")), envelope(holder("envelope"))];
     const resize = () => made.forEach(({ u }) => {
       const room = u.root.parentElement;
       if (u.width !== room.clientWidth || u.height !== room.clientHeight) u.setSize({ width: room.clientWidth, height: room.clientHeight });

@@ -80,6 +80,8 @@
     $("balance").classList.toggle("bad", !frame.balanced);
     $("rate").textContent = pace.playing ? rate.toFixed(0) : "–";
     $("record").textContent = frame.frequency.length ? "over the last " + frame.record.toFixed(0) + " ms, in bins of " + round(1e3 / frame.record, 2) + " Hz" : "(after some 3 ms)";
+    const risen = Object.entries(frame.envelope.lines).map(([name, value]) => name + " " + round(value, 2) + " g");
+    $("risen").textContent = risen.length ? "Now: " + risen.join(", ") + "." : "(after eight rollers have passed)";
     tellPace(frame.slowness);
     const cautions = frame.cautions.map((sentence) => Object.assign(document.createElement("li"), { textContent: "⚠ " + sentence }));
     if (cautions.map((each) => each.textContent).join() !== [...$("cautions").children].map((each) => each.textContent).join()) $("cautions").replaceChildren(...cautions);

@@ -71,7 +71,7 @@ class Bearing:
     The x axis points right, y up; angles are counter-clockwise from +x.
     """
 
-    n_rollers: int
+    n_rollers: int  # those that are there
     roller_radius: float
     roller_length: float
     inner_raceway_radius: float
@@ -85,6 +85,7 @@ class Bearing:
     own_law: OwnLaw | None = None  # of its contacts, beside the published ones
     contact_angle: float = 0.0  # rad; the section's circles are those of elements' diameters times its cosine
     rows: int = 1  # that share loads evenly
+    missing: tuple[int, ...] = ()  # numbers, ascending, of the pockets without a roller
 
     def __post_init__(self):
         if not 0.0 <= self.bore_radius < self.inner_raceway_radius:
@@ -99,6 +100,26 @@ class Bearing:
             )
         if self.n_rollers < 1 or self.roller_radius <= 0.0 or self.roller_length <= 0.0:
             raise ValueError("number, radius and length of the rollers must be positive")
+
+    @property
+    def pockets(self) -> int:
+        """Places for rollers, equally spaced: Z."""
+        return self.n_rollers + len(self.missing)
+
+    @property
+    def pocket(self) -> tuple[int, ...]:
+        """Numbers of the rollers' pockets, (n_rollers,)."""
+        return tuple(number for number in range(self.pockets) if number not in self.missing)
+
+    @property
+    def full(self) -> "Bearing":
+        """The same with a roller in each pocket."""
+        return replace(self, n_rollers=self.pockets, missing=())
+
+    @property
+    def period(self) -> float:
+        """Angle of the cage, rad, after which the bearing looks the same."""
+        return 2.0 * pi / (1 if self.missing else self.n_rollers)
 
     @property
     def core_radius(self) -> float:
@@ -251,6 +272,6 @@ def thin_ring_inertia(bearing: Bearing, mass: float) -> float:
 
 def room_between_rollers(bearing: Bearing) -> float:
     """Between the surfaces of neighbouring rollers on the pitch circle, m; infinite for a single one."""
-    if bearing.n_rollers == 1:
+    if bearing.pockets == 1:
         return inf
-    return 2.0 * (bearing.pitch_radius * sin(pi / bearing.n_rollers) - bearing.roller_radius)
+    return 2.0 * (bearing.pitch_radius * sin(pi / bearing.pockets) - bearing.roller_radius)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Cage, Operation
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import ContactState, State, accelerations, housing_accelerations
 
 SMALLEST = 1e-30  # m
@@ -90,7 +90,7 @@ def free_cage(bearing: Bearing, cage: Cage, state: State, rows: CageRows, first_
     ------
     Springs' forces are those of the samples' places; dashpots' and friction's are the last step's.
     """
-    angle = first_angle + 2.0 * np.pi * np.arange(bearing.n_rollers) / bearing.n_rollers + rows.place[:, 2:]
+    angle = roller_angles(bearing, first_angle) + rows.place[:, 2:]
     ahead_x, ahead_y = -np.sin(angle), np.cos(angle)
     x = state.rho * np.cos(state.theta) - rows.place[:, :1]
     y = state.rho * np.sin(state.theta) - rows.place[:, 1:2]

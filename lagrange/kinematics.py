@@ -18,7 +18,7 @@ class Kinematics:
     shaft: float
     cage: float  # of the rollers' centres
     roller: float  # of a roller about its own axis, in the fixed frame
-    n_rollers: int
+    n_rollers: int  # pockets: a missing roller changes no line
     cosine: float = 1.0  # of the contact angle, by which elements of a section turn too fast about their own axes
 
     @property
@@ -49,7 +49,7 @@ def kinematics(bearing: Bearing, speed: float) -> Kinematics:
         shaft=speed,
         cage=cage,
         roller=-0.5 * surface_speed / bearing.roller_radius,
-        n_rollers=bearing.n_rollers,
+        n_rollers=bearing.pockets,
         cosine=bearing.cosine,
     )
 
@@ -63,5 +63,5 @@ def turned(bearing: Bearing, operation: Operation, time) -> Kinematics:
 
 
 def roller_angles(bearing: Bearing, first_roller_angle: float) -> np.ndarray:
-    """Equally spaced angles of the rollers' centres, (n_rollers,), rad: equation (20) of the paper."""
-    return first_roller_angle + 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers
+    """Angles of the rollers' centres, in equally spaced pockets, (n_rollers,), rad: equation (20) of the paper."""
+    return first_roller_angle + 2.0 * pi * np.array(bearing.pocket) / bearing.pockets

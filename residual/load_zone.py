@@ -12,15 +12,15 @@ from residual.differentiate import derivative
 from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
-PHASES = 24  # of one roller pitch
+PHASES = 24  # of one roller pitch; where rollers are missing, of each pitch of a turn
 
 
 @dataclass(frozen=True, kw_only=True)
 class QuasiStatic:
-    """Equilibria of rigid rings with rollers at cage speed, over one roller pitch."""
+    """Equilibria of rigid rings with rollers at cage speed, over one period of the bearing."""
 
     law: str
-    x: np.ndarray  # (PHASES + 1,), m, of the hub; the last closes the loop
+    x: np.ndarray  # (phases + 1,), m, of the hub; the last closes the loop
     y: np.ndarray
     angle: np.ndarray  # (n,), rad from the load line, counter-clockwise, −π … π, rising
     force: np.ndarray  # (n,), N, of the inner contact
@@ -34,10 +34,10 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     known = law_names(bearing)
     name = law if law in known else known[0]
     laws = contact_laws(name, bearing)
-    pitch = 2.0 * pi / bearing.n_rollers
+    phases = PHASES * round(bearing.period * bearing.pockets / (2.0 * pi))
     ring = tuple(np.mean(place) for place in np.subtract(record.hub, (record.inner_x, record.inner_y)))
     found, start = [], None
-    for phase in np.arange(PHASES + 1) / PHASES * pitch:
+    for phase in np.arange(phases + 1) / phases * bearing.period:
         angles = roller_angles(bearing, operation.first_roller_angle) + phase
         try:
             found.append(static_equilibrium(bearing, operation, laws, angles=angles, start=start, ring=ring))

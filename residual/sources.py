@@ -172,8 +172,8 @@ def _check_size(path: Path, file, names: list[str], n: int, scene: Scene) -> Non
     for name in names:
         check_array(file, name, n)
         shape = file[name].shape
-        if len(shape) == 2 and shape[1] != scene.bearing.rollers:
-            raise InputError(f"{path}: {name} holds {shape[1]} rollers, its scene says {scene.bearing.rollers}")
+        if len(shape) == 2 and shape[1] != scene.bearing.present:
+            raise InputError(f"{path}: {name} holds {shape[1]} rollers, its scene says {scene.bearing.present}")
         size += 8 * n * (shape[1] if len(shape) == 2 else 1)
     if size > LARGEST_READ:
         raise InputError(

@@ -205,7 +205,7 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
 
 def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:
     """Find column numbers and factor to SI of each quantity that the table has."""
-    columns, n_rollers = scene.table, scene.bearing.rollers
+    columns, n_rollers = scene.table, scene.bearing.present
     centre = scene.mounting().centre
     polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
         _at(path, header, columns, "roller_rho", n_rollers)[0]

@@ -65,7 +65,7 @@ def test_overrides_reach_tables_by_their_number():
     ("override", "word"),
     [
         ("spall.1.width_mm=2", "none of 0 tables"),
-        ("spall.0=2", "whole table"),
+        ("spall.0=2", "must be a table, [[spall]]"),
         ("spall.width_mm=2", "[[spall]]"),
         ("spall.0.widht_mm=2", "did you mean width_mm?"),
         (f"spall.{'9' * 5000}.width_mm=2", "none of 0 tables"),

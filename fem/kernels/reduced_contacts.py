@@ -65,9 +65,19 @@ def _lift(compliance, forces, drive, row, group):
     if drive.friction > 0.0:
         to = _place(forces, row, group)
         for k in range(compliance.crossing[row]):
-            found += load(forces.pulled, to + compliance.distance[k]) * compliance.crossed[row, k]
+            crossed = _crossed(compliance.spacing, compliance, row, k, group)
+            found += load(forces.pulled, to + compliance.distance[k]) * crossed
         store(forces.lifted, row * forces.normal.shape[2] + group, found)
     return found
+
+
+@part
+def _crossed(spacing, compliance, row, k, group):
+    """Compliance of eight contacts by a neighbour's traction, m/N."""
+    if spacing is None:
+        return splat(compliance.crossed[row, k])
+    shape = spacing.crossed.shape
+    return load(spacing.crossed, (row * shape[1] + k) * shape[2] + group)
 
 
 @part

@@ -83,6 +83,15 @@ class RigidBodies(NamedTuple):
     prescribed: Prescribed | None = None  # None: rollers turn and go round by the forces on them
 
 
+class Spacing(NamedTuple):
+    """`Compliance`'s arrays by neighbour for rollers that are not equally far apart: of each of them."""
+
+    along: given("2, neighbours, columns")
+    steep: given("2, neighbours, columns")
+    bent: given("2, 4, neighbours, columns")
+    crossed: given("2, neighbours, columns")
+
+
 class Compliance(NamedTuple):
     """How contacts give way, by their own laws and by the forces on other contacts of the same body."""
 
@@ -106,6 +115,7 @@ class Compliance(NamedTuple):
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
     ring_profiles: tuple  # of the inner and the outer raceway, see `surfaces`; None: a perfect circle
     roller_profiles: tuple  # of the rollers in their contacts with them
+    spacing: Spacing | None = None  # None: rollers are equally far apart
 
 
 class ReducedDampers(NamedTuple):

@@ -22,13 +22,13 @@ AGAIN = 16  # steps, and at samples; a checkpoint needs none of it
 def follow_angles(bodies, compliance, forces):
     """Compliances along both rings, and their slopes, where rollers are now."""
     columns, most, strayed = bodies.columns, compliance.strays, forces.strayed
-    neighbours, bent = compliance.distance.size, compliance.bent
+    neighbours = compliance.distance.size
     _stray(bodies, compliance, forces)
     for row in range(2):
         for k in range(compliance.felt[row, 0]):
-            along, steep, distance = compliance.along[row, k], compliance.steep[row, k], compliance.distance[k]
-            a, b, c, d = bent[row, 0, k], bent[row, 1, k], bent[row, 2, k], bent[row, 3, k]
+            distance = compliance.distance[k]
             for group in range(0, bodies.n, WIDTH):
+                along, steep, a, b, c, d = _polynomials(compliance.spacing, compliance, row, k, group)
                 at, to = forces.halo + group, (row * neighbours + k) * columns + group
                 off = load(strayed, at + distance) - load(strayed, at)
                 x = maximum(minimum(off, most), -most)
@@ -38,8 +38,22 @@ def follow_angles(bodies, compliance, forces):
 
 
 @part
+def _polynomials(spacing, compliance, row, k, group):
+    """Coefficients of eight rollers' compliances by a neighbour, of how much further than usual it is."""
+    if spacing is None:
+        bent, at = compliance.bent, compliance.along[row, k]
+        a, b, c, d = bent[row, 0, k], bent[row, 1, k], bent[row, 2, k], bent[row, 3, k]
+        return splat(at), splat(compliance.steep[row, k]), splat(a), splat(b), splat(c), splat(d)
+    neighbours, columns = spacing.along.shape[1], spacing.along.shape[2]
+    at, apart, bent = (row * neighbours + k) * columns + group, neighbours * columns, spacing.bent
+    to = at + 3 * row * apart
+    a, b, c, d = load(bent, to), load(bent, to + apart), load(bent, to + 2 * apart), load(bent, to + 3 * apart)
+    return load(spacing.along, at), load(spacing.steep, at), a, b, c, d
+
+
+@part
 def _stray(bodies, compliance, forces):
-    """Tell by how much rollers are ahead of equal angles from the first one's, about the outer ring.
+    """Tell by how much rollers are ahead of their pockets' angles from the first one's, about the outer ring.
 
     About the hub they are ahead by as much but for a thousandth of a roller's distance.
     """

@@ -42,7 +42,7 @@ def bars(instant: Instant) -> list[np.ndarray]:
     facts, bearing = instant.scene.ideal_cage(), instant.model.bearing
     if facts is None or instant.cage is None:
         return []
-    n, pitch, half = bearing.n_rollers, bearing.pitch_radius, bearing.roller_radius + 0.5 * facts.pocket_clearance
+    n, pitch, half = bearing.pockets, bearing.pitch_radius, bearing.roller_radius + 0.5 * facts.pocket_clearance
     wide = BAR * bearing.roller_radius
     walls = [_wall(pitch, half, wide, facts.guidance == "rollers", side) for side in (1.0, -1.0)]
     first = instant.operation.first_roller_angle + instant.cage[2]

@@ -106,7 +106,7 @@ def _stiffness(case: Case) -> Figure:
     if not found:
         raise Unavailable("no equilibrium")
     for words, pitch, colour in found:
-        share = np.append(pitch.turned, 2.0 * np.pi / case.bearing.n_rollers) * case.bearing.n_rollers / (2.0 * np.pi)
+        share = np.append(pitch.turned, case.bearing.period) / case.bearing.period
         for axis, (i, j) in zip(axes, ((1, 1), (0, 0), (0, 1)), strict=True):
             values = PER_UM * np.append(pitch.stiffness[:, i, j], pitch.stiffness[0, i, j])
             axis.plot(share, values, color=colour, label=words)

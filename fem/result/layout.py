@@ -11,7 +11,7 @@ little-endian doubles). The pair whose number is `committed_samples` holds; the 
 """
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +74,7 @@ class Places:
 
 def create(
     path: Path,
-    n_rollers: int,
+    rollers: Sequence[int],
     capacity: int,
     attributes: Mapping[str, object],
     variables: Variables,
@@ -84,17 +84,19 @@ def create(
 
     Parameters
     ----------
+    rollers : their numbers
     fields : makes further variables, one row a frame, and gives their names
 
     Errors
     ------
     OSError: the disk has not enough room.
     """
+    n_rollers = len(rollers)
     per_sample = sum(8 * (n_rollers if column.dimensions == PER_ROLLER else 1) for column in variables.values())
     with open(path, "wb") as file:  # before HDF5 tries, which would name no reason
         claim(file.fileno(), capacity * per_sample)
     with hdf5_to_write(path, libver="earliest") as file:
-        roller = file.create_dataset("roller", data=np.arange(n_rollers, dtype=np.int64))
+        roller = file.create_dataset("roller", data=np.array(rollers, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
         roller.make_scale("roller")
         for number, (name, column) in enumerate(variables.items(), start=1):

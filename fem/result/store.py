@@ -99,7 +99,7 @@ class ResultFile:
             part = new_part(self._path)
             undo.callback(part.unlink, missing_ok=True)
             places = create(
-                part, self._bearing.n_rollers, capacity, self._attributes, self._variables, self._further(capacity)
+                part, self._bearing.pocket, capacity, self._attributes, self._variables, self._further(capacity)
             )
             handle = open_locked(part)
             try:

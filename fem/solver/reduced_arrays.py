@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.kernels.fields import filled
+from fem.kernels.fields import at_line, filled
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import (
     INNER,
@@ -15,10 +15,12 @@ from fem.kernels.reduced_state import (
     ReducedDrive,
     ReducedForces,
     RigidBodies,
+    Spacing,
 )
 from fem.solver.part_arrays import raceway_profiles, rigid_dampers
 from fem.solver.rigid_arrays import STILL, Placed, columns_for, outer_drive, rigid_bodies
 from fem.solver.vibrations import vibrations
+from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
 from lagrange.equations import touching_distances
 from lagrange.spinning import growths
@@ -64,7 +66,10 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
     model = plan.model
     reach, track = touching_distances(model.bearing)
     inner, outer = raceway_profiles(model.bearing, columns)
-    apart = 2.0 * np.pi / model.bearing.n_rollers * np.arange(columns)
+    rings, spacing = _couplings(plan, columns)
+    pocket = np.arange(columns)
+    pocket[: model.bearing.n_rollers] = np.array(model.bearing.pocket) - model.bearing.pocket[0]
+    apart = 2.0 * np.pi / model.bearing.pockets * pocket
     return Compliance(
         inner=model.inner_law.constants,
         outer=model.outer_law.constants,
@@ -74,18 +79,35 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         sag=model.sag,
         across=model.across,
         relaxation_factor=plan.relaxation_factor,
-        **vars(model.rings),
+        **vars(rings),
         apart=np.array([np.cos(apart), np.sin(apart)]),
         tangential=plan.tangential,
         ring_profiles=(inner["profile"], outer["profile"]),
         roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
+        spacing=spacing,
     )
+
+
+def _couplings(plan: "ReducedPlan", columns: int) -> tuple[RingCouplings, Spacing | None]:
+    """Along the rings by neighbours, and of each roller where some are missing."""
+    bearing, rings = plan.model.bearing, plan.model.rings
+    if not bearing.missing:
+        return rings, None
+    found, at = neighbours_of(bearing, rings)
+
+    def of_each(values: np.ndarray) -> np.ndarray:
+        """(..., neighbours, columns) of (..., pockets)."""
+        filled_in = np.zeros((*values.shape[:-1], at.shape[0], columns))
+        filled_in[..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
+        return at_line(filled_in)
+
+    return found, Spacing(**{name: of_each(getattr(rings, name)) for name in Spacing._fields})
 
 
 def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     """Contacts under the start's forces, with the accounts that the plan's scene asks for."""
     n, start = plan.model.bearing.n_rollers, plan.start
-    rings = plan.model.rings
+    rings, spacing = _couplings(plan, columns)
     halo = int(np.abs(rings.distance).max(initial=0))
     uneven = profiles(plan.model.bearing) is not None
     absent = () if uneven else UNEVEN
@@ -93,7 +115,7 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     found = filled(
         ReducedForces,
         {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": rings.distance.size},
-        along=np.repeat(rings.along[:, :, None], columns, axis=2),
+        along=np.repeat(rings.along[:, :, None], columns, axis=2) if spacing is None else spacing.along.copy(),
         radiation=_radiation(plan, columns),
         halo=halo,
         dampers=rigid_dampers(plan.scene.damping.contacts, columns),

@@ -48,7 +48,7 @@ def strongest_coupling(model: ReducedBearing, force: float) -> float:
 
     Of all contacts closed; of fewer it is no larger.
     """
-    rings, n = model.rings, model.bearing.n_rollers
+    rings, n = model.rings, model.bearing.pockets
     waves = np.cos(2.0 * pi / n * np.multiply.outer(rings.distance, np.arange(n // 2 + 1)))
     along = rings.along @ waves  # (2, orders), every ring's eigenvalues
     stiff = np.linalg.inv(_softness_below(model, force)[0])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import Bearing, Kinematics
+from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def spalls_met(bearing: Bearing):
 def _share_near(bearing: Bearing, ideal: Kinematics, margin: float) -> float:
     """Share of the time in which a contact is near an edge, of rollers that roll."""
     time = np.arange(INSTANTS)[:, None] / INSTANTS * (2.0 * pi / abs(ideal.cage))
-    at = 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers + ideal.cage * time
+    at = roller_angles(bearing, 0.0) + ideal.cage * time
     contact = {
         "inner_ring": at - ideal.shaft * time,
         "outer_ring": at,

@@ -3,7 +3,7 @@
 The yardstick for the finite-element model: any bearing, frictionless, standing, weightless, in milliseconds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import log
 
@@ -61,6 +61,15 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     """The bearing reduced to its contacts by exact series, rollers at angles from +x, (n_rollers,), rad."""
     n = bearing.n_rollers
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
+    if bearing.missing:
+        whole = exact_contacts(bearing.full, roller_angles(bearing.full, 0.0))
+        return replace(
+            whole,
+            bearing=bearing,
+            radial=radial,
+            compliance=of_present(bearing, whole.compliance),
+            closing=np.zeros(2 * n),
+        )
     half_width = HALF_WIDTH * bearing.roller_radius
     inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
     outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
@@ -80,6 +89,12 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
         compliance=compliance / bearing.roller_length,
         closing=np.zeros(2 * n),
     )
+
+
+def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
+    """Compliance of the contacts of a bearing's rollers, (2 n_rollers, 2 n_rollers), of those of all pockets."""
+    contacts = np.concatenate([bearing.pocket, bearing.pockets + np.array(bearing.pocket)])
+    return compliance[np.ix_(contacts, contacts)]
 
 
 def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:

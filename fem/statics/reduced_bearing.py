@@ -14,7 +14,7 @@ from fem.elastic.continuum import disc_hertz_approach, ring_harmonic_compliance,
 from fem.elastic.tangential import disc_stick_approach, moving_softening, ring_stick_approach
 from fem.elastic.vibration import Modes
 from fem.statics.contact_balance import Condensed
-from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts
+from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
 from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
@@ -99,6 +99,30 @@ def ring_couplings(
     )
 
 
+def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings, np.ndarray]:
+    """Couplings by neighbours of rollers that are there, and for each, (neighbours, n_rollers), the pocket's, or −1.
+
+    The neighbours' compliances are those of `rings` in these places, 0 at −1; the couplings' own arrays are empty.
+    """
+    n, total, pocket = bearing.n_rollers, bearing.pockets, np.array(bearing.pocket)
+    every = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
+    distance = every[np.abs(every) <= np.abs(rings.distance).max(initial=0)]
+    apart = pocket[(np.arange(n) + distance[:, None]) % n] - pocket
+    below = (total - 1) // 2
+    apart = (apart + below) % total - below  # the shorter way
+    at = np.full(apart.shape, -1)
+    for place, pockets in enumerate(rings.distance):
+        at[apart == pockets] = place
+
+    def counted(counts: np.ndarray) -> np.ndarray:
+        """Neighbours as far as these many pockets."""
+        furthest = [np.abs(rings.distance[:count]).max(initial=0) for count in counts.ravel()]
+        return np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp).reshape(counts.shape)
+
+    found = replace(rings, distance=distance, felt=counted(rings.felt), crossing=counted(rings.crossing))
+    return found, at
+
+
 def _bent(given: np.ndarray, slope: np.ndarray, h: float) -> np.ndarray:
     """Coefficients of x² to x⁵ of the polynomials with values and slopes, (2, 3, neighbours), at −h, 0, h."""
     even = 0.5 * (given[:, 2] + given[:, 0]) - given[:, 1]
@@ -123,7 +147,7 @@ class ReducedBearing:
     inner_law: ContactLaw
     outer_law: ContactLaw
     between: ContactLaw  # of two rollers
-    rings: RingCouplings
+    rings: RingCouplings  # by pockets
     across: float  # m/N
     inner_growth: float  # m, of the inner raceway as it spins
     roller_growth: float
@@ -169,7 +193,7 @@ def reduced_bearing(
     if modes is not None:
         laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
         across -= modes.across
-    series = _kept_series(replace(bearing, faults=()))
+    series = _kept_series(_sound(bearing))
     inner_growth, roller_growth = growths(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
@@ -178,7 +202,7 @@ def reduced_bearing(
         inner_law=laws[0],
         outer_law=laws[1],
         between=between,
-        rings=ring_couplings(bearing, series["around"], series["crossed"], rings, contacts.inner_law.A),
+        rings=ring_couplings(bearing.full, series["around"], series["crossed"], rings, contacts.inner_law.A),
         across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
@@ -205,7 +229,7 @@ def _long_waves(bearing: Bearing, inner: bool) -> float:
     ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
     if not inner:
         ring = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
-    series = ring_harmonic_compliance(np.arange((bearing.n_rollers + 1) // 2), *ring)
+    series = ring_harmonic_compliance(np.arange((bearing.pockets + 1) // 2), *ring)
     series[0] *= 0.5
     return float(series.sum()) / (np.pi * ring[0] * bearing.roller_length)
 
@@ -220,7 +244,7 @@ def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
 def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
     angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
-    arrays = _kept_series(replace(bearing, faults=()))  # what surfaces lack does not change how bodies give way
+    arrays = _kept_series(_sound(bearing))
     inner, outer, between = (
         ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
         for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
@@ -230,10 +254,15 @@ def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
         radial=np.column_stack([np.cos(angle), np.sin(angle)]),
         inner_law=inner,
         outer_law=outer,
-        compliance=arrays["compliance"],
+        compliance=of_present(bearing, arrays["compliance"]) if bearing.missing else arrays["compliance"],
         closing=np.zeros(2 * bearing.n_rollers),
     )
     return contacts, between
+
+
+def _sound(bearing: Bearing) -> Bearing:
+    """The bearing whose series are kept: neither faults of surfaces nor missing rollers change how bodies give way."""
+    return replace(bearing, faults=()).full
 
 
 @lru_cache(maxsize=1)
@@ -271,7 +300,7 @@ def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
     roller's radius.
     """
     known = HALF_WIDTH * bearing.roller_radius
-    found = _kept_series(replace(bearing, faults=()))["stick"].copy()
+    found = _kept_series(_sound(bearing))["stick"].copy()
     for row, pair in enumerate(contact_pairs(bearing)):
         width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
         found[row] += pair.line_compliance * log(known / width)

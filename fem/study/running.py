@@ -83,7 +83,7 @@ def _disk(points: Points) -> float:
     keep, scene = points.study.keep, points.scene(0)
     numerics, variables = scene.numerics, variables_of(scene)
     rate = 1e3 / numerics.output_interval_us if keep.signal_rate_kHz is None else keep.signal_rate_kHz
-    rollers = scene.bearing.rollers
+    rollers = scene.bearing.present
     columns = sum(rollers if variables[name].dimensions == PER_ROLLER else 1 for name in keep.signals)
     return POINT_FILE + 2.0 * 8.0 * columns * numerics.duration_ms * rate
 

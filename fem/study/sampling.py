@@ -30,10 +30,10 @@ class Design:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the parameters: the last part of each key where that is theirs alone, else the whole key."""
+        """Of the parameters: the last part of each key where that is a name and theirs alone, else the whole key."""
         last = [key.rpartition(".")[2] for key in self.keys]
         return tuple(
-            name if last.count(name) == 1 and name != POINT else key.replace(".", "_")
+            name if last.count(name) == 1 and name != POINT and not name.isdecimal() else key.replace(".", "_")
             for name, key in zip(last, self.keys, strict=True)
         )
 

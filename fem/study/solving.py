@@ -93,7 +93,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         "numerics.output_interval_us": round(one_of * interval, 6),
     }
     if any(known[name].dimensions == PER_ROLLER for name in keep.signals):
-        sizes["bearing.rollers"] = scene.bearing.rollers
+        sizes["bearing.rollers"] = scene.bearing.present
     for key, value in sizes.items():
         if first.setdefault(key, value) != value:
             raise UsageError(

@@ -32,6 +32,8 @@ class Dimensions:
         """Of a bearing. Unavailable: it has balls, or is not of steel."""
         if isinstance(bearing, BallBearing):
             raise Unavailable("ratings are those of roller bearings; this one has balls")
+        if bearing.missing:
+            raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
         for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
             if not STEEL[0] <= material.youngs_modulus <= STEEL[1]:
                 raise Unavailable(

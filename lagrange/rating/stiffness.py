@@ -76,11 +76,11 @@ def over_pitch(
     solve: Callable[[np.ndarray, Point | None], Point],
     samples: int = SAMPLES,
 ) -> Pitch:
-    """Solve at equally spaced angles of the cage, each from the one before.
+    """Solve at equally spaced angles of the cage, each from the one before; where rollers are missing over a turn.
 
     `solve` : of the rollers' angles, (n_rollers,), rad, and a point that is near
     """
-    turned = 2.0 * np.pi / bearing.n_rollers * np.arange(samples) / samples
+    turned = bearing.period * np.arange(samples) / samples
     theta = roller_angles(bearing, first_roller_angle) + turned[:, None]
     found: list[Point] = []
     for angles in theta:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from math import asin, cos, pi, radians, sin
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -14,6 +14,7 @@ from lagrange.surface.film import Lubricant
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
+FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
 
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
@@ -78,6 +79,9 @@ class BearingTable(Table):
         0.0, ge=0.0, le=45.0, description="of tapered rollers and angular-contact balls; raceways are where they touch"
     )
     rows: int = Field(1, ge=1, le=8, description="of rolling elements, rollers in each, which share the load evenly")
+    missing_rollers: list[Annotated[int, Field(ge=0)]] = Field(
+        [], max_length=197, description="numbers of the pockets without a roller, counted from 0 as rollers are"
+    )
     pitch_diameter_mm: float | None = Field(
         None,
         gt=0.0,
@@ -135,6 +139,11 @@ class BearingTable(Table):
         return data | {"inner_raceway_diameter_mm": round(inner, 9)} | kept
 
     @property
+    def present(self) -> int:
+        """Rollers that are there."""
+        return self.rollers - len(self.missing_rollers)
+
+    @property
     def cosine(self) -> float:
         """Of the contact angle."""
         return cos(radians(self.contact_angle_deg))
@@ -144,6 +153,7 @@ class BearingTable(Table):
             self._standard,
             self._clearance_twice,
             self._pitch_twice,
+            self._missing,
             self._grooves,
             self._inner_ring,
             self._outer_ring,
@@ -175,6 +185,19 @@ class BearingTable(Table):
                 f"pitch_diameter_mm = {self.pitch_diameter_mm:g}: raceways, clearance and it say the same thing twice; "
                 "give it with roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm"
             )
+
+    def _missing(self) -> Iterator[str]:
+        numbers = self.missing_rollers
+        for number in numbers:
+            if number >= self.rollers:
+                yield (
+                    f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are counted "
+                    f"from 0 to {self.rollers - 1}"
+                )
+        if len(set(numbers)) < len(numbers):
+            yield f"missing_rollers = {numbers}: a number is there twice"
+        if self.present < FEWEST_ROLLERS:
+            yield f"missing_rollers = {numbers}: leaves {self.present} rollers; at least {FEWEST_ROLLERS} must be left"
 
     def _grooves(self) -> Iterator[str]:
         for key in USUAL_GROOVES:

@@ -45,6 +45,8 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "surfaces": _surfaces,
     "lubricant": lambda scene: "[lubricant]" if scene.lubricant else None,
     "rollers' surfaces": _of_rollers,
+    "missing rollers": lambda scene: f"bearing.missing_rollers = {m}" if (m := scene.bearing.missing_rollers) else None,
+    "unequal rollers": lambda scene: "[[unequal_roller]]" if scene.unequal_roller else None,
     "contact angle": lambda scene: (
         f"bearing.contact_angle_deg = {a:g}" if (a := scene.bearing.contact_angle_deg) > 0.0 else None
     ),
@@ -61,6 +63,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "balls": lambda scene: scene.bearing.type == "ball",
     "contact angle": lambda scene: scene.bearing.contact_angle_deg > 0.0,
     "solid shaft": lambda scene: scene.bearing.bore_diameter_mm == 0.0,
+    "missing rollers": lambda scene: bool(scene.bearing.missing_rollers),
     "no housing": lambda scene: scene.mounting().housing is None,
 }
 EITHER = "; leave one of them out"
@@ -98,6 +101,9 @@ REFUSED = (
     ("points", "contact angle", RADIAL),
     ("bore", "contact angle", RADIAL),
     ("fit", "contact angle", RADIAL),
+    ("missing rollers", "modes", f"{{modes}}: not together with {{given}}{EITHER}"),
+    ("rollers' surfaces", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
+    ("unequal rollers", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
     ("fit", "solid shaft", f"{{given}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
     ("solid shaft", "modes", f"{{modes}}: not together with {{given}}, a shaft whose mass is all over it{EITHER}"),
     ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),

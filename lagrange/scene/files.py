@@ -131,7 +131,7 @@ def apply_override(data: dict[str, Any], override: str) -> None:
 
 
 def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
-    """Put a value under a dotted key into nested tables; numbers count the tables of an array, as in spall.0.width_mm.
+    """Put a value under a dotted key into nested tables; numbers count the entries of an array, as in spall.0.width_mm.
 
     Parameters
     ----------
@@ -148,8 +148,18 @@ def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
     for part, after in pairwise(parts):
         table = _entry(table, part, [] if after.isdecimal() else {}, told)
     if isinstance(table, list):
-        raise SceneError(f"{told}: {parts[-1]} is a whole table; set one of its keys")
-    table[parts[-1]] = value
+        _set_item(table, parts[-1], value, told)
+    else:
+        table[parts[-1]] = value
+
+
+def _set_item(values: list, number: str, value: Any, told: str) -> None:
+    """Put a value into a list of values, as in bearing.missing_rollers.0; not into an array of tables."""
+    if not number.isdecimal() or int(number[:9]) > len(values):
+        raise SceneError(f"{told}: {number} is none of {len(values)} entries; numbers go on from 0")
+    if any(isinstance(each, dict) for each in values):
+        raise SceneError(f"{told}: {number} is a whole table; set one of its keys")
+    values[int(number) : int(number) + 1] = [value]
 
 
 def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:

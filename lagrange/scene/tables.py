@@ -127,7 +127,8 @@ class SceneTables(Table):
         b, roller = self.bearing, self.material.of("roller")
         density = roller.density / b.cosine ** (3 if b.type == "ball" else 2)  # elements keep their mass
         shape: dict[str, Any] = dict(
-            n_rollers=b.rollers,
+            n_rollers=b.present,
+            missing=tuple(sorted(b.missing_rollers)),
             contact_angle=radians(b.contact_angle_deg),
             rows=b.rows,
             roller_radius=0.5 * MM * b.roller_diameter_mm * b.cosine,

@@ -80,7 +80,7 @@ BAD_SCENES = {
     "endless rollers": scene("[bearing]\nroller_length_mm = 1e6", "bearing.roller_length_mm = 1000000", "2000"),
     "no raceway": scene("[bearing]\ninner_raceway_diameter_mm = 0", "bearing.inner_raceway_diameter_mm = 0"),
     "raceway of kilometres": scene("[bearing]\nouter_raceway_diameter_mm = 1e7", "bearing.outer_raceway_diameter_mm"),
-    "no bore": scene("[bearing]\nbore_diameter_mm = 0.0", "bearing.bore_diameter_mm = 0.0"),
+    "no bore": scene("[bearing]\nbore_diameter_mm = -1.0", "bearing.bore_diameter_mm = -1.0"),
     "negative outside": scene("[bearing]\noutside_diameter_mm = -65", "bearing.outside_diameter_mm = -65"),
     "unknown kind of bearing": scene('[bearing]\ntype = "needle"', "bearing.type = 'needle'", "'ball'"),
     "no stiffness": scene("[material]\nyoungs_modulus_GPa = 0", "material.youngs_modulus_GPa = 0", "0.1"),

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.run_summary import LOADED, RunStatistics
 from lagrange import Bearing, kinematics
+from lagrange.kinematics import Kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
 
@@ -80,8 +81,8 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     return quantities_of(OF_MOTION, found)
 
 
-def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
-    """All of OF_RUN, of OF_START alone where there is one sample; `speed` as in `run_summary`.
+def run_quantities(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
+    """All of OF_RUN, of OF_START alone where there is one sample; `ideal` as in `run_summary`.
 
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
     turns both ways.
@@ -97,7 +98,7 @@ def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, 
     found = quantities_of(OF_START, start)
     if len(samples["time"]) < 2:
         return found
-    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(bearing, speed, samples))]
+    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(ideal, samples))]
 
 
 def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, float]) -> list[Quantity]:
@@ -105,15 +106,15 @@ def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, flo
     return [Quantity(name, *about, values[name]) for name, about in table.items()]
 
 
-def _of_record(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    seen, ideal = RunStatistics(), kinematics(bearing, speed or 0.0).cage
+def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+    seen, cage = RunStatistics(), 0.0 if ideal is None else ideal.cage
     seen.add(samples)
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
     off = samples["inner_ay"] - samples["inner_ay"].mean()
     spread = float(np.mean(off**2))
     return {
         "load_zone": nan if zone is None else zone,
-        "cage_slip": 1.0 - seen.cage_speed / ideal if ideal else nan,
+        "cage_slip": 1.0 - seen.cage_speed / cage if cage else nan,
         "acceleration_rms_x": float(np.sqrt(np.mean(samples["inner_ax"] ** 2))),
         "acceleration_rms_y": float(np.sqrt(np.mean(samples["inner_ay"] ** 2))),
         "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,
@@ -140,7 +141,8 @@ def labels(scene: "Scene") -> dict[str, float | str]:
     NaN where a table changes them: no number of a run is its speed or its load then.
     """
     acting, operation, first = scene.ideal_operation(), scene.operation, scene.spall[0] if scene.spall else None
-    lines = kinematics(scene.ideal_bearing(), nan if acting.varies_speed else acting.speed).frequencies
+    speeds = (nan, nan) if acting.varies_speed else acting.ring_speeds
+    lines = kinematics(scene.ideal_bearing(), *speeds).frequencies
     return {
         "speed_rpm": operation.speed_rpm if operation.speed_table is None else nan,
         "radial_load_N": operation.radial_load_N if operation.load_table is None else nan,

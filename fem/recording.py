@@ -18,6 +18,7 @@ from fem.result.layout import PER_ROLLER, variables_of
 from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
 from lagrange import mounting
+from lagrange.kinematics import mean_kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import SpallEvent, spalls
 
@@ -135,8 +136,8 @@ class Result:
     def quantities(self) -> dict[str, Quantity]:
         """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
         bearing = self.scene.ideal_bearing()
-        speed = self.scene.ideal_operation().mean_speed(float(self.time[-1]))
-        return {each.name: each for each in run_quantities(bearing, speed, self.values)}
+        ideal = mean_kinematics(bearing, self.scene.ideal_operation(), float(self.time[-1]))
+        return {each.name: each for each in run_quantities(bearing, ideal, self.values)}
 
     def to_xarray(self) -> "xarray.Dataset":
         """The samples with dimensions, units and the result file's attributes.

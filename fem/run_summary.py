@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagrange import BallBearing, Bearing, kinematics
+from lagrange import BallBearing, Bearing
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
@@ -148,10 +148,12 @@ def summary_columns(scene: "Scene") -> tuple[str, ...]:
     return COLUMNS if scene.cage is None else (*COLUMNS, *CAGE_COLUMNS)
 
 
-def run_summary(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
+def run_summary(
+    bearing: Bearing, ideal: Kinematics | None, blocks: Iterable[Mapping[str, np.ndarray]]
+) -> dict[str, str]:
     """Names and values of what is asked first, of a run in blocks of samples.
 
-    `speed` : mean of the shaft, rad/s; None: it turns both ways, and no slip or passing frequency has a meaning
+    `ideal` : mean motion without slip; None: a ring turns both ways, and no slip or passing frequency has a meaning
     """
     seen, caged = RunStatistics(), CageStatistics()
     for block in blocks:
@@ -169,15 +171,14 @@ def run_summary(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
     whose = "rollers' orbit" if caged.samples else "cage"
-    ideal = kinematics(bearing, speed or 0.0)
-    if speed is None and seen.samples > 1:
+    if ideal is None and seen.samples > 1:
         found[whose] = REVERSES
-    elif ideal.cage and seen.samples > 1:
+    elif ideal is not None and ideal.cage and seen.samples > 1:
         slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
         found[whose] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:
-        found |= caged.rows(seen.last_time - seen.first_time, None if speed is None else ideal.cage)
+        found |= caged.rows(seen.last_time - seen.first_time, None if ideal is None else ideal.cage)
     return found
 
 

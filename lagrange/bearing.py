@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from math import cos, degrees, inf, pi, sin
 from typing import Literal
 
+import numpy as np
+
 from lagrange.load_history import Course
 from lagrange.mounting import HELD, Mounting
 from lagrange.surface.faults import Fault
@@ -206,20 +208,29 @@ class Operation:
     mounting: Mounting = HELD
     side_load: float = 0.0  # N, along +x
     misalignment: float = 0.0  # slope of the shaft in the plane of the load, rad; > 0: its +z end towards the load
-    course: Course | None = None  # how speed and loads, which are those at t = 0, go on; None: they stay
+    course: Course | None = None  # how speeds and loads, which are those at t = 0, go on; None: they stay
+    outer_speed: float = 0.0  # of the outer ring, which turns about its fixed centre, rad/s
 
     def going_on(self, **course) -> "Operation":
         """With a `Course` of these entries."""
         found = Course(**course)
         x, y = found.force(0.0)
-        return replace(self, speed=float(found.speed(0.0)), radial_load=-float(y), side_load=float(x), course=found)
+        speed, outer_speed = (float(each) for each in found.ring_speeds(0.0))
+        return replace(
+            self, speed=speed, outer_speed=outer_speed, radial_load=-float(y), side_load=float(x), course=found
+        )
 
     def at(self, time) -> "Operation":
         """What acts at a time, s, without a course; at times, (n_times,), speed and loads are such arrays."""
         if self.course is None:
             return self
-        x, y = self.course.force(time)
-        return replace(self, speed=self.course.speed(time), radial_load=-y, side_load=x, course=None)
+        (x, y), (speed, outer_speed) = self.course.force(time), self.course.ring_speeds(time)
+        return replace(self, speed=speed, outer_speed=outer_speed, radial_load=-y, side_load=x, course=None)
+
+    @property
+    def ring_speeds(self) -> tuple[float, float]:
+        """Of the inner and of the outer ring, rad/s."""
+        return self.speed, self.outer_speed
 
     @property
     def heaviest(self) -> float:
@@ -228,18 +239,24 @@ class Operation:
 
     @property
     def fastest(self) -> float:
-        """The highest speed either way, rad/s."""
-        return abs(self.speed) if self.course is None else self.course.fastest
+        """The highest speed of a ring either way, rad/s."""
+        return float(max(np.abs(speeds).max() for speeds in self.ring_speeds_met))
 
-    def mean_speed(self, time: float) -> float | None:
-        """Of the shaft up to a time, s; rad/s. None where it turns both ways: a slip over the mean has no meaning."""
-        if self.course is None or not self.course.varies_speed or time <= 0.0:
-            return self.speed
-        return None if self.course.reverses(time) else float(self.course.turn(time)) / time
+    @property
+    def ring_speeds_met(self) -> tuple[np.ndarray, np.ndarray]:
+        """Speeds of both rings wherever one is highest or lowest, rad/s, (n,) each."""
+        if self.course is None:
+            return np.array([self.speed]), np.array([self.outer_speed])
+        return self.course.ring_speeds_met
 
     @property
     def varies_speed(self) -> bool:
         return self.course is not None and self.course.varies_speed
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether neither speeds nor loads change, in size or direction."""
+        return self.course is None or self.course.is_steady
 
 
 Guidance = Literal["rollers", "inner_ring", "outer_ring"]

@@ -149,7 +149,7 @@ def holding_cage(bearing: Bearing, operation: Operation, time, state: State, tou
     """
     nothing, per_roller = np.zeros(len(time)), np.zeros(state.rho.shape)
     course = operation.course
-    gain = 0.0 if course is None else kinematics(bearing, course.speed(time, 1)[:, None]).cage
+    gain = 0.0 if course is None else kinematics(bearing, *course.ring_speeds(time[:, None], 1)).cage
     ring = housing_accelerations(bearing, operation, state, touch)
     *_, free = accelerations(bearing, operation, state, touch, ring)
     force = bearing.roller_mass * state.rho * (gain - free)

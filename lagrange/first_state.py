@@ -14,7 +14,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.raceway_laws import ContactLaws
-from lagrange.kinematics import kinematics, roller_angles, turned
+from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
 from lagrange.motion import State
 from lagrange.mounting import ring_place
 from lagrange.statics import Statics, held_hub, static_equilibrium
@@ -48,9 +48,15 @@ def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> t
     stiffness : (2, 2), N/m, of the hub in its static equilibrium
     """
     values, vectors = np.linalg.eigh(stiffness)
-    passage = bearing.n_rollers * kinematics(bearing, operation.fastest).cage
+    passage = bearing.n_rollers * np.abs(kinematics_met(bearing, operation).cage).max()
     stiff = values > max(operation.inner_mass * passage**2, 0.0)
     return values[stiff], vectors[:, stiff]
+
+
+def surface_speed(bearing: Bearing, operation: Operation) -> float:
+    """The faster raceway's speed along itself at the start, m/s."""
+    inner, outer = np.abs(operation.ring_speeds)
+    return float(max(inner * bearing.inner_raceway_radius, outer * bearing.outer_raceway_radius))
 
 
 def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
@@ -60,7 +66,7 @@ def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
     ring = ring_place(alone, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     state = State(
         x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=roller_angles(bearing, operation.first_roller_angle),
-        x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + kinematics(bearing, operation.speed).cage,
+        x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
     )  # fmt: skip
     return FirstState(state)
@@ -84,7 +90,7 @@ def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws)
     rates, caution = _rates(bearing, operation, laws, now, ring)
     state = State(
         x=now.x, y=now.y, rho=now.rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:],
-        theta_rate=np.zeros(bearing.n_rollers) + kinematics(bearing, operation.speed).cage,
+        theta_rate=np.zeros(bearing.n_rollers) + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
     )  # fmt: skip
     return FirstState(state, caution)
@@ -126,7 +132,7 @@ def _rates(
     rates = rates_by(DIFFERENCE)
     largest = np.abs(rates).max()
     moves = 2.0 * DIFFERENCE * largest > NO_MOVE
-    surface = abs(operation.speed) * bearing.inner_raceway_radius
+    surface = surface_speed(bearing, operation)
     too_fast = operation.course is None and np.hypot(rates[0], rates[1]) > JUMP * surface
     if moves and (too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest):
         return np.zeros_like(rates), JUMPS

@@ -1,4 +1,4 @@
-"""Kinematics of an ideal bearing: rolling without slip, outer ring fixed."""
+"""Kinematics of an ideal bearing: rolling without slip between two rings that may both turn."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -6,6 +6,8 @@ from math import pi
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+
+OUTER_RING = "outer ring"  # the line of its turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,46 +22,68 @@ class Kinematics:
     roller: float  # of a roller about its own axis, in the fixed frame
     n_rollers: int  # pockets: a missing roller changes no line
     cosine: float = 1.0  # of the contact angle, by which elements of a section turn too fast about their own axes
+    outer_ring: float = 0.0
 
     @property
     def frequencies(self) -> dict[str, float]:
         """Kinematic lines, Hz, positive, by the vibration engineer's name.
 
-        FTF: cage; BSF: a roller's spin relative to the cage; BPFO, BPFI: rollers passing a point of a ring.
+        FTF: cage; BSF: a roller's spin relative to the cage; BPFO, BPFI: rollers passing a point of a ring. The outer
+        ring's turns are a line where it turns.
         """
-        cage = abs(self.cage) / (2.0 * pi)
-        shaft = abs(self.shaft) / (2.0 * pi)
-        return {
-            "shaft": shaft,
-            "FTF": cage,
+        shaft, cage, ring = (speed / (2.0 * pi) for speed in (self.shaft, self.cage, self.outer_ring))
+        found = {
+            "shaft": abs(shaft),
+            "FTF": abs(cage),
             "BSF": abs(self.roller - self.cage) * self.cosine / (2.0 * pi),
-            "BPFO": self.n_rollers * cage,
+            "BPFO": self.n_rollers * abs(cage - ring),
             "BPFI": self.n_rollers * abs(shaft - cage),
         }
+        return found | {OUTER_RING: abs(ring)} if ring else found
 
 
-def kinematics(bearing: Bearing, speed: float) -> Kinematics:
-    """Rolling without slip of a bearing whose inner ring turns at `speed`, rad/s.
+def kinematics(bearing: Bearing, speed, outer_speed=0.0) -> Kinematics:
+    """Rolling without slip of a bearing whose inner ring turns at `speed`, rad/s, its outer ring at `outer_speed`.
 
-    With clearance the rollers run on the pitch circle, midway between the raceways.
+    With clearance the rollers run on the pitch circle, midway between the raceways. A cage turns at the mean of both
+    surfaces' speeds over the pitch radius, rollers at half of their difference over a roller's radius.
     """
-    surface_speed = speed * bearing.inner_raceway_radius
-    cage = 0.5 * surface_speed / bearing.pitch_radius
+    inner, outer = speed * bearing.inner_raceway_radius, outer_speed * bearing.outer_raceway_radius
     return Kinematics(
         shaft=speed,
-        cage=cage,
-        roller=-0.5 * surface_speed / bearing.roller_radius,
+        cage=0.5 * (inner + outer) / bearing.pitch_radius,
+        roller=-0.5 * (inner - outer) / bearing.roller_radius,
         n_rollers=bearing.pockets,
         cosine=bearing.cosine,
+        outer_ring=outer_speed,
     )
 
 
+def kinematics_met(bearing: Bearing, operation: Operation) -> Kinematics:
+    """Rolling without slip where speeds of a run are highest or lowest, arrays (n,)."""
+    return kinematics(bearing, *operation.ring_speeds_met)
+
+
+def mean_kinematics(bearing: Bearing, operation: Operation, time: float) -> Kinematics | None:
+    """Rolling without slip on the mean up to a time, s.
+
+    None where a ring turns both ways: a slip over the mean has no meaning.
+    """
+    course = operation.course
+    if course is None or not course.varies_speed or time <= 0.0:
+        return kinematics(bearing, *operation.ring_speeds)
+    if course.reverses(time):
+        return None
+    return kinematics(bearing, *(float(turn) / time for turn in course.ring_turns(time)))
+
+
 def turned(bearing: Bearing, operation: Operation, time) -> Kinematics:
-    """How far shaft, cage and rollers have turned since t = 0 by rolling without slip, rad; `time` in s, any shape."""
+    """How far rings, cage and rollers have turned since t = 0 by rolling without slip, rad; `time` in s, any shape."""
     if operation.course is not None:
-        return kinematics(bearing, operation.course.turn(time)[()])
-    ideal = kinematics(bearing, operation.speed)
-    return replace(ideal, shaft=ideal.shaft * time, cage=ideal.cage * time, roller=ideal.roller * time)
+        return kinematics(bearing, *operation.course.ring_turns(time))
+    ideal = kinematics(bearing, *operation.ring_speeds)
+    way = {name: getattr(ideal, name) * time for name in ("shaft", "cage", "roller", "outer_ring")}
+    return replace(ideal, **way)
 
 
 def roller_angles(bearing: Bearing, first_roller_angle: float) -> np.ndarray:

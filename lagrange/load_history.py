@@ -40,7 +40,7 @@ STEEPEST = 1.25  # of the straight lines on either side; see above
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Course:
-    """The shaft's turn and the load as functions of time, s; SI."""
+    """The rings' turns and the load as functions of time, s; SI."""
 
     turn: "PPoly"  # rad, of the shaft from t = 0 on
     load: "PPoly"  # N, along x and y, (..., 2)
@@ -48,10 +48,21 @@ class Course:
     unbalance_angle: float = 0.0  # rad from +x at t = 0, of the heavy side
     rotating_load: float = 0.0  # N
     rotating_load_angle: float = 0.0  # rad from +x at t = 0
+    rotating_load_with: Literal["inner_ring", "outer_ring"] = "inner_ring"
+    outer_turn: "PPoly | None" = None  # rad, of the outer ring from t = 0 on; None: it stands still
 
     def speed(self, time, order: int = 0):
         """Of the shaft, rad/s, or its derivatives by time; any shape."""
         return self.turn(time, order + 1)[()]
+
+    def ring_speeds(self, time, order: int = 0) -> tuple[Any, Any]:
+        """Of the inner and of the outer ring, rad/s, or their derivatives by time; any shape."""
+        outer = self.outer_turn
+        return self.speed(time, order), 0.0 * time if outer is None else outer(time, order + 1)[()]
+
+    def ring_turns(self, time) -> tuple[Any, Any]:
+        """Of the inner and of the outer ring since t = 0, rad; any shape."""
+        return self.turn(time)[()], 0.0 * time if self.outer_turn is None else self.outer_turn(time)[()]
 
     def force(self, time) -> tuple[Any, Any]:
         """The whole force on the hub along x and y, N; any shape.
@@ -70,20 +81,29 @@ class Course:
         return np.cos(angle), np.sin(angle)
 
     def _rotating(self, time):
-        angle = self.turn(time) + self.rotating_load_angle
+        with_outer = self.rotating_load_with == "outer_ring" and self.outer_turn is not None
+        angle = (self.outer_turn if with_outer else self.turn)(time) + self.rotating_load_angle
         return self.rotating_load * np.cos(angle), self.rotating_load * np.sin(angle)
 
     @cached_property
     def speeds(self) -> tuple[float, float]:
-        """The lowest and the highest, rad/s: both are at points of the table."""
+        """The shaft's lowest and highest, rad/s: both are at points of the table."""
         found = self.speed(self.turn.x)
         return float(found.min()), float(found.max())
 
+    @cached_property
+    def ring_speeds_met(self) -> tuple[np.ndarray, np.ndarray]:
+        """Speeds of both rings at all points of their tables, rad/s, (n,) each."""
+        outer = self.outer_turn
+        if outer is None:
+            return self.speed(self.turn.x), np.zeros(self.turn.x.size)
+        points = np.union1d(self.turn.x, outer.x)
+        inner, outer = (turn(np.clip(points, turn.x[0], turn.x[-1]), 1) for turn in (self.turn, outer))
+        return inner, outer
+
     def reverses(self, time: float) -> bool:
-        """Whether the shaft turns both ways up to a time, s."""
-        points = self.turn.x[(self.turn.x > 0.0) & (self.turn.x < time)]
-        found = self.speed(np.concatenate([[0.0], points, [time]]))
-        return bool(found.min() < 0.0 < found.max())
+        """Whether a ring turns both ways up to a time, s."""
+        return any(_both_ways(turn, time) for turn in (self.turn, self.outer_turn) if turn is not None)
 
     @property
     def fastest(self) -> float:
@@ -97,9 +117,22 @@ class Course:
         return float(np.hypot(*largest)) + self.rotating_load + self.unbalance * self.fastest**2
 
     @property
+    def is_steady(self) -> bool:
+        """Whether neither speeds nor loads change, in size or direction."""
+        loads = self.load(self.load.x)
+        return not (self.varies_speed or self.unbalance or self.rotating_load or np.ptp(loads, axis=0).any())
+
+    @property
     def varies_speed(self) -> bool:
-        """Whether the shaft's speed changes."""
-        return self.speeds[0] != self.speeds[1]
+        """Whether the speed of a ring changes."""
+        return any(np.ptp(speed) > 0.0 for speed in self.ring_speeds_met)
+
+
+def _both_ways(turn: "PPoly", time: float) -> bool:
+    """Whether a ring turns both ways up to a time, s."""
+    points = turn.x[(turn.x > 0.0) & (turn.x < time)]
+    found = turn(np.concatenate([[0.0], points, [time]]), 1)
+    return bool(found.min() < 0.0 < found.max())
 
 
 def steady(*values: float) -> "PPoly":

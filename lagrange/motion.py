@@ -96,7 +96,7 @@ def contact_state(
         inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
         found = polar_at_force(found, inner, outer, state.rho)
         passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
-        passing_out = outer.passing(0.0, turns.roller_speed)
+        passing_out = outer.passing(turns.outer_ring_speed, turns.roller_speed)
     radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
     vx, vy, around = (
@@ -238,18 +238,20 @@ def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.n
 
 
 def rotation_energy(bearing: Bearing, operation: Operation):
-    """Energy of shaft and rolling elements turning about their own axes, J, at the operation's speed, of its shape.
+    """Energy of rings, shaft and rolling elements turning about their own axes, J, at the operation's speeds.
 
     The shaft is taken as a solid cylinder in the bore, with the mass that the inner ring leaves of M; one that is the
     inner ring as wide as its raceway.
     """
-    turning = kinematics(bearing, operation.speed)
+    turning = kinematics(bearing, *operation.ring_speeds)
     share = 0.4 if isinstance(bearing, BallBearing) else 0.5
     element = share * bearing.roller_mass * bearing.roller_radius**2
     ring = 0.5 * bearing.inner_ring_mass * (bearing.bore_radius**2 + bearing.inner_raceway_radius**2)
     radius = bearing.bore_radius or bearing.inner_raceway_radius
     shaft = 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
-    return 0.5 * ((ring + shaft) * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
+    outer = 0.5 * bearing.outer_ring_mass * (bearing.outer_raceway_radius**2 + bearing.outside_radius**2)
+    inside = 0.5 * ((ring + shaft) * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
+    return inside + 0.5 * outer * turning.outer_ring**2
 
 
 def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:

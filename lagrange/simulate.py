@@ -38,7 +38,7 @@ class Motion:
     @property
     def start(self) -> np.ndarray:
         """The unknowns at t = 0."""
-        s, ideal = self.problem.first_state.state, kinematics(self.problem.bearing, self.problem.operation.speed)
+        s, ideal = self.problem.first_state.state, kinematics(self.problem.bearing, *self.problem.operation.ring_speeds)
         places = s.x, s.y, s.ring_x, s.ring_y, *(s.rho - self.problem.bearing.pitch_radius), *np.zeros(self.n)
         rates = s.x_rate, s.y_rate, s.ring_x_rate, s.ring_y_rate, *s.rho_rate, *(s.theta_rate - ideal.cage)
         return np.array([*places, *rates, *np.zeros(WORKS + 2)])
@@ -59,7 +59,7 @@ class Motion:
         return State(
             x=x, y=y, rho=bearing.pitch_radius + rho.T,
             theta=self.first + turned(bearing, operation, when).cage + off.T, x_rate=vx, y_rate=vy, rho_rate=rho_rate.T,
-            theta_rate=kinematics(bearing, operation.at(when).speed).cage + off_rate.T,
+            theta_rate=kinematics(bearing, *operation.at(when).ring_speeds).cage + off_rate.T,
             ring_x=ring_x, ring_y=ring_y, ring_x_rate=ring_vx, ring_y_rate=ring_vy,
             turns=Turns.rolling(bearing, operation, when),
         )  # fmt: skip
@@ -72,7 +72,7 @@ class Motion:
         touch = contact_state(bearing, problem.laws, state, problem.damping)
         ring = housing_accelerations(bearing, acting, state, touch)
         x, y, rho, theta = accelerations(bearing, acting, state, touch, ring)
-        gain = 0.0 if course is None else kinematics(bearing, float(course.speed(time, 1))).cage
+        gain = 0.0 if course is None else float(kinematics(bearing, *course.ring_speeds(time, 1)).cage)
         vx, vy = state.x_rate + state.ring_x_rate, state.y_rate + state.ring_y_rate
         driven = np.sum(touch.inner_force * touch.inner_passing + touch.outer_force * touch.outer_passing)
         if self.held:
@@ -165,7 +165,7 @@ def simulate(
         **part, bearing=bearing, operation=operation, laws=laws, work_load=load, work_gravity=work_gravity,
         work_cage=work_cage,
         energy_error=energy - energy[0] - load - work_gravity - work_cage + part["work_dissipated"],
-        roller_spin=kinematics(bearing, operation.at(time).speed).roller,
+        roller_spin=kinematics(bearing, *operation.at(time).ring_speeds).roller,
         roller_turn=np.asarray(turned(bearing, operation, time).roller),
         time_step=float(np.diff(found.t).max(initial=0.0)),
         critical_time_step=critical_time_step(problem, part["inner_force"].max(), part["outer_force"].max()),

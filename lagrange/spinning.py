@@ -16,6 +16,11 @@ def growths(bearing: Bearing, motion: Kinematics) -> tuple[float, float]:
     return inner, spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
 
 
+def outer_growth(bearing: Bearing, motion: Kinematics) -> float:
+    """The same of the outer raceway, in a ring that is held around its outside, m."""
+    return spinning_growth(bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring, motion.outer_ring)
+
+
 def spinning_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:
     """Radial displacement, m, of a free circle of a body that spins at a speed, rad/s.
 

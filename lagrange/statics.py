@@ -151,7 +151,7 @@ class _System:
         if self.surfaces is not None:
             outer = self.surfaces.outer(theta, turns)
             self.track, self.outer_law = self.track + outer.sinkage, softened(laws.outer, outer.compliance)
-        cage = kinematics(bearing, operation.speed).cage
+        cage = kinematics(bearing, *operation.ring_speeds).cage
         self.spin = mass * cage**2
         self.weight = mass * operation.gravity * self.sin
         self.bearing, self.ring = bearing, ring

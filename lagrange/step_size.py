@@ -7,7 +7,7 @@ import numpy as np
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.first_state import Problem
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
 from lagrange.surface.faults import Waviness, own_radius
 
@@ -42,8 +42,7 @@ def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> 
 
 def wave_interval(bearing: Bearing, operation: Operation) -> float:
     """The longest interval between samples, s, that shows contacts pass over waves; infinite without any."""
-    ideal = kinematics(bearing, operation.fastest)
-    speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
+    speed = contact_speed(bearing, operation)
     waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
     return min(waves) / speed if waves and speed > 0.0 else inf
 
@@ -64,7 +63,7 @@ def hub_frequency(bearing: Bearing, operation: Operation) -> float:
 
 def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:
     """Of the inner and the outer contact of the roller with the largest load, about five times the mean one, N/m."""
-    cage = kinematics(bearing, operation.fastest).cage
+    cage = np.abs(kinematics_met(bearing, operation).cage).max()
     force = 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
     force += bearing.roller_mass * (bearing.pitch_radius * cage**2 + operation.gravity)
     laws = contact_laws("hertz" if isinstance(bearing, BallBearing) else "johnson", bearing)
@@ -145,7 +144,8 @@ def longest_step(problem: Problem, spalls: bool = True) -> float:
 
     `spalls` : whether a contact is near one's edges.
     """
-    cage, surfaces, speed = fastest_of_cage(problem), profiles(problem.bearing), contact_speed(problem)
+    cage, surfaces = fastest_of_cage(problem), profiles(problem.bearing)
+    speed = contact_speed(problem.bearing, problem.operation)
     force = _expected_force(problem)
     longest = min(LEAP / fastest_mode(problem, force, force), inf if cage == 0.0 else CAGE_STEP / cage)
     if surfaces is not None and speed > 0.0:
@@ -163,12 +163,12 @@ def _expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation
     weight = operation.heaviest + operation.inner_mass * operation.gravity
-    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.fastest).cage ** 2
+    spin = bearing.roller_mass * bearing.pitch_radius * np.abs(kinematics_met(bearing, operation).cage).max() ** 2
     squeeze = float(problem.laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
     return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
 
 
-def contact_speed(problem: Problem) -> float:
+def contact_speed(bearing: Bearing, operation: Operation) -> float:
     """Of contacts along the surfaces at the highest speed of the run, m/s."""
-    ideal = kinematics(problem.bearing, problem.operation.fastest)
-    return abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
+    ideal = kinematics_met(bearing, operation)
+    return float(np.abs(ideal.roller - ideal.cage).max()) * bearing.roller_radius

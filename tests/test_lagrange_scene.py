@@ -56,7 +56,6 @@ def test_override_of_one_body_leaves_the_others():
         ("[operation]\naxial_load_N = 1", ["axial_load_N: not in this program: axial loads; see docs/limits"]),
         ("[bearing]\ncrown_um = 1", ["did you mean axial.crown_um?"]),
         ("[operation]\ntemperature = 1", ["not in this program: temperature"]),
-        ("[operation]\nouter_ring_speed_rpm = 1", ["not in this program: a turning outer ring"]),
         ("[support]\nfit_clearence_um = 1", ["did you mean fit_clearance_um?"]),
         ("[bearing]\nrollers = 2", ["bearing.rollers = 2", "3"]),
         ("[bearing]\nrollers = 12.5", ["bearing.rollers = 12.5"]),

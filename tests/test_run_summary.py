@@ -40,7 +40,7 @@ def blocks(speed, slip=0.0, turns=1.0, samples=4001):
 
 def test_a_made_up_run_is_told_as_it_was_made():
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    told = run_summary(bearing, speed, blocks(speed, slip=0.02))
+    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed, slip=0.02))
     assert told["hub"] == "mean x 0.0000 µm, y -2.9999 µm; peak to peak 2.0000 and 1.0000 µm"
     assert "700.0 N (" in told["largest loads"] and "706.0 N (" in told["largest loads"]
     # above 1 % of 700 N where cos(1.5 off) is: 119.2°, to a degree of either side
@@ -54,7 +54,7 @@ def test_a_made_up_run_is_told_as_it_was_made():
 def test_the_pressure_is_hertz():
     """Johnson, Contact Mechanics (1985), chapter 4: p0 = sqrt(Q E* / (π L R))."""
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    told = run_summary(bearing, speed, blocks(speed))["largest loads"]
+    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed))["largest loads"]
     modulus = 0.5 * bearing.roller.plane_strain_modulus
     radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
     pressure = np.sqrt(700.0 * modulus / (pi * bearing.roller_length * radius))
@@ -106,9 +106,10 @@ def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):
 
 def test_a_record_too_short_for_all_angles_names_no_load_zone():
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    assert "load zone" not in run_summary(bearing, speed, blocks(speed, turns=0.02))
+    assert "load zone" not in run_summary(bearing, kinematics(bearing, speed), blocks(speed, turns=0.02))
 
 
 def test_a_standing_bearing_has_no_cage_speed():
-    told = run_summary(read_scene().ideal_bearing(), 0.0, blocks(4500.0 * tau / 60.0))
+    bearing = read_scene().ideal_bearing()
+    told = run_summary(bearing, kinematics(bearing, 0.0), blocks(4500.0 * tau / 60.0))
     assert set(told) == {"hub", "largest loads", "load zone"}

@@ -14,6 +14,7 @@ from fem.run_summary import run_summary
 from fem.solver.compiling import CompiledPlan
 from fem.solver.solver import Plan, RunState
 from lagrange import Bearing, kinematics
+from lagrange.kinematics import mean_kinematics
 from lagrange.messages import engineering, shown
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.operation import RPM
@@ -90,17 +91,22 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     if operation.course is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:
-        low, high = operation.course.speeds
-        rows["shaft speed"] = f"{low / RPM:.6g} to {high / RPM:.6g} rpm"
-        rows |= {f"frequencies at {speed / RPM:.6g} rpm": _frequencies(bearing, speed) for speed in (low, high)}
-    elif operation.speed != 0.0:
-        rows["frequencies, without slip"] = _frequencies(bearing, operation.speed)
+        inner, outer = operation.ring_speeds_met
+        for name, speeds in (("shaft speed", inner), ("speed of the outer ring", outer)):
+            if speeds.any():
+                rows[name] = f"{speeds.min() / RPM:.6g} to {speeds.max() / RPM:.6g} rpm"
+        at = [np.argmin(inner), np.argmax(inner)] if np.ptp(inner) else [np.argmin(outer), np.argmax(outer)]
+        for speed, ring in {(float(inner[k]), float(outer[k])): None for k in at}:
+            beside = f", outer ring {ring / RPM:.6g} rpm" if outer.any() else ""
+            rows[f"frequencies at {speed / RPM:.6g} rpm{beside}"] = _frequencies(bearing, speed, ring)
+    elif operation.fastest:
+        rows["frequencies, without slip"] = _frequencies(bearing, *operation.ring_speeds)
     return rows
 
 
-def _frequencies(bearing: Bearing, speed: float) -> str:
-    """Kinematic lines at a speed of the shaft, rad/s, in words."""
-    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, speed).frequencies.items())
+def _frequencies(bearing: Bearing, *speeds: float) -> str:
+    """Kinematic lines at speeds of the inner and of the outer ring, rad/s, in words."""
+    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, *speeds).frequencies.items())
 
 
 def _print_choices(console: Console, plan: Plan, seconds: float | None) -> None:
@@ -151,8 +157,9 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             place = ", ".join(f"{axis} {1e6 * first[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
             lines[0] += f"; {body.replace('_', ' ')} {place}"
     else:
-        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
-        lines = [f"{name + ':':14s} {value}" for name, value in run_summary(bearing, speed, blocks).items()]
+        bearing = plan.scene.ideal_bearing()
+        ideal = mean_kinematics(bearing, plan.scene.ideal_operation(), progress.simulated)
+        lines = [f"{name + ':':14s} {value}" for name, value in run_summary(bearing, ideal, blocks).items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
             f"{progress.imbalance:+.1e} of the exchanged energy"

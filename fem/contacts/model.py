@@ -28,6 +28,8 @@ class Motion:
     cage_speed: float
     roller_speed: float
     ring_speed: float
+    outer_turn: float = 0.0  # of the outer ring
+    outer_speed: float = 0.0
 
     @property
     def radial(self) -> np.ndarray:
@@ -42,7 +44,12 @@ class Motion:
     @property
     def turns(self) -> Turns:
         """What surfaces that are not perfect are seen by."""
-        return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn)
+        return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn, outer_ring=self.outer_turn)
+
+    @property
+    def ring_turns(self) -> tuple[float, float]:
+        """Of the inner ring's frame and of the outer one's, rad."""
+        return self.ring_turn, self.outer_turn
 
     def lines_of_centres(self, place: np.ndarray) -> np.ndarray:
         """Directions of inner, then outer contacts, (2 n_rollers,), rad; `place`: hub, radii, (n_rollers + 2,), m."""
@@ -76,7 +83,7 @@ class Unloaded:
     """What the bodies of finite elements do without forces at their contacts."""
 
     inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight
-    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight and by how it is held
+    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight, by how it is held and by centrifugal load
     roller_growth: np.ndarray  # (2 n_nodes,), m
 
 
@@ -94,17 +101,25 @@ class Reduced(PressurePoints):
 def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
     """The bodies in motion. A roller's weight is a uniform load: it deforms only through contacts."""
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    mass, spins = np.repeat(disc.mass, 2), inner.body_load(0.0, 0.0, motion.ring_speed)
-    # what spins carries around what it has grown by
-    ring, roller = np.zeros_like(spins), np.zeros(mass.size)
-    for _ in range(1 + GROWN_PASSES):
-        ring = inner.held(spins + motion.ring_speed**2 * inner.row_mass[:, None, None] * ring)
+    mass, roller = np.repeat(disc.mass, 2), np.zeros(2 * disc.mass.size)
+    for _ in range(1 + GROWN_PASSES):  # what spins carries around what it has grown by
         roller = disc.relaxed(motion.roller_speed**2 * mass * (disc.points.ravel() + roller))
+    turns = motion.outer_speed != 0.0 or motion.outer_turn != 0.0
     return Unloaded(
-        inner_growth=ring + inner.held(inner.body_load(gravity, motion.ring_turn)),
-        outer_sag=outer.sag(gravity),
+        inner_growth=_spun(inner, motion.ring_speed) + inner.held(inner.body_load(gravity, motion.ring_turn)),
+        outer_sag=_spun(outer, motion.outer_speed) + outer.held(outer.body_load(gravity, motion.outer_turn))
+        if turns
+        else outer.sag(gravity),
         roller_growth=roller,
     )
+
+
+def _spun(ring: RingBody, speed: float) -> np.ndarray:
+    """Growth of a ring that turns at a speed, rad/s, (n_rows, 2, n_sectors), m."""
+    load, found = ring.body_load(0.0, 0.0, speed), np.zeros((ring.n_rows, 2, ring.n_sectors))
+    for _ in range(1 + GROWN_PASSES):
+        found = ring.held(load + speed**2 * ring.row_mass[:, None, None] * found)
+    return found
 
 
 class KernelData(NamedTuple):

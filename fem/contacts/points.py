@@ -89,7 +89,7 @@ class PointModel(Model):
         on_roller = np.where(kind == INNER, line[contact] + pi - angles[1], line[contact] + angles[1])
         on_roller = on_roller - motion.roller_turn[j]
         rise += _chords(laws, kind, 1, on_roller, disc.shape.surface_nodes)
-        for k, (ring, turn) in enumerate(zip(rings, (motion.ring_turn, 0.0), strict=True)):
+        for k, (ring, turn) in enumerate(zip(rings, motion.ring_turns, strict=True)):
             mine = kind == k
             rise[mine] += _chords(laws, kind[mine], 0, on_ring[mine] - turn, ring.n_sectors)
 
@@ -100,7 +100,7 @@ class PointModel(Model):
         growth, loads = np.zeros(across.size), []
         for k, (ring, field) in enumerate(zip(rings, (free.inner_growth, free.outer_sag), strict=True)):
             mine = np.flatnonzero(kind == k)
-            turn, outward = (motion.ring_turn, 1.0) if k == INNER else (0.0, -1.0)
+            turn, outward = motion.ring_turns[k], 1.0 if k == INNER else -1.0
             nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]), self.shares)
             compliance[np.ix_(mine, mine)] += push.T @ ring.surface_influence(nodes) @ push
             growth[mine] += push.T @ field[ring.raceway_row][:, nodes].T.ravel()

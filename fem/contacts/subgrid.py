@@ -107,7 +107,7 @@ class SubgridModel(Model):
     def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces=None) -> PointResponses:
         """See `Model.reduced`: a point for each contact, which stands for a patch."""
         n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
-        on_rings = motion.lines_of_centres(place).reshape(2, n) - [[motion.ring_turn], [0.0]]
+        on_rings = motion.lines_of_centres(place).reshape(2, n) - np.array(motion.ring_turns)[:, None]
         on_roller = motion.lines_of_centres(place) + np.repeat([pi, 0.0], n) - np.tile(motion.roller_turn, 2)
         j = np.arange(n)
         compliance, closing, loads = np.zeros((2 * n, 2 * n)), np.zeros(2 * n), []

@@ -5,12 +5,13 @@ reaction; of rollers and of a ring in play, the motion that has the body's momen
 """
 
 from fem.kernels.bore import Bore
-from fem.kernels.drive import speed_of
+from fem.kernels.drive import outer_speed_of, speed_of
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, splat, total
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import OuterTurn
 
 
 @part
@@ -101,6 +102,11 @@ def _damp_ring(ring, damping, half, speed, whole_x, whole_y):
 def _damp_outer(around, ring, damping, dt):
     """`around` : what carries the outer ring. A ring on the ground has no motion but its own."""
     _damp_held(ring, damping)
+
+
+@_damp_outer.of(OuterTurn)
+def _turning(turning, ring, damping, dt):
+    _damp_ring(ring, damping, 0.5 * dt, outer_speed_of(turning), 0.0, 0.0)
 
 
 @_damp_outer.of(Housing)

@@ -274,7 +274,7 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
         out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
         closed = overlap + sign * out + out_r
-        slopes = sign * (rate + sideways) + rate_r + sideways_r, rate, rate_r
+        slopes = sign * (rate + sideways) + rate_r + sideways_r, sign * rate, rate_r
         _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
         Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
         half = 0.5 * Q * Q
@@ -288,7 +288,7 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         scatter_add(rollers.turn_kick, group, (P * rate_r - half * ripple_rate_r) * (dt / rollers.inertia))
         ring_tilt_x -= aside * ny
         ring_tilt_y += aside * nx
-        moment += half * ripple_rate - P * rate
+        moment += half * ripple_rate - P * slopes[1]
     raceway.impulse[0] += total(ring_tilt_x)
     raceway.impulse[1] += total(ring_tilt_y)
     raceway.moment[0] += total(moment)

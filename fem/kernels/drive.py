@@ -13,30 +13,43 @@ from fem.kernels import ring_kernels
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 
-# entries of `Course.now`
+# entries of `Course.now`; the first ones of `OuterTurn.now` too
 TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
 N_NOW = 9
+N_OUTER_NOW = 5
 
 
 @part
 def follow(course, time, dt):
     """Look a time up, s, and how far the shaft turns in the step from there."""
     if course is not None:
-        now, c = course.now, course.turn
-        k, t = _piece(course.turn_knots, time)
-        turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
-        for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
-            jerk = jerk * t + 3.0 * gain
-            gain = gain * t + 2.0 * speed
-            speed = speed * t + turn
-            turn = turn * t + c[k, n]
-        now[TURN], now[SPEED], now[GAIN], now[JERK] = turn, speed, gain, jerk
-        k, t = _piece(course.turn_knots, time + dt)
-        after = 0.0
-        for n in range(c.shape[1] - 1, -1, -1):
-            after = after * t + c[k, n]
-        now[STEP] = after - turn
+        _follow_turn(course.now, course.turn_knots, course.turn, time, dt)
+        _follow_outer(course.outer, time, dt)
         _find_force(course, time)
+
+
+@part
+def _follow_turn(now, knots, c, time, dt):
+    """How far a ring has turned, how fast, and how far it turns in the step from there."""
+    k, t = _piece(knots, time)
+    turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
+    for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
+        jerk = jerk * t + 3.0 * gain
+        gain = gain * t + 2.0 * speed
+        speed = speed * t + turn
+        turn = turn * t + c[k, n]
+    now[TURN], now[SPEED], now[GAIN], now[JERK] = turn, speed, gain, jerk
+    k, t = _piece(knots, time + dt)
+    after = 0.0
+    for n in range(c.shape[1] - 1, -1, -1):
+        after = after * t + c[k, n]
+    now[STEP] = after - turn
+
+
+@part
+def _follow_outer(outer, time, dt):
+    if outer is not None:
+        _follow_turn(outer.now, outer.turn_knots, outer.turn, time, dt)
 
 
 @part
@@ -55,8 +68,8 @@ def _find_force(course, time):
     now, c = course.now, course.load
     k, t = _piece(course.load_knots, time)
     speed, gain = now[SPEED], now[GAIN]
-    heavy, turning = now[TURN] + course.unbalance_angle, now[TURN] + course.rotating_load_angle
-    hc, hs = cos(heavy), sin(heavy)
+    heavy, (with_ring, at_speed) = now[TURN] + course.unbalance_angle, _carrying_load(course.outer, now)
+    hc, hs, turning = cos(heavy), sin(heavy), with_ring + course.rotating_load_angle
     rx, ry = course.rotating_load * cos(turning), course.rotating_load * sin(turning)
     for axis in range(2):
         force, rate = 0.0, 0.0
@@ -68,8 +81,18 @@ def _find_force(course, time):
     now[FORCE_X] += out * hc + back * hs + rx
     now[FORCE_Y] += out * hs - back * hc + ry
     out, ahead = 3.0 * course.unbalance * speed * gain, course.unbalance * (speed * speed * speed - now[JERK])
-    now[RATE_X] += out * hc - ahead * hs - speed * ry
-    now[RATE_Y] += out * hs + ahead * hc + speed * rx
+    now[RATE_X] += out * hc - ahead * hs - at_speed * ry
+    now[RATE_Y] += out * hs + ahead * hc + at_speed * rx
+
+
+@part
+def _carrying_load(outer, now):
+    """How far the ring has turned with which a load turns, rad, and how fast it turns, rad/s."""
+    if outer is None:
+        return now[TURN], now[SPEED]
+    if outer.carries_load:
+        return outer.now[TURN], outer.now[SPEED]
+    return now[TURN], now[SPEED]
 
 
 @part
@@ -135,6 +158,66 @@ def is_turning(course, drive):
     if course is None:
         return drive.speed != 0.0
     return True
+
+
+@part
+def outer_of(course):
+    """The outer ring's turning; None where it stands still."""
+    if course is None:
+        return None
+    return course.outer
+
+
+@part
+def with_outer(outer, value, share, entry):
+    """A turn or speed with what the outer ring's adds, a share of an entry of `OuterTurn.now`."""
+    if outer is None:
+        return value
+    return value + share * outer.now[entry]
+
+
+@part
+def outer_speed_of(outer):
+    """Of the outer ring, rad/s."""
+    if outer is None:
+        return 0.0
+    return outer.now[SPEED]
+
+
+@part
+def outer_axes(outer):
+    """Cosine and sine of the outer ring's turn."""
+    if outer is None:
+        return 1.0, 0.0
+    return outer.frame[1], outer.frame[2]
+
+
+@part
+def turn_outer(outer):
+    """Turn the outer ring's frame by a step."""
+    if outer is not None:
+        outer.frame[0] += outer.now[STEP]
+        outer.frame[1], outer.frame[2] = cosine_and_sine(outer.frame[0])
+
+
+@part
+def clear_outer(outer):
+    """Forget the last step's moments on the outer ring."""
+    if outer is not None:
+        outer.moment[0] = outer.moment[1] = 0.0
+
+
+@part
+def note_outer(outer, dt):
+    """Count a step's moments on the outer ring."""
+    if outer is not None:
+        outer.sums[0] += moment_on(outer, dt)
+
+
+@part
+def moment_on(outer, dt):
+    """Of contacts on the outer ring in a step, N m s: those on its nodes, and that on its frame."""
+    return outer.moment[1] - outer.moment[0] * dt
 
 
 @part

@@ -2,7 +2,7 @@
 
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.bodies import calm_others, prepare_others, remember_slowed, slow_others
-from fem.kernels.drive import is_turning, speed_of
+from fem.kernels.drive import STEP, is_turning, outer_axes, outer_of, speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
@@ -18,7 +18,8 @@ def kick_nodes(bodies, drive, scratch):
         g = -drive.gravity * drive.dt
         c, s = drive.frame[1], drive.frame[2]
         ring_kernels.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, s * g, c * g)
-        ring_kernels.set_rigid(scratch.line, 0, outer.cosines, outer.sines, 0.0, g)
+        c, s = outer_axes(outer_of(drive.course))
+        ring_kernels.set_rigid(scratch.line, 0, outer.cosines, outer.sines, s * g, c * g)
         ring_kernels.kick_and_add(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
         ring_kernels.kick_and_add(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
     else:
@@ -86,7 +87,7 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
         turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
     )
     disc_kernels.drift(bodies.disc, turns, rollers.columns, dt, scratch.torque)
-    _drift_still(outer, dt, slowing)
+    _drift_outer(outer_of(drive.course), outer, dt, slowing)
     if is_turning(drive.course, drive):
         first, end = inner.first_row, inner.last_row
         if slowing > 0.0:
@@ -97,6 +98,17 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
         )
     else:
         _drift_still(inner, dt, slowing)
+
+
+@part
+def _drift_outer(turning, ring, dt, slowing):
+    """The outer ring's nodes; where it turns masses are lumped."""
+    if turning is None:
+        _drift_still(ring, dt, slowing)
+    else:
+        cosine, sine = cosine_and_sine(turning.now[STEP])
+        first, end = ring.first_row, ring.last_row
+        ring_kernels.drift(ring.u, ring.w, ring.v, ring.radii, ring.grown, dt, cosine, sine, first, end, ring.raceway)
 
 
 @part

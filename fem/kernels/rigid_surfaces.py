@@ -5,16 +5,18 @@ hub, a rigid outer one the ground. Every traction on one of them moves its other
 `friction_kernels`.
 """
 
-from fem.kernels.drive import speed_of
+from fem.kernels.drive import outer_speed_of, speed_of
 from fem.kernels.jit import verb
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, splat, total
-from fem.kernels.state import Hub, RigidDisc
+from fem.kernels.state import Ground, Hub, RigidDisc
 from fem.kernels.surfaces import (
     body_mobility,
     body_motion,
     push_body,
+    scatter_force,
     scatter_normal_force,
+    scatter_tangential_force,
     tangential_mobility,
     tangential_velocity,
 )
@@ -58,6 +60,21 @@ def _hub_mobility(hub):
 @body_motion.of(Hub)
 def _hub_motion(hub, column, nx, ny):
     return hub.velocity[1] * nx - hub.velocity[0] * ny, splat(0.0)
+
+
+@tangential_velocity.of(Ground)
+def _sideways_ground(ground, patches, side, group, column, nx, ny):
+    return splat(outer_speed_of(ground.turning) * ground.radius)
+
+
+@scatter_tangential_force.of(Ground)
+def _turn_ground(ground, patches, side, group, impulse):
+    return impulse * ground.radius
+
+
+@scatter_force.of(Ground)
+def _push_and_turn_ground(ground, patches, side, group, impulse, around):
+    return around * ground.radius
 
 
 @tangential_mobility.of(RigidDisc)

@@ -7,7 +7,7 @@ from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.bodies import add_all_motion, prepare_others
-from fem.kernels.drive import is_turning, load_at, speed_of, with_aside
+from fem.kernels.drive import is_turning, load_at, moment_on, outer_axes, outer_of, outer_speed_of, speed_of, with_aside
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load
@@ -80,6 +80,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
     out[KINETIC] = kinetic_energy(bodies, drive, scratch)
     out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
+    out[WORK_DRIVE] += _outer_work(outer_of(drive.course), bodies.outer, drive, scratch, time)
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
@@ -151,22 +152,47 @@ def _drive_work(inner, drive, scratch, time, moment):
         return 0.0
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
-    for row in range(inner.first_row, inner.last_row):
-        radial, tangential = _lines(inner, row)
-        part = splat(0.0)
-        for k in range(HALO, HALO + inner.n_sectors, WIDTH):
-            x, y = inner.radii[row] + load(inner.u, radial + k), load(inner.u, tangential + k)
-            part += x * (load(scratch.inner_w, tangential + k) + load(inner.w, tangential + k))
-            part -= y * (load(scratch.inner_w, radial + k) + load(inner.w, radial + k))
-        angular += inner.row_mass[row] * lane_total(part)
+    angular = _with_angular(angular, inner, scratch.inner_w)
     weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.frame[1], drive.frame[2])[0])
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
     speed = speed_of(drive.course, drive)
     rate = sin(speed * drive.dt) / drive.dt
-    rim = inner.row_mass[inner.held] * inner.n_sectors * inner.radii[inner.held] * inner.radii[inner.held]
-    return _work_so_far(drive.course, rate, given, rim * speed)
+    return _work_so_far(drive.course, rate, given, _rim(inner) * speed)
+
+
+@part
+def _with_angular(angular, ring, before):
+    """More angular momentum, N m s: twice that of a ring's free nodes about its frame's origin, by both half steps."""
+    for row in range(ring.first_row, ring.last_row):
+        radial, tangential = _lines(ring, row)
+        part = splat(0.0)
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            x, y = ring.radii[row] + load(ring.u, radial + k), load(ring.u, tangential + k)
+            part += x * (load(before, tangential + k) + load(ring.w, tangential + k))
+            part -= y * (load(before, radial + k) + load(ring.w, radial + k))
+        angular += ring.row_mass[row] * lane_total(part)
+    return angular
+
+
+@part
+def _rim(ring):
+    """Moment of inertia of a ring's held row, kg m²."""
+    return ring.row_mass[ring.held] * ring.n_sectors * ring.radii[ring.held] * ring.radii[ring.held]
+
+
+@part(inlined=False)
+def _outer_work(outer, ring, drive, scratch, time):
+    """The same of what keeps the outer ring's speed, J."""
+    if outer is None:
+        return 0.0
+    angular, dt, sums, speed = _with_angular(0.0, ring, scratch.outer_w), drive.dt, outer.sums, outer_speed_of(outer)
+    weight = -drive.gravity * _ring_place(ring, outer.frame[1], outer.frame[2])[0]
+    sums[1] += 0.5 * (weight + sums[2]) * (time - sums[3])
+    sums[2], sums[3] = weight, time
+    given = 0.5 * angular - sums[0] - 0.5 * moment_on(outer, dt) - sums[1] + _rim(ring) * speed
+    return _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
 
 
 @part
@@ -177,7 +203,12 @@ def _work_so_far(course, rate, given, held):
     """
     if course is None:
         return rate * given
-    work, given = course.drive_work, given + held
+    return _trapezoid(course.drive_work, rate, given + held)
+
+
+@part
+def _trapezoid(work, rate, given):
+    """Work of a drive, J, up to now: `work` is it, the last rate, 1/s, and what had been given then, N m s."""
     if work[1] == work[1]:  # not the first
         work[0] += 0.5 * (work[1] + rate) * (given - work[2])
     work[1], work[2] = rate, given
@@ -214,22 +245,37 @@ def kinetic_energy(bodies, drive, scratch):
             after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
-    outward = 0.0
-    for row in range(inner.first_row, inner.last_row):
-        radial, _ = _lines(inner, row)
-        gained = splat(0.0)
-        for k in range(HALO, HALO + inner.n_sectors, WIDTH):
-            gained += load(inner.w, radial + k) - load(scratch.inner_w, radial + k)
-        outward += inner.row_mass[row] * inner.radii[row] * lane_total(gained)
     speed = speed_of(drive.course, drive)
-    total -= (1.0 - cos(speed * dt)) * outward / dt
+    total -= (1.0 - cos(speed * dt)) * _outward(inner, scratch.inner_w) / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
     if drive.slowing > 0.0:
         total += drive.slowing / dt * _strain_power(bodies, drive, scratch)
     rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
-    return 0.5 * total
+    return 0.5 * (total + _by_turning(outer_of(drive.course), bodies.outer, scratch.outer_w, dt))
+
+
+@part
+def _outward(ring, before):
+    """Σ m X times what nodes' radial velocities have gained in a kick, kg m²/s."""
+    outward = 0.0
+    for row in range(ring.first_row, ring.last_row):
+        radial, _ = _lines(ring, row)
+        gained = splat(0.0)
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            gained += load(ring.w, radial + k) - load(before, radial + k)
+        outward += ring.row_mass[row] * ring.radii[row] * lane_total(gained)
+    return outward
+
+
+@part
+def _by_turning(outer, ring, before, dt):
+    """What a turning outer ring adds to twice the kinetic energy, J: its held row, and how its forces turn with it."""
+    if outer is None:
+        return 0.0
+    speed = outer_speed_of(outer)
+    return _rim(ring) * speed * speed - (1.0 - cos(speed * dt)) * _outward(ring, before) / dt
 
 
 @part(inlined=False)
@@ -327,7 +373,8 @@ def weighted_height(bodies, drive):
     total, rollers = drive.mass * drive.hub[1], bodies.rollers
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[1, j]
-    return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, 1.0, 0.0)[1]
+    c, s = outer_axes(outer_of(drive.course))
+    return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, c, s)[1]
 
 
 @part(inlined=False)

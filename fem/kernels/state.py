@@ -120,6 +120,21 @@ class RigidDisc(NamedTuple):
     radius: float
 
 
+class OuterTurn(NamedTuple):
+    """An outer ring that turns about its fixed centre: how, as `Course` has it of the shaft, and what turns it."""
+
+    turn_knots: given("n + 1")  # s
+    turn: given("n, powers")  # rad
+    now: state("n_outer_now")  # what `drive.follow` found last
+    frame: state("3")  # its turn, cosine and sine
+    moment: state("2")  # of this step, by contacts: on the frame, N m; on nodes about the origin, N m s
+    sums: state("4")  # N m s so far: of contacts, of gravity; that of gravity, N m, and at which time, s
+    drive_work: state("3")  # as `Course` has it
+    radius: float  # m, of the raceway
+    growth: float  # m s², of the raceway's radius by the square of its speed; see `Course`
+    carries_load: bool  # the load that turns turns with it
+
+
 class Course(NamedTuple):
     """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
 
@@ -137,6 +152,7 @@ class Course(NamedTuple):
     spin: float  # turns of a roller about its own centre
     growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
     roller_growth: float  # m s², of a roller's
+    outer: OuterTurn | None = None  # None: the outer ring stands still
 
 
 class Hub(NamedTuple):
@@ -156,6 +172,7 @@ class Ground(NamedTuple):
     """A rigid outer ring."""
 
     radius: float
+    turning: OuterTurn | None = None
 
 
 class Law(NamedTuple):
@@ -321,7 +338,8 @@ class BodyDamping(NamedTuple):
 
     share: float  # of a velocity, that a step takes
     work: state("2")  # J, the share of twice the kinetic energy that it was of: of all kicks, and of the last
-    around: tuple | None  # `Bore` of an outer ring in play, or the `Housing` that carries one; None: the ground
+    # `Bore` of an outer ring in play, the `Housing` that carries one, or the `OuterTurn` of one; None: the ground
+    around: tuple | None
 
 
 class Contacts(NamedTuple):

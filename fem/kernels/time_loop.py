@@ -11,7 +11,18 @@ from fem.kernels.cage import CagePair
 from fem.kernels.cage_kernels import rub_cage
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.damping_kernels import damp_contacts
-from fem.kernels.drive import follow, kick_hub, load_at, move_hub, step_of, with_aside
+from fem.kernels.drive import (
+    clear_outer,
+    follow,
+    kick_hub,
+    load_at,
+    move_hub,
+    note_outer,
+    outer_of,
+    step_of,
+    turn_outer,
+    with_aside,
+)
 from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_after, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
@@ -99,6 +110,7 @@ def _clear(rollers, drive):
     rollers.turn_kick[:] = 0.0
     drive.impulse[:] = 0.0
     drive.moment[:] = 0.0
+    clear_outer(outer_of(drive.course))
 
 
 @part
@@ -145,6 +157,7 @@ def drift(bodies, drive, scratch):
     turn(bodies.surface, rollers, dt, scratch.torque)
     _turn_rollers(rollers, dt, scratch)
     move_hub(bodies.inner, drive, step)
+    turn_outer(outer_of(drive.course))
     drift_others(bodies.others, drive)
 
 
@@ -201,6 +214,7 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
                 write_sample(bodies, groups, contacts, drive, scratch, samples[row], time, moment)
             drive.sums[0] += work
             drive.sums[1] += moment
+            note_outer(outer_of(drive.course), drive.dt)
             drive.sums[2] += slide(bodies, groups, contacts, drive, scratch)
             drift(bodies, drive, scratch)
             step += 1

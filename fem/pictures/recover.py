@@ -165,8 +165,8 @@ class StoredRun:
         values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
         if sample in self._frames:
-            turn = float(turned(model.bearing, self.scene.ideal_operation(), time).shaft)
-            frame = self._values.frame(self._frames[sample], model, turn)
+            way = turned(model.bearing, self.scene.ideal_operation(), time)
+            frame = self._values.frame(self._frames[sample], model, (float(way.shaft), float(way.outer_ring)))
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
         cage = None if self.scene.cage is None else np.array([self._values.column(name)[sample] for name in OF_CAGE])
@@ -200,12 +200,14 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
     hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
     inner, outer = model.inner_ring, model.outer_ring
     operation = scene.ideal_operation()
-    speed = float(operation.at(time).speed)
-    ring_turn = float(turned(model.bearing, operation, time).shaft)
+    speed, outer_speed = (float(each) for each in operation.at(time).ring_speeds)
+    way = turned(model.bearing, operation, time)
+    ring_turn, outer_turn = float(way.shaft), float(way.outer_ring)
 
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
-    outer_load = outer.body_load(operation.gravity)
-    for j, (on_inner, on_outer) in enumerate(zip(_angle(centres - hub) - ring_turn, _angle(centres), strict=True)):
+    outer_load = outer.body_load(operation.gravity, outer_turn, outer_speed)
+    on_rings = zip(_angle(centres - hub) - ring_turn, _angle(centres) - outer_turn, strict=True)
+    for j, (on_inner, on_outer) in enumerate(on_rings):
         _push_ring(model, inner, inner_load, on_inner, -values["inner_force"][j], -values["inner_traction"][j])
         _push_ring(model, outer, outer_load, on_outer, values["outer_force"][j], -values["outer_traction"][j])
     return Frame(
@@ -213,6 +215,7 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
         time=time,
         roller_turn=turns,
         ring_turn=ring_turn,
+        outer_turn=outer_turn,
         rollers=_roller_fields(model, hub, centres, turns, values),
         inner_ring=inner.held(inner_load),
         outer_ring=outer.rested(outer_load),

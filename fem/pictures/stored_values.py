@@ -48,9 +48,9 @@ class StoredValues:
             self._columns[name] = self._read(lambda file: _from_housing(file, name, len(self.times)))
         return self._columns[name]
 
-    def frame(self, index: int, model, ring_turn: float):
-        """The fields of one instant."""
-        return self._read(lambda file: read_frame(file, model, index, ring_turn))
+    def frame(self, index: int, model, turns: tuple[float, float]):
+        """The fields of one instant, of rings turned so far, rad."""
+        return self._read(lambda file: read_frame(file, model, index, turns))
 
     def check(self, bearing: Bearing, has_cage: bool) -> None:
         """Refuse samples that are not of such a bearing, with a cage or without.

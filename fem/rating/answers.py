@@ -35,7 +35,7 @@ from lagrange.rating.sources import Source, Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
-from lagrange.spinning import growths
+from lagrange.spinning import growths, outer_growth
 
 if TYPE_CHECKING:
     from fem.rating.tilted import TiltedPitch
@@ -163,15 +163,15 @@ class Case:
     @cached_property
     def cycle(self) -> DutyCycle | None:
         """Given, or of a load or speed that changes with time."""
-        if self.options.cycle is not None or self.course is None:
+        if self.options.cycle is not None or self.course is None or self.course.is_steady:
             return self.options.cycle
         time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
-        (x, y), speed = self.course.force(time), self.course.speed(time)
+        (x, y), (inner, outer) = self.course.force(time), self.course.ring_speeds(time)
         weight = self.operation.inner_mass * self.operation.gravity
         load = load_factor(self.bearing) * np.hypot(
             np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight
         )
-        speeds = np.broadcast_to(np.asarray(speed) / RPM, time.shape)
+        speeds = np.broadcast_to(np.asarray(inner - outer) / RPM, time.shape)
         try:
             return DutyCycle(loads=load, speeds=speeds, shares=np.ones(INSTANTS))
         except ValueError as error:
@@ -189,7 +189,13 @@ class Case:
 
     @cached_property
     def rpm(self) -> float:
-        return abs(self.operation.speed) / RPM if self.cycle is None else self.cycle.speed
+        """Of one ring against the other."""
+        return abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed
+
+    @property
+    def relative_speed(self) -> float:
+        """Of the inner ring against the outer one at the start, rad/s."""
+        return self.operation.speed - self.operation.outer_speed
 
     @cached_property
     def viscosity(self) -> float:
@@ -337,7 +343,7 @@ class Case:
             raise Unavailable("no film: the scene has no [lubricant]")
         _ = self.line_contacts
         forces = float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
-        return films(self.bearing, self.operation.speed, self.scene.lubricant.lubricant(), *forces)
+        return films(self.bearing, self.relative_speed, self.scene.lubricant.lubricant(), *forces)
 
     @property
     def diameters(self) -> tuple[float, float]:
@@ -370,8 +376,9 @@ class Case:
         """Of clearance by the inner ring and the rollers as they grow with speed, µm."""
         if any(material.rigid for material in (self.bearing.roller, self.bearing.inner_ring)):
             return 0.0
-        inner, roller = growths(self.bearing, kinematics(self.bearing, self.operation.speed))
-        return 2e6 * (inner + 2.0 * roller) / self.bearing.cosine
+        motion = kinematics(self.bearing, *self.operation.ring_speeds)
+        inner, roller = growths(self.bearing, motion)
+        return 2e6 * (inner + 2.0 * roller - outer_growth(self.bearing, motion)) / self.bearing.cosine
 
     @cached_property
     def build_up(self) -> OperatingClearance:
@@ -444,7 +451,7 @@ DECLARED: tuple[_Declared, ...] = (
     ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
     ("s0", "1", "static safety factor", s.STATIC,
      lambda c: static_capacity(c.row) / positive(c.largest_load, "it is infinite")),
-    ("speed_rpm", "1/min", "speed of the inner ring, of a duty cycle its mean", s.LOAD, lambda c: c.rpm),
+    ("speed_rpm", "1/min", "relative speed of the rings, of a duty cycle its mean", s.LOAD, lambda c: c.rpm),
     ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: basic_life(dynamic_capacity(c.row), c.load)),
     ("L10_h", "h", "basic rating life L10", s.LIFE,
      lambda c: in_hours(basic_life(dynamic_capacity(c.row), c.load), c.rpm)),
@@ -575,7 +582,7 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         yield "P is beyond C/2, where the life formula of ISO 281 does not hold"
     if values["C_N"] is not None and 0.0 < values["P_N"] < 0.02 * values["C_N"]:
         yield "P is below 2 % of C: rollers may skid, and rating lives say little"
-    if case.course is not None:
+    if case.course is not None and not case.course.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: boundary lubrication, wear is likely"

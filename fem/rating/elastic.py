@@ -29,7 +29,7 @@ def elastic_pitch(
     if any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring)):
         raise Unavailable("[bodies]: a body is rigid, and elastic rings take elastic bodies")
     bearing = replace(bearing, faults=())
-    motion = kinematics(bearing, operation.speed)
+    motion = kinematics(bearing, *operation.ring_speeds)
     model = reduced_bearing(bearing, motion, None, operation.gravity)
     down = float(operation.radial_load) + operation.inner_mass * operation.gravity
     aside = float(operation.side_load)

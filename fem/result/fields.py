@@ -137,8 +137,13 @@ def read_values(file: h5py.File, model: Model | None, index: int) -> dict[str, n
     return found
 
 
-def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> Frame:
-    """A stored frame. Damaged, KeyError, ValueError: the group is damaged or of another mesh."""
+def read_frame(file: h5py.File, model: Model, index: int, turns: tuple[float, float]) -> Frame:
+    """A stored frame; `turns` : of both rings, rad.
+
+    Errors
+    ------
+    Damaged, KeyError, ValueError: the group is damaged or of another mesh.
+    """
     values = read_values(file, model, index)
     written, sample = int(values.pop(CHECKSUM)), int(values["sample"])
     if written != _checksum(values):
@@ -155,10 +160,11 @@ def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> F
         sample=sample,
         time=float(values["time"]),
         roller_turn=turn,
-        ring_turn=ring_turn,
+        ring_turn=turns[0],
+        outer_turn=turns[1],
         rollers=rotated(vectors["roller"], -turn[:, None]),
-        inner_ring=model.inner_ring.polar(vectors["inner_ring"], ring_turn),
-        outer_ring=model.outer_ring.polar(vectors["outer_ring"]),
+        inner_ring=model.inner_ring.polar(vectors["inner_ring"], turns[0]),
+        outer_ring=model.outer_ring.polar(vectors["outer_ring"], turns[1]),
     )
 
 

@@ -54,13 +54,19 @@ def make_arrays(
     data = model.kernel_data(largest_force)
     contacts = contact_arrays(model, operation, start, data, friction, mass, rollers.columns)
     if not model.inner_ring.material.rigid:
-        momenta = _place_inner(model.inner_ring, inner, start, operation.speed, dt, slowing)
+        places = start.equilibrium.inner_ring, start.equilibrium.hub + start.housing
+        rates, chord = (start.inner_rate, start.hub_velocity), dt if start.steady else 0.0
+        momenta = _place_turning(model.inner_ring, inner, places, rates, operation.speed, chord, slowing)
         drive.velocity[:] -= held_velocity(model.inner_ring, momenta, slowing, drive.mass)
     if not model.outer_ring.material.rigid:
         shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
         _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
         outer_momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
         _fill(outer.w, outer_momenta)
+        if operation.course is not None and operation.course.outer_turn is not None:
+            places, rates = (start.equilibrium.outer_ring, np.zeros(2)), (start.outer_rate, np.zeros(2))
+            chord = dt if start.steady else 0.0
+            _place_turning(model.outer_ring, outer, places, rates, operation.outer_speed, chord, slowing)
     _place_rollers(model.roller, rollers, disc, start, dt, slowing)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
     if mass.share == 0.0:
@@ -167,8 +173,17 @@ def _fill(target: np.ndarray, values: np.ndarray) -> None:
     target[:, :, -HALO:] = target[:, :, HALO : 2 * HALO]
 
 
-def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float, slowing: Slowing) -> np.ndarray:
-    """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation.
+Moved = tuple[np.ndarray, np.ndarray]  # a ring's nodes about its centre, (n_rows, 2, n_sectors), and that, (2,)
+
+
+def _place_turning(
+    body: RingBody, ring: Ring, places: Moved, rates: Moved, speed: float, chord: float, slowing: Slowing
+) -> np.ndarray:
+    """Polar state about the outer ring's centre: the centre's motion, the rotation and the deformation.
+
+    Parameters
+    ----------
+    places, rates : displacements, m, and velocities, m/s; chord : s, a step in which forces hold nodes on circles, or 0
 
     Returns the momenta, (n_rows, 2, n_sectors), m/s, without what half a step turns of them.
     """
@@ -177,13 +192,12 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     def polar(vector):
         return np.stack([vector[0] * cosine + vector[1] * sine, vector[1] * cosine - vector[0] * sine])
 
-    deformed = start.equilibrium.inner_ring.copy()
-    _fill(ring.u, deformed + polar(start.equilibrium.hub + start.housing))
-    position = deformed.copy()
+    _fill(ring.u, places[0] + polar(places[1]))
+    position = places[0].copy()
     position[:, 0] += body.radii[:, None]
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
-    velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
-    kick = dt * speed**2 * position if start.steady else np.zeros_like(position)  # along chords after it
+    velocity = rates[0] + speed * turned + polar(rates[1])
+    kick = chord * speed**2 * position  # along chords after it
     momenta = ring_momenta(body, velocity, slowing)
     _fill(ring.w, momenta + 0.5 * kick)
     return momenta

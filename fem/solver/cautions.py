@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagrange import Bearing, Operation, contact_laws, kinematics
+from lagrange import Bearing, Operation, contact_laws
 from lagrange.bearing import CORE
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import kinematics_met, roller_angles
 from lagrange.scene.scene import Scene
 from lagrange.step_size import wave_interval
 from lagrange.surface.faults import Spall
@@ -55,7 +55,8 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
 def _brief(scene: Scene) -> str | None:
     """A default duration in which hardly a roller passes the load."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    seconds, cage = 1e-3 * scene.numerics.duration_ms, abs(kinematics(bearing, operation.fastest).cage) / (2.0 * pi)
+    seconds = 1e-3 * scene.numerics.duration_ms
+    cage = float(np.abs(kinematics_met(bearing, operation).cage).max()) / (2.0 * pi)
     passages = bearing.n_rollers * cage * seconds
     if cage == 0.0 or passages >= FEWEST_PASSAGES or scene.is_given("numerics", "duration_ms"):
         return None

@@ -36,7 +36,8 @@ from fem.kernels.state import (
     Shear,
 )
 from fem.solver.part_arrays import raceway_profiles
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Bearing, Operation
+from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def pair_groups(
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
     held_at = nowhere if housing is None else housing.place
+    turning = None if drive.course is None else drive.course.outer
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
     else:
@@ -64,7 +66,7 @@ def pair_groups(
     if not ground.material.rigid:
         outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])
     elif housing is None:
-        outer_surface = Ground(radius=ground.raceway_radius)
+        outer_surface = Ground(radius=ground.raceway_radius, turning=turning)
     else:
         outer_surface = _moved_with(bearing, housing.place, housing, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
@@ -92,9 +94,9 @@ def pair_groups(
         surface=outer_surface,
         centre=held_at,
         counted_from=nowhere if ground.material.rigid else held_at,
-        frame=np.array([0.0, 1.0, 0.0]),
+        frame=np.array([0.0, 1.0, 0.0]) if turning is None else turning.frame,
         impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
-        moment=np.zeros(2),
+        moment=np.zeros(2) if turning is None else turning.moment,
         **outer_profiles,
     )
     between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
@@ -228,11 +230,14 @@ def _nodes_between(model: "Model") -> tuple[float, float]:
 
 def _reach(model: "Model", operation: Operation) -> float:
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
-    ring, disc = model.inner_ring, model.roller
-    growth = ring.held(ring.body_load(0.0, 0.0, operation.fastest))
-    spin = kinematics(model.bearing, operation.fastest).roller
+    disc, met = model.roller, kinematics_met(model.bearing, operation)
+    growth = 0.0
+    for ring, speeds in ((model.inner_ring, met.shaft), (model.outer_ring, met.outer_ring)):
+        if fastest := float(np.abs(speeds).max()):
+            growth = max(growth, float(np.abs(ring.held(ring.body_load(0.0, 0.0, fastest))).max()))
+    spin = np.abs(met.roller).max()
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
     surfaces = profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest
     reach = REACH_OF_LOOSE if isinstance(model.outer_ring, LooseRing) else REACH
-    return reach * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max()) + highest
+    return reach * disc.shape.radius + 2.0 * float(growth + np.abs(swelling).max()) + highest

@@ -25,7 +25,8 @@ from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.solver.validity import may_strike
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import static_equilibrium
-from lagrange import Operation, kinematics
+from lagrange import Operation
+from lagrange.kinematics import kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
 
@@ -124,7 +125,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     operation = scene.ideal_operation()
     forces = expected_forces(scene)
     model = model_of(scene, forces)
-    fastest = kinematics(model.bearing, operation.fastest)
+    fastest = kinematics_met(model.bearing, operation)
     check_speed(model, fastest)
     try:
         loaded = equilibrium_start(model, operation)

@@ -20,6 +20,7 @@ class Frame:
     time: float  # s
     roller_turn: np.ndarray  # (n_rollers,), rad
     ring_turn: float  # rad, of the inner ring
+    outer_turn: float  # rad, of the outer ring
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
@@ -46,6 +47,7 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         time=sample * interval,
         roller_turn=rollers.turn[: rollers.n].copy(),
         ring_turn=turn,
+        outer_turn=0.0 if drive.course is None or drive.course.outer is None else float(drive.course.outer.frame[0]),
         rollers=np.moveaxis(bodies, -1, 0),
         inner_ring=inner,
         outer_ring=outside,
@@ -57,6 +59,7 @@ class Displaced(Protocol):
 
     roller_turn: np.ndarray
     ring_turn: float
+    outer_turn: float
     rollers: np.ndarray
     inner_ring: np.ndarray
     outer_ring: np.ndarray
@@ -71,7 +74,7 @@ def global_fields(model: Model, frame: Displaced) -> dict[str, tuple[np.ndarray,
     local = (model.roller.stress @ frame.rollers.reshape(n, -1).T).T.reshape(n, -1, 3)
     turn = frame.roller_turn[:, None]
     fields = {"roller": (rotated(frame.rollers, turn), turned(local, turn))}
-    for name, angle in (("inner_ring", frame.ring_turn), ("outer_ring", 0.0)):
+    for name, angle in (("inner_ring", frame.ring_turn), ("outer_ring", frame.outer_turn)):
         ring = getattr(model, name)
         polar = getattr(frame, name)
         stress = (ring.stress @ ring.cartesian(polar).ravel()).reshape(-1, 3)

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem.errors import UsageError
 from fem.solver.guards import WIDEST_CONTACT
 from fem.statics.exact_statics import ExpectedForces
@@ -130,21 +132,24 @@ def check_meshes(model: "Model") -> None:
 
 
 def check_speed(model: "Model", ideal: Kinematics) -> None:
-    """Refuse a speed whose centrifugal strain ρ v²/E leaves linear elasticity.
+    """Refuse speeds, (n,), whose centrifugal strain ρ v²/E leaves linear elasticity.
 
-    v is the surface speed: of the inner raceway, of a roller about its own axis.
+    v is the surface speed: of the inner raceway, of a roller about its own axis, of a turning outer ring's outside.
     """
     bearing = model.bearing
+    shaft, ring, roller = (float(np.abs(each).max()) for each in (ideal.shaft, ideal.outer_ring, ideal.roller))
+    key, fastest = ("speed_rpm", shaft) if shaft >= ring else ("outer_ring_speed_rpm", ring)
     bodies = {
-        "the inner ring": (bearing.inner_ring, ideal.shaft * bearing.inner_raceway_radius),
-        "the rollers": (bearing.roller, ideal.roller * bearing.roller_radius),
+        "the inner ring": (bearing.inner_ring, shaft * bearing.inner_raceway_radius),
+        "the outer ring": (bearing.outer_ring, ring * bearing.outside_radius),
+        "the rollers": (bearing.roller, roller * bearing.roller_radius),
     }
     for name, (material, surface_speed) in bodies.items():
         strain = 0.0 if material.rigid else material.density * surface_speed**2 / material.youngs_modulus
         if strain > LARGEST_STRAIN:
-            most = abs(ideal.shaft) * sqrt(LARGEST_STRAIN / strain) * 60.0 / (2.0 * pi)
+            most = fastest * sqrt(LARGEST_STRAIN / strain) * 60.0 / (2.0 * pi)
             raise UsageError(
-                f"operation.speed_rpm: {name} would strain by {strain:.2g} under centrifugal load, beyond the "
+                f"operation.{key}: {name} would strain by {strain:.2g} under centrifugal load, beyond the "
                 f"{LARGEST_STRAIN} that linear elasticity bears; at most {most:.6g} rpm"
             )
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.kernels.bore import Bore
-from fem.kernels.drive import N_NOW
+from fem.kernels.drive import N_NOW, N_OUTER_NOW
 from fem.kernels.fields import at_line, filled
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import ReducedDampers
 from fem.kernels.shaft import Shaft, late_mass
-from fem.kernels.state import BodyDamping, Course, Dampers, Drive, Ring, RingProfile, RollerProfiles
+from fem.kernels.state import BodyDamping, Course, Dampers, Drive, OuterTurn, Ring, RingProfile, RollerProfiles
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_places
 from lagrange import Bearing, Kinematics, Operation, kinematics
@@ -130,7 +130,13 @@ def _resonator(sensor: Sensor, dt: float) -> Resonator:
 
 
 def course_arrays(
-    bearing: Bearing, operation: Operation, *, held: bool = True, growth: float = 0.0, roller_growth: float = 0.0
+    bearing: Bearing,
+    operation: Operation,
+    *,
+    held: bool = True,
+    growth: float = 0.0,
+    roller_growth: float = 0.0,
+    outer_growth: float = 0.0,
 ) -> Course | None:
     """None where nothing changes.
 
@@ -139,6 +145,7 @@ def course_arrays(
     held : elements turn with the cage of rolling without slip
     growth, roller_growth : m s², of the distances at which a roller touches the inner ring, and the outer one, by the
         square of the shaft's speed
+    outer_growth : m s², of the outer raceway's radius, by the square of the outer ring's
     """
     found = operation.course
     if found is None:
@@ -154,12 +161,31 @@ def course_arrays(
         drive_work=np.array([0.0, np.nan, 0.0]),
         unbalance=float(found.unbalance),
         unbalance_angle=float(found.unbalance_angle),
+        outer=_outer_turn(bearing, operation, outer_growth),
         rotating_load=float(found.rotating_load),
         rotating_load_angle=float(found.rotating_load_angle),
         cage=float(ideal.cage) if held else 0.0,
         spin=float(ideal.roller),
         growth=float(growth),
         roller_growth=float(roller_growth),
+    )
+
+
+def _outer_turn(bearing: Bearing, operation: Operation, growth: float) -> OuterTurn | None:
+    """What turns an outer ring; None where it stands still."""
+    found = operation.course
+    if found is None or found.outer_turn is None:
+        return None
+    return filled(
+        OuterTurn,
+        {"n_outer_now": N_OUTER_NOW},
+        turn_knots=found.outer_turn.x.copy(),
+        turn=np.ascontiguousarray(found.outer_turn.c[::-1].T),
+        frame=np.array([0.0, 1.0, 0.0]),
+        drive_work=np.array([0.0, np.nan, 0.0]),
+        radius=float(bearing.outer_raceway_radius),
+        growth=float(growth),
+        carries_load=found.rotating_load_with == "outer_ring",
     )
 
 
@@ -173,7 +199,8 @@ def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
         around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
-        damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else None)
+        turning = None if arrays.drive.course is None else arrays.drive.course.outer
+        damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else turning)
         bodies = bodies._replace(damping=damping)
     return replace(arrays, contacts=contacts, bodies=bodies)
 
@@ -213,7 +240,8 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
 def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
     """Time in which contacts roll over the shortest knot of a profile, s; infinite on perfect circles, or standing."""
     surfaces = profiles(bearing)
-    speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface
+    # of contacts along every surface
+    speed = float(np.abs(ideal.cage - ideal.outer_ring).max()) * bearing.outer_raceway_radius
     return inf if surfaces is None or speed == 0.0 else surfaces.shortest / speed
 
 

@@ -11,7 +11,7 @@ from fem.statics.contact_balance import ROUND_OFF, NotFound, hub_spring, hub_sti
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import profiles
@@ -41,7 +41,7 @@ class Start:
 
 def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
     """Angles at a time if everything rolls without slip."""
-    ideal = kinematics(model.bearing, operation.at(time).speed)
+    ideal = kinematics(model.bearing, *operation.at(time).ring_speeds)
     way = turned(model.bearing, operation, time)
     angle = roller_angles(model.bearing, operation.first_roller_angle)
     n = model.bearing.n_rollers
@@ -52,6 +52,8 @@ def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[M
         cage_speed=ideal.cage,
         roller_speed=ideal.roller,
         ring_speed=ideal.shaft,
+        outer_turn=way.outer_ring,
+        outer_speed=ideal.outer_ring,
     )
     return motion, ideal
 
@@ -76,7 +78,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         on_springs = _weight_on_springs(model, operation)
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
-    speed = abs(operation.speed) * model.bearing.inner_raceway_radius
+    speed = surface_speed(model.bearing, operation)
     if speed < SLOWEST:
         return _still(model, operation, middle, motion)
     if not _follows(model, operation, middle, motion, ring):
@@ -153,7 +155,7 @@ def _weight_on_springs(model: "Model", operation: Operation) -> float:
 
 def _still(model: "Model", operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
     """A start whose deformation does not change in the bodies' frames."""
-    ideal = kinematics(model.bearing, operation.speed)
+    ideal = kinematics(model.bearing, *operation.ring_speeds)
     return Start(
         equilibrium=equilibrium,
         kinematics=ideal,

@@ -32,7 +32,7 @@ def may_strike(scene: Scene, operation: Operation) -> bool:
     """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
     bearing = scene.ideal_bearing()
     spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
-    outwards = kinematics(bearing, operation.speed).cage ** 2 * bearing.pitch_radius
+    outwards = kinematics(bearing, *operation.ring_speeds).cage ** 2 * bearing.pitch_radius
     falling = 0.0 < outwards < HELD * operation.gravity
     return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
 

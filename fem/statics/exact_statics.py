@@ -205,5 +205,6 @@ class ExpectedForces:
 
     @property
     def _centrifugal(self) -> float:
-        cage = 0.5 * self.operation.fastest  # or less
+        inner, outer = (np.abs(speeds).max() for speeds in self.operation.ring_speeds_met)
+        cage = float(0.5 * inner + outer)  # or less
         return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius

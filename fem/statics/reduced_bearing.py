@@ -19,7 +19,7 @@ from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
 from lagrange.kinematics import roller_angles
-from lagrange.spinning import growths
+from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import Turns
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
@@ -151,6 +151,7 @@ class ReducedBearing:
     across: float  # m/N
     inner_growth: float  # m, of the inner raceway as it spins
     roller_growth: float
+    outer_growth: float
     sag: tuple[float, float]  # m, of the raceways below hub and outer ring, by the rings' own weight
 
     failure_hint: ClassVar[str] = ""
@@ -194,8 +195,8 @@ def reduced_bearing(
         laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
         across -= modes.across
     series = _kept_series(_sound(bearing))
-    inner_growth, roller_growth = growths(bearing, motion)
-    closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
+    (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
+    closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
     return ReducedBearing(
         contacts=replace(contacts, closing=closing),
         modes=modes,
@@ -206,6 +207,7 @@ def reduced_bearing(
         across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
+        outer_growth=of_outer,
         sag=sags(bearing, gravity),
     )
 
@@ -215,7 +217,7 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
 
     A ring's harmonics that are longer than two rollers' distance stand still with the load zone: they are as they were.
     """
-    speed, pair = motion.cage * bearing.outer_raceway_radius, law.pair
+    speed, pair = (motion.cage - motion.outer_ring) * bearing.outer_raceway_radius, law.pair
     of_ring, of_roller = (moving_softening(material, speed) for material in pair.materials)
     sides = [line_compliance(material, pair.length) for material in pair.materials]
     share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)

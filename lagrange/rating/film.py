@@ -22,7 +22,12 @@ class Films:
 
 
 def films(bearing: Bearing, speed: float, lubricant: Lubricant, inner_load: float, outer_load: float) -> Films:
-    """Of the most loaded rollers, loads in N, with the inner ring at a speed, rad/s. Unavailable: nothing rolls."""
+    """Of the most loaded rollers, loads in N, at a speed of one ring against the other, rad/s.
+
+    Errors
+    ------
+    Unavailable: nothing rolls.
+    """
     ideal = kinematics(bearing, speed)
     rolling = (ideal.roller - ideal.cage) * bearing.roller_radius
     if rolling == 0.0 or not min(inner_load, outer_load) > 0.0:

@@ -51,6 +51,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
         f"bearing.contact_angle_deg = {a:g}" if (a := scene.bearing.contact_angle_deg) > 0.0 else None
     ),
     "axial": lambda scene: None if scene.axial is None else "[axial]",
+    "outer ring's speed": lambda scene: f"operation.{key}" if (key := scene.operation.turns_outer_ring) else None,
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -64,7 +65,9 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "contact angle": lambda scene: scene.bearing.contact_angle_deg > 0.0,
     "solid shaft": lambda scene: scene.bearing.bore_diameter_mm == 0.0,
     "missing rollers": lambda scene: bool(scene.bearing.missing_rollers),
+    "fitted": lambda scene: scene.fit is not None,
     "no housing": lambda scene: scene.mounting().housing is None,
+    "mounted": lambda scene: scene.support is not None and scene.support.kind != "held",
 }
 EITHER = "; leave one of them out"
 SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
@@ -111,6 +114,13 @@ REFUSED = (
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
+    ("outer ring's speed", "no mesh", '{given}: only with model = "fem", not with "{model}"; leave it out'),
+    ("outer ring's speed", "mounted",
+     f'{{given}}: only with support.kind = "held", not with "{{support}}": whatever turns with the outer ring holds it '
+     f"all around{EITHER}"),
+    ("outer ring's speed", "fitted",
+     f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
+    ("outer ring's speed", "modes", OTHER_MODES),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 
@@ -119,6 +129,7 @@ def refusals(scene: SceneTables) -> Iterator[str]:
     """A sentence for every feature that this kind of scene can't have."""
     words = {
         "model": scene.model, "contact": scene.contact.model,
+        "support": "held" if scene.support is None else scene.support.kind,
         "modes": f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}",
     }  # fmt: skip
     for feature, kind, sentence in REFUSED:

@@ -11,6 +11,7 @@ from lagrange.scene.axial import axial_faults
 from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
+from lagrange.scene.operation import FIRST_SPEEDS
 from lagrange.scene.surfaces import SURFACES, profile_faults, roller_faults, size_faults, spall_faults
 from lagrange.scene.tables import SceneTables
 from lagrange.section import stiffness_factor
@@ -110,11 +111,12 @@ def _cage(scene: SceneTables) -> Iterator[str]:
 
 def _courses(scene: SceneTables) -> Iterator[str]:
     yield from scene.operation.duration_faults(scene.numerics.duration_ms)
-    if scene.lubricant is not None and scene.operation.speed_table is not None:
-        yield (
-            "[lubricant]: only at a steady speed, not with operation.speed_table = "
-            f'"{scene.operation.speed_table}": its film is as thick as at one speed; leave one of them out'
-        )
+    for name in FIRST_SPEEDS if scene.lubricant is not None else ():
+        if (table := getattr(scene.operation, name)) is not None:
+            yield (
+                f'[lubricant]: only at a steady speed, not with operation.{name} = "{table}": its film is as thick as '
+                "at one speed; leave one of them out"
+            )
 
 
 def _rollers_with_faults(scene: SceneTables) -> Iterator[str]:

@@ -21,7 +21,6 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "axial loads": ("axial", "thrust"),
     "temperatures that follow from heat ([fit] takes given ones)": ("temperature", "thermal", "heat"),
     "applied moments": ("moment",),
-    "a turning outer ring": ("outer_ring_speed", "outer_speed"),
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),

@@ -70,6 +70,7 @@ def _named(data: dict[str, Any]) -> Iterator[_Named]:
         yield from _file(_Named(f"profile.{i}", table, "file", "sha256", "content", "heights"))
     for place, name, kind in (
         ("operation", "speed_table", "speeds"),
+        ("operation", "outer_ring_speed_table", "speeds"),
         ("operation", "load_table", "loads"),
         ("lagrange", "law_table", "forces"),
     ):

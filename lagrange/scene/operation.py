@@ -18,7 +18,12 @@ from lagrange.scene.faults import Check, Table
 RPM = 2.0 * pi / 60.0
 FROM_LOAD = -90.0  # degrees, of the direction of radial_load_N from +x
 FASTEST, HEAVIEST = 200_000.0, 1e7  # rpm, N
-TABLES = {"speed_table": (("speed_rpm",), FASTEST), "load_table": (("x_N", "y_N"), HEAVIEST)}
+TABLES = {
+    "speed_table": (("speed_rpm",), FASTEST),
+    "outer_ring_speed_table": (("speed_rpm",), FASTEST),
+    "load_table": (("x_N", "y_N"), HEAVIEST),
+}
+FIRST_SPEEDS = {"speed_table": "speed_rpm", "outer_ring_speed_table": "outer_ring_speed_rpm"}  # keys in whose place
 ENOUGH = 1e-9  # relative: times and speeds that are the same
 
 
@@ -27,6 +32,9 @@ class OperationTable(Table):
 
     speed_rpm: float = Field(
         4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
+    )
+    outer_ring_speed_rpm: float = Field(
+        0.0, ge=-200_000.0, le=200_000.0, description="of the outer ring, which turns about its fixed centre, likewise"
     )
     radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
     inner_ring_and_shaft_kg: float = Field(
@@ -54,7 +62,10 @@ class OperationTable(Table):
         None, ge=-360.0, le=360.0, description="of the heavy side at t = 0, from −y, counter-clockwise"
     )
     rotating_load_N: float | None = Field(
-        None, ge=0.0, le=HEAVIEST, description="at the hub, beside the other loads, turning with the inner ring"
+        None, ge=0.0, le=HEAVIEST, description="at the hub, beside the other loads, turning with a ring"
+    )
+    rotating_load_with: Literal["inner_ring", "outer_ring"] | None = Field(
+        None, description="the ring that it turns with; the inner one if left out"
     )
     rotating_load_deg: float | None = Field(
         None, ge=-360.0, le=360.0, description="of its direction at t = 0, from −y, counter-clockwise"
@@ -83,6 +94,18 @@ class OperationTable(Table):
         None, description="what joins its points: a smooth curve (the default), or straight lines"
     )
     speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    outer_ring_speed_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of outer_ring_speed_rpm",
+    )  # fmt: skip
+    outer_ring_speed_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    outer_ring_speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    outer_ring_speed_table_shape: Literal["smooth", "linear"] | None = Field(
+        None, description="what joins its points, as of speed_table"
+    )
+    outer_ring_speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
     load_table: str | None = Field(
         None, min_length=1, max_length=1000,
         description="file beside the scene, CSV with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN): in place "
@@ -103,13 +126,14 @@ class OperationTable(Table):
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
         """Tables say what the speed is at the start, and the whole load."""
         defaults = {"radial_load_N": 0.0} if data.get("load_table") is not None else {}
-        if isinstance(data.get("speed_table_content"), str):
-            try:
-                decimal = data.get("speed_table_decimal") or "."
-                shape = data.get("speed_table_shape") or "smooth"
-                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], decimal, shape)
-            except (ValueError, TypeError):  # a decimal sign that is no text
-                pass  # told by `_tables`
+        for name, key in FIRST_SPEEDS.items():
+            if isinstance(data.get(f"{name}_content"), str):
+                try:
+                    decimal = data.get(f"{name}_decimal") or "."
+                    shape = data.get(f"{name}_shape") or "smooth"
+                    defaults[key] = _first_speed(data[f"{name}_content"], decimal, shape)
+                except (ValueError, TypeError):  # a decimal sign that is no text
+                    pass  # told by `_tables`
         return defaults | data
 
     def checks(self) -> tuple[Check, ...]:
@@ -135,6 +159,8 @@ class OperationTable(Table):
         for of, angle in (("unbalance_g_mm", "unbalance_deg"), ("rotating_load_N", "rotating_load_deg")):
             if getattr(self, angle) is not None and getattr(self, of) is None:
                 yield f"{angle} = {getattr(self, angle):g}: of what? give {of}, or leave it out"
+        if self.rotating_load_with is not None and self.rotating_load_N is None:
+            yield f'rotating_load_with = "{self.rotating_load_with}": what? give rotating_load_N, or leave it out'
 
     def _tables(self) -> Iterator[str]:
         for name in TABLES:
@@ -151,13 +177,15 @@ class OperationTable(Table):
                 f'radial_load_N = {self.radial_load_N:g}: load_table = "{self.load_table}" is the whole load; leave '
                 "out one of them"
             )
-        if self.speed_table_content is not None:
-            decimal, shape = self.speed_table_decimal or ".", self.speed_table_shape or "smooth"
-            first = _first_speed(self.speed_table_content, decimal, shape)
-            if abs(first - self.speed_rpm) > ENOUGH * max(abs(first), 1.0):
+        for name, key in FIRST_SPEEDS.items():
+            content, given = getattr(self, f"{name}_content"), getattr(self, key)
+            if content is None:
+                continue
+            decimal, shape = getattr(self, f"{name}_decimal") or ".", getattr(self, f"{name}_shape") or "smooth"
+            first = _first_speed(content, decimal, shape)
+            if abs(first - given) > ENOUGH * max(abs(first), 1.0):
                 yield (
-                    f'speed_rpm = {self.speed_rpm:g}: speed_table = "{self.speed_table}" says {first:g} at the start; '
-                    "leave speed_rpm out"
+                    f'{key} = {given:g}: {name} = "{getattr(self, name)}" says {first:g} at the start; leave {key} out'
                 )
 
     def points(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
@@ -181,8 +209,14 @@ class OperationTable(Table):
     def changes(self) -> str | None:
         """The key of something that changes with time; None: nothing does."""
         named = [name for name in TABLES if getattr(self, name) is not None]
-        turning = [name for name in ("unbalance_g_mm", "rotating_load_N") if getattr(self, name)]
-        return next(iter((*named, *turning)), None)
+        turning = ("outer_ring_speed_rpm", "unbalance_g_mm", "rotating_load_N")
+        return next(iter((*named, *(name for name in turning if getattr(self, name)))), None)
+
+    @property
+    def turns_outer_ring(self) -> str | None:
+        """The key by which the outer ring turns; None: it stands still."""
+        keys = ("outer_ring_speed_table", "outer_ring_speed_rpm")
+        return next((key for key in keys if getattr(self, key)), None)
 
     @property
     def files(self) -> dict[str, str]:
@@ -212,21 +246,27 @@ def _ideal(o: OperationTable) -> Operation:
     )
     if o.changes is None:
         return found
-    functions = {"speed_table": steady(found.speed), "load_table": steady(0.0, -found.radial_load)}
+    functions = {
+        "speed_table": steady(found.speed),
+        "outer_ring_speed_table": steady(o.outer_ring_speed_rpm * RPM),
+        "load_table": steady(0.0, -found.radial_load),
+    }
     for name in TABLES:
         if getattr(o, name) is not None:
             points = o.points(name)
             if points is None:
                 raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
-            unit = RPM if name == "speed_table" else 1.0
+            unit = RPM if name in FIRST_SPEEDS else 1.0
             functions[name] = joined(1e-3 * points[0], unit * points[1], getattr(o, f"{name}_shape") or "smooth")
     return found.going_on(
         turn=turn_of(functions["speed_table"]),
+        outer_turn=None if o.turns_outer_ring is None else turn_of(functions["outer_ring_speed_table"]),
         load=functions["load_table"],
         unbalance=1e-6 * (o.unbalance_g_mm or 0.0),
         unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD),
         rotating_load=o.rotating_load_N or 0.0,
         rotating_load_angle=radians((o.rotating_load_deg or 0.0) + FROM_LOAD),
+        rotating_load_with=o.rotating_load_with or "inner_ring",
     )
 
 

@@ -22,6 +22,7 @@ from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
 from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
+from lagrange.scene.operation import TABLES
 from lagrange.scene.run import DampingTable, LagrangeTable, with_former_name
 from lagrange.scene.surfaces import SURFACES
 from lagrange.scene.tables import SceneTables
@@ -31,10 +32,9 @@ from lagrange.surface.passages import strike_interval
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 PROFILES = tuple(f"{surface}_profile_content" for surface in AXIAL_SURFACES)
 FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
-CONTENTS = (  # texts of files, in the tables that name them
-    "content", "speed_table_content", "load_table_content", "law_table_content", *PROFILES,
-)  # fmt: skip
-FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table", "law_table")  # of tables that name a file
+FILES = *TABLES, "law_table"  # keys of tables that name a file
+CONTENTS = ("content", *(f"{name}_content" for name in FILES), *PROFILES)  # texts, in the tables that name them
+FILE_KEYS = ("file", "sha256", "content", *FILES)
 
 
 class Scene(SceneTables):

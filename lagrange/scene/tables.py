@@ -120,7 +120,7 @@ class SceneTables(Table):
 
     def _growths(self, bearing: Bearing) -> tuple[float, float]:
         """Of the radii of inner raceway and rollers, m, that elastic models give to bodies as they spin."""
-        return growths(bearing, kinematics(bearing, self.operation.ideal().speed))
+        return growths(bearing, kinematics(bearing, *self.operation.ideal().ring_speeds))
 
     def unmounted_bearing(self) -> Bearing:
         """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""

@@ -79,16 +79,20 @@ class Turns:
     rollers: float | np.ndarray = 0.0  # about their own axes
     inner_ring_speed: float = 0.0
     roller_speed: float = 0.0
+    outer_ring: float | np.ndarray = 0.0
+    outer_ring_speed: float = 0.0
 
     @classmethod
     def rolling(cls, bearing: Bearing, operation: Operation, time) -> "Turns":
         """Of rolling without slip at a time, s."""
-        now, way = kinematics(bearing, operation.at(time).speed), turned(bearing, operation, time)
+        now, way = kinematics(bearing, *operation.at(time).ring_speeds), turned(bearing, operation, time)
         return cls(
             inner_ring=way.shaft,
             rollers=way.roller,
             inner_ring_speed=now.shaft,
             roller_speed=now.roller,
+            outer_ring=way.outer_ring,
+            outer_ring_speed=now.outer_ring,
         )
 
 
@@ -148,7 +152,8 @@ class Profiles:
 
     def outer(self, direction, turns: Turns) -> SurfaceDeviation:
         """At the outer raceway; `direction` from the outer ring's centre to the rollers', (..., n_rollers), rad."""
-        return _deviation(self.outer_ring, direction, self.rollers_outside, direction - turns.rollers)
+        on_ring = direction - turns.outer_ring
+        return _deviation(self.outer_ring, on_ring, self.rollers_outside, direction - turns.rollers)
 
     @property
     def highest(self) -> float:

@@ -47,7 +47,7 @@ def film_thickness(pair: Pair, rolling_speed: float, force: float, lubricant: Lu
 @lru_cache(maxsize=16)
 def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple[Film, ...]:
     """Films of both raceways of a bearing without faults, under its largest static loads; none where nothing rolls."""
-    ideal = kinematics(bearing, operation.speed)
+    ideal = kinematics(bearing, *operation.ring_speeds)
     rolling = (ideal.roller - ideal.cage) * bearing.roller_radius
     if rolling == 0.0:
         return ()

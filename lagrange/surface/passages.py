@@ -94,7 +94,9 @@ def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
     along = np.hypot(x, y) * np.gradient(direction, time, axis=0)
     turning = bearing.roller_radius * samples["roller_spin"]
     if raceway == "outer":
-        on_ring, on_roller, sliding = direction, direction - turn, along + turning
+        way = turned(bearing, operation, time[:, None]).outer_ring
+        on_ring, on_roller = direction - way, direction - turn
+        sliding = along + turning - operation.at(time[:, None]).outer_speed * bearing.outer_raceway_radius
     else:
         time = time[:, None]
         on_ring, on_roller = direction - turned(bearing, operation, time).shaft, direction + pi - turn

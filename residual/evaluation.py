@@ -6,7 +6,7 @@ from math import hypot
 import numpy as np
 
 from lagrange.contact.raceway_laws import caution
-from lagrange.kinematics import Kinematics, kinematics
+from lagrange.kinematics import OUTER_RING, Kinematics, kinematics
 from residual.budget import (
     Accelerations,
     Budget,
@@ -23,7 +23,7 @@ from residual.formatting import NOISE
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.load_zone import chatter_gap
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
-from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record
+from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, varies
 from residual.sampling import (
     WITHIN,
     PositionNoise,
@@ -220,7 +220,7 @@ def evaluate(
     if isinstance(law, str):
         law = identified[law].law
     budget = error_budget(used, law, accelerations, closing_speed)
-    ideal = kinematics(record.bearing, used.mean_speed)
+    ideal = kinematics(record.bearing, *used.mean_speeds)
     lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
     slowest = min(lines.values(), default=0.0)  # Hz
     tracking = tracking_of(used)
@@ -305,11 +305,15 @@ def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:
     """Say where lines are to be found when the speed changes."""
     if not record.varies_speed:
         return []
-    low, high = (60.0 * f(record.acting.speed) / (2.0 * np.pi) for f in (np.min, np.max))
-    note = f"the shaft's speed changes from {low:.5g} to {high:.5g} rpm within the record: lines in Hz would smear"
+    changes = []
+    for name, speeds in zip(("shaft", OUTER_RING), record.acting.ring_speeds, strict=True):
+        low, high = (60.0 * f(speeds) / (2.0 * np.pi) for f in (np.min, np.max))
+        if varies(speeds):
+            changes.append(f"the {name}'s speed changes from {low:.5g} to {high:.5g} rpm")
+    note = f"{' and '.join(changes)} within the record: lines in Hz would smear"
     if tracking is None:
         return [f"{note}, and the record is too short for orders"]
-    note += ", so they are marked in orders of the shaft"
+    note += f", so they are marked in orders of the {tracking.ring}"
     if tracking.time.size < record.time.size:
         first, last = (1e3 * tracking.time[at] for at in (0, -1))
         note += (

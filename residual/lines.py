@@ -11,18 +11,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lagrange.kinematics import OUTER_RING
 from residual.errors import InputError
 from residual.spectrum import LOWEST, MAIN_LOBE, NOISE_BINS, Peak, Spectrum
 
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
-SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", "FTF"))
+SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", OUTER_RING, "FTF"))
+BOTH_SIDES = (-1, "−"), (1, "+")
 HUB = "hub on its contacts"
 NEAR_RESONANCE = 0.08  # of it: of rollers without mass, whose two contacts are taken as equally stiff
 MOST_PASSAGES = 4  # named in a product with the hub's vibration: further ones are weak
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
 # what passes a place of the outer ring, the inner ring, a roller, and what swells and fades its force
-PASSES = ("BPFO", 1, "FTF"), ("BPFI", 1, "shaft"), ("BSF", 2, "FTF")
+PASSES = ("BPFO", 1, ("FTF", OUTER_RING)), ("BPFI", 1, ("shaft",)), ("BSF", 2, ("FTF",))
 APART = 20  # bins between harmonics of one family: by chance a peak lies within half a bin of one in twenty
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 
@@ -65,7 +67,7 @@ def first_sidebands(lines: dict[str, float], sides: tuple[tuple[str, str], ...])
     found = {}
     for carrier, modulator in sides:
         if carrier in lines and modulator in lines:
-            for sign, symbol in ((-1, "−"), (1, "+")):
+            for sign, symbol in BOTH_SIDES:
                 frequency = lines[carrier] + sign * lines[modulator]
                 if frequency > 0.0:
                     found[f"{carrier}{symbol}{modulator}"] = frequency
@@ -144,20 +146,21 @@ def high_lines(frequency: float, spectrum: Spectrum, lines: dict[str, float]) ->
     chance would name peaks.
     """
     found = []
-    for name, every, modulator in PASSES:
+    for name, every, modulators in PASSES:
         spacing = every * lines.get(name, 0.0)
         if spacing < APART * spectrum.resolution:
             continue
-        for symbol, shift in (("", 0.0), ("−", -lines.get(modulator, 0.0)), ("+", lines.get(modulator, 0.0))):
+        shifts = [(f"{symbol}{m}", sign * lines[m]) for m in modulators if m in lines for sign, symbol in BOTH_SIDES]
+        for side, shift in [("", 0.0), *shifts]:
             k = round((frequency - shift) / spacing)
             away = abs(frequency - shift - k * spacing)
             full = name if k * every == 1 else f"{k * every}×{name}"
-            if k < 1 or away > 0.5 * spectrum.resolution or (symbol and not shift) or (not symbol and full in lines):
+            if k < 1 or away > 0.5 * spectrum.resolution or (not side and full in lines):
                 continue
-            witnesses = [(k + side) * spacing + shift for side in (-1, 1) if k + side > 0]
-            witnesses.append(k * spacing if symbol else spacing)
+            witnesses = [(k + next_) * spacing + shift for next_ in (-1, 1) if k + next_ > 0]
+            witnesses.append(k * spacing if side else spacing)
             if any(_is_witness(spectrum, each, frequency) for each in witnesses):
-                found.append((away, f"{full}{symbol}{modulator}" if symbol else full))
+                found.append((away, f"{full}{side}"))
     return [full for _, full in sorted(found)]
 
 

@@ -29,7 +29,7 @@ class QuasiStatic:
 def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     """Equilibria with a named law, for a fitted law with the usual one; None where there is none, or loads change."""
     bearing, operation = record.bearing, record.operation
-    if operation.course is not None:
+    if not operation.is_steady:
         return None
     known = law_names(bearing)
     name = law if law in known else known[0]
@@ -68,8 +68,7 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 def chatter_gap(record: Record) -> int:
     """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    speed = float(np.mean(np.abs(record.acting.speed)))
-    cage = kinematics(record.bearing, speed).frequencies["FTF"]
+    cage = float(np.mean(np.abs(kinematics(record.bearing, *record.acting.ring_speeds).cage))) / (2.0 * pi)
     samples = record.time.size // 50
     return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
 

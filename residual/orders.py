@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lagrange.kinematics import kinematics, turned
+from lagrange.kinematics import OUTER_RING, kinematics, turned
 from residual.lines import named_peaks
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import (
@@ -36,11 +36,12 @@ HIGHEST = 2.2  # times BPFI: as far as lines are looked for in short-time spectr
 
 @dataclass(frozen=True, kw_only=True)
 class Tracking:
-    """A part of a record in which the shaft turns on, and its equal angles."""
+    """A part of a record in which a ring turns on, and its equal angles."""
 
+    ring: str  # "shaft", or the outer ring where that stands
     part: slice  # of the record's samples
     time: np.ndarray  # (n_times,), s, of the part
-    turn: np.ndarray  # (n_times,), rising, turns of the shaft at the samples
+    turn: np.ndarray  # (n_times,), rising, turns of the ring at the samples
     angles: np.ndarray  # (n_angles,), turns, equally spaced
     lines: dict[str, float]  # orders, by the run's own cage
 
@@ -54,7 +55,7 @@ class Tracking:
 
         Errors
         ------
-        Angles are as near to each other as samples are where the shaft is slowest, so that nothing is folded down.
+        Angles are as near to each other as samples are where the ring is slowest, so that nothing is folded down.
         """
         from scipy.interpolate import make_interp_spline
 
@@ -64,7 +65,7 @@ class Tracking:
         """Envelope of an acceleration, (n_record,), above what rollers do by passing even at the highest speed."""
         interval = float(self.time[1] - self.time[0])
         fastest = float(np.gradient(self.turn, interval).max())  # 1/s
-        inner, cage = self.lines["BPFI"] * fastest, self.lines["FTF"] * fastest
+        inner, cage = max(self.lines[name] for name in ("BPFO", "BPFI")) * fastest, self.lines["FTF"] * fastest
         found = band_envelope(acceleration, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage)
         return None if found is None or found.high - found.low < NARROWEST * inner else found.level
 
@@ -82,34 +83,40 @@ class OrderSpectra:
 
 
 def tracking_of(record: Record) -> Tracking | None:
-    """The longest part of a record with equal angles; None where the speed stays, or the shaft hardly turns.
+    """The longest part of a record with equal angles; None where speeds stay, or nothing turns that is counted.
+
+    Angles are those of the shaft, or of an outer ring that turns about a standing one.
 
     What is slower than an eighth of the highest speed, or turns back, is left out.
     """
     if not record.varies_speed:
         return None
-    speed = np.asarray(record.acting.speed)
+    inner, outer = (np.asarray(each) for each in record.acting.ring_speeds)
+    ring, speed = ("shaft", inner) if np.any(inner) else (OUTER_RING, outer)
     fast = np.sign(speed) * (np.abs(speed) >= SLOWEST * np.abs(speed).max())
     ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]])
     first, last = max(((a, b) for a, b in pairwise(ends) if fast[a] != 0.0), key=lambda e: e[1] - e[0])
     part = slice(int(first), int(last))
     time = record.time[part]
-    turn = fast[first] * (turned(record.bearing, record.operation, time).shaft / (2.0 * np.pi))
+    way = turned(record.bearing, record.operation, time)
+    turn = fast[first] * ((way.shaft if ring == "shaft" else way.outer_ring) / (2.0 * np.pi))
     if time.size < FEWEST_SAMPLES or turn[-1] - turn[0] < FEWEST_TURNS:
         return None
     count = int(np.ceil((turn[-1] - turn[0]) / np.diff(turn).min())) + 1
     return Tracking(
-        part=part, time=time, turn=turn, angles=np.linspace(turn[0], turn[-1], count),
+        ring=ring, part=part, time=time, turn=turn, angles=np.linspace(turn[0], turn[-1], count),
         lines=_lines(record.samples(part), turn[-1] - turn[0]),
     )  # fmt: skip
 
 
 def _lines(record: Record, turns: float) -> dict[str, float]:
-    """Orders of the kinematic lines, by the run's own cage where it turns with the shaft."""
-    ideal = kinematics(record.bearing, 2.0 * np.pi)
-    seen = abs(record.cage_speed) * (record.time[-1] - record.time[0]) / turns
+    """Orders of the kinematic lines, by the run's own cage where it turns with the rings."""
+    first, last = (turned(record.bearing, record.operation, record.time[at]) for at in (0, -1))
+    ways = (last.shaft - first.shaft) / turns, (last.outer_ring - first.outer_ring) / turns
+    ideal = kinematics(record.bearing, *ways)
+    seen = record.cage_speed * (record.time[-1] - record.time[0]) / turns
     found = kinematic_lines(replace(ideal, cage=seen))
-    return found if "FTF" in found else kinematic_lines(ideal)
+    return found if "FTF" in found and seen * ideal.cage > 0.0 else kinematic_lines(ideal)
 
 
 def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:
@@ -120,7 +127,7 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     return OrderSpectra(
         tracking=tracking, error=power_spectrum(tracking.resampled(error), step, slowest), path=spectrum,
         peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
-        short_time=_short_time(place, step, HIGHEST * lines["BPFI"]),
+        short_time=_short_time(place, step, HIGHEST * max(lines["BPFO"], lines["BPFI"])),
         envelope=None if envelope is None else power_spectrum(tracking.resampled(envelope), step, slowest),
     )  # fmt: skip
 

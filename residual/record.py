@@ -142,20 +142,22 @@ class Record:
         return float(np.sqrt(np.mean(np.square(self.whole_load).sum(axis=0))))
 
     @property
-    def mean_speed(self) -> float:
-        """Mean of the shaft's speed, rad/s, signed; 0 where it turns both ways and a mean slip has no sense."""
-        return 0.0 if self.reverses else float(np.mean(self.acting.speed))
+    def mean_speeds(self) -> tuple[float, float]:
+        """Means of both rings' speeds, rad/s, signed; 0 where one turns both ways and a mean slip has no sense."""
+        if self.reverses:
+            return 0.0, 0.0
+        inner, outer = self.acting.ring_speeds
+        return float(np.mean(inner)), float(np.mean(outer))
 
     @property
     def reverses(self) -> bool:
-        """Whether the shaft turns both ways, so that means of signed speeds say nothing."""
-        return bool(np.min(self.acting.speed) < 0.0 < np.max(self.acting.speed))
+        """Whether a ring turns both ways, so that means of signed speeds say nothing."""
+        return any(bool(np.min(speed) < 0.0 < np.max(speed)) for speed in self.acting.ring_speeds)
 
     @property
     def varies_speed(self) -> bool:
-        """Whether the shaft's speed changes so much that no line in Hz stays where it is."""
-        speed = np.abs(self.acting.speed)
-        return bool(np.ptp(speed) > SAME_SPEED * np.max(speed))
+        """Whether a ring's speed changes so much that no line in Hz stays where it is."""
+        return any(varies(speed) for speed in self.acting.ring_speeds)
 
     @property
     def interval(self) -> float:
@@ -189,6 +191,11 @@ class Record:
         cut: dict[str, Any] = {name: v[part] for name, v in vars(self).items() if isinstance(v, np.ndarray)}
         cage = None if self.cage is None else self.cage.samples(part)
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
+
+
+def varies(speed) -> bool:
+    """Whether a speed changes by more than lines in Hz bear; any shape."""
+    return bool(np.ptp(np.abs(speed)) > SAME_SPEED * np.max(np.abs(speed)))
 
 
 def angle_from_load(angle):

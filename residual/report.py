@@ -21,7 +21,7 @@ from residual.figures.saved import LINE_COLOURS, SavedFigure, family
 from residual.formatting import text
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import QuasiStatic
-from residual.record import Record
+from residual.record import Record, varies
 from residual.run_comparison import difference_rows, headings, paper_rows, same_run
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
@@ -131,9 +131,12 @@ def _operation(record: Record) -> str:
     acting, rpm = record.acting, record.scene.operation.speed_rpm
     if record.operation.course is None:
         return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
-    speed, load = np.asarray(acting.speed) / RPM, np.hypot(acting.radial_load, acting.side_load)
-    turning = f"{text(speed.min())} to {text(speed.max())}" if record.varies_speed else text(rpm)
-    return f"{turning} rpm, {text(load.min())} to {text(load.max())} N"
+    load, turning = np.hypot(acting.radial_load, acting.side_load), []
+    for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):
+        low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
+        if not of or low or high:
+            turning.append(of + (f"{text(low)} to {text(high)} rpm" if varies(speeds) else f"{text(high)} rpm"))
+    return f"{''.join(turning)}, {text(load.min())} to {text(load.max())} N"
 
 
 def _elements(bearing: Bearing) -> str:

@@ -60,6 +60,7 @@ class RollerMotion:
     outer_angle: np.ndarray  # (n_times, n_rollers), rad, of the contacts in fixed axes
     inner_angle: np.ndarray
     inner_turn: np.ndarray  # (n_times, 1), rad
+    outer_turn: np.ndarray
     roller_turn: np.ndarray  # (n_times, n_rollers), rad
     inner: np.ndarray  # (n_times, n_rollers), m, overlap with the inner raceway
     outer: np.ndarray
@@ -67,7 +68,7 @@ class RollerMotion:
     def angles(self, place: Place, side: Side) -> np.ndarray:
         """Where contacts lie on a body, in its own frame, (n_times, n_rollers that pass), rad, unwrapped."""
         if place.body == "outer_ring":
-            return self.outer_angle
+            return self.outer_angle - self.outer_turn
         if place.body == "inner_ring":
             return self.inner_angle - self.inner_turn
         direction = self.outer_angle if side == "outer" else self.inner_angle + np.pi
@@ -94,16 +95,18 @@ def roller_motion(record: Record) -> RollerMotion:
     found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
     rho = np.hypot(record.roller_x, record.roller_y)
     theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    way = turned(bearing, operation, record.time[:, None])
+    outer_turn, roller_turn = np.asarray(way.outer_ring), np.asarray(way.roller)
     turn = record.roller_turn
     if turn is None:
         track = bearing.outer_raceway_radius - bearing.roller_radius
-        first = turned(bearing, operation, record.time[0]).roller
-        turn = first - (theta - theta[0]) * track / bearing.roller_radius
+        surface = (outer_turn - outer_turn[0]) * bearing.outer_raceway_radius
+        turn = roller_turn[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
     return RollerMotion(
         bearing=bearing, operation=operation, load=record.whole_load, interval=record.interval,
         rho=rho, outer_angle=theta,
         inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
-        inner_turn=np.asarray(turned(bearing, operation, record.time[:, None]).shaft), roller_turn=turn,
+        inner_turn=np.asarray(way.shaft), outer_turn=outer_turn, roller_turn=turn,
         inner=found.inner, outer=found.outer,
     )  # fmt: skip
 

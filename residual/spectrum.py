@@ -10,14 +10,14 @@ from functools import cached_property
 
 import numpy as np
 
-from lagrange.kinematics import Kinematics
+from lagrange.kinematics import OUTER_RING, Kinematics
 
 WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
 SLOWEST = 1e-6  # Hz, of a shaft that has lines: with one turn in twelve days the bearing as good as stands
 LOWEST = 1e-9  # Hz, of a line: numbers next to nothing make others infinite
-HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
+HARMONICS = {"shaft": 3, OUTER_RING: 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
 # of the slowest line: a longer signal is averaged (Welch) instead of resolved further
 REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
@@ -82,13 +82,14 @@ class Peak:
 def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
     """Kinematic lines and their harmonics, Hz, by name: "BPFO", "2×BPFO", ...
 
-    Shaft to 3×, ball passes to 5×: what vibration analysts look for in a bearing without lubrication or
-    misalignment. Of a bearing that as good as stands there are none.
+    Shaft and a turning outer ring to 3×, ball passes to 5×: what vibration analysts look for in a bearing without
+    lubrication or misalignment. Of a bearing that as good as stands there are none.
     """
     lines: dict[str, float] = {}
-    if kinematics.frequencies["shaft"] < SLOWEST:
+    found = kinematics.frequencies
+    if max(found["shaft"], found.get(OUTER_RING, 0.0)) < SLOWEST:
         return lines
-    for name, frequency in kinematics.frequencies.items():
+    for name, frequency in found.items():
         if frequency > LOWEST:
             for k in range(1, HARMONICS[name] + 1):
                 lines[name if k == 1 else f"{k}×{name}"] = k * frequency

@@ -176,7 +176,13 @@ def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]
     for d in e.directions:
         if (found := d.orders) is not None:
             if d is e.x:
-                yield "shaft_order", found.path.frequency, "shaft_order", "1", "cycles per turn of the shaft"
+                yield (
+                    "shaft_order",
+                    found.path.frequency,
+                    "shaft_order",
+                    "1",
+                    f"cycles per turn of the {found.tracking.ring}",
+                )
             of = f"one-sided PSD over orders of the hub's place in {d.name}"
             yield f"hub_order_psd_{d.name}", found.path.psd, "shaft_order", "m2", of
             of = f"one-sided PSD over orders of error_{d.name}"

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.kinematics import OUTER_RING
 from residual.budget import Accelerations
 from residual.errors import InputError
 from residual.lines import first_sidebands, half_band, nearest_line
@@ -25,7 +26,9 @@ ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
 NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
 HARMONICS = (("BPFO", 3), ("BPFI", 2))
-SIDES = (("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"))
+SIDES = (
+    ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"),
+)  # fmt: skip
 NEIGHBOURS = 8  # cage multiples on either side that a line is compared with
 FEWEST_NEIGHBOURS = 4
 # times its neighbours' median, 12 dB: a perfect bearing's BPFO, of passing rollers, reaches 3.7 (docs/surfaces.md)
@@ -119,7 +122,7 @@ def vibration(
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
     level, peak = rms(motion), float(np.max(np.abs(motion)))
-    cage, inner = lines.get("FTF", 0.0), lines.get("BPFI", 0.0)
+    cage, inner = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0))
     low, high = (ENVELOPE_FROM * inner, ENVELOPE_TO) if band is None else band
     found = band_envelope(motion, interval, low, high, cage) if cage > 0.0 else None
     if band is not None and (found is None or found.high < high):
@@ -173,7 +176,7 @@ def velocity_level(spectrum: Spectrum) -> float | None:
 def fault_lines(lines: dict[str, float]) -> dict[str, float]:
     """Lines, Hz, that faults of outer ring, inner ring and rollers leave in an envelope, by name.
 
-    The inner ring's fault goes through the load zone with the shaft, a roller's with the cage; a roller's strikes both
+    A ring's fault goes through the load zone as the ring turns, a roller's with the cage; a roller's strikes both
     raceways in each of its turns.
     """
     found: dict[str, float] = {}

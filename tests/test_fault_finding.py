@@ -62,7 +62,7 @@ def flat_motion(rho, inner, outer, interval=1e-5):
     return RollerMotion(
         bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0),
         load=(np.zeros(n), np.zeros(n)), interval=interval, rho=rho[:, None],
-        outer_angle=none, inner_angle=none, inner_turn=none, roller_turn=none, inner=inner[:, None],
+        outer_angle=none, inner_angle=none, inner_turn=none, outer_turn=none, roller_turn=none, inner=inner[:, None],
         outer=outer[:, None],
     )  # fmt: skip
 

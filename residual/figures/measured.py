@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import rc_context
 
+from lagrange.kinematics import OUTER_RING
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SavedFigure
 from residual.figures.style import STYLE, legend_above, line_handles, mark_lines, panels, save, without_minor_ticks
 from residual.formatting import text
@@ -15,6 +16,7 @@ from residual.measured.trend import Trend
 
 PASSES_SHOWN = 8.0
 LINES_TO = 3.2  # times BPFI
+MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
 MOST_POINTS = 4000  # of a curve: beyond, the largest of neighbours
 
 
@@ -35,11 +37,11 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
     by_turns = len(judged) > 1
     for axis, each in zip(axes, judged, strict=True):
         spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
-        lines = {name: each.diagnosis.lines[name] / unit for name in ("FTF", "shaft", "BSF", "BPFO", "BPFI")}
-        marked = {name: lines[name] for name in ("FTF", "shaft", "BPFO", "BPFI")} | {"2×BSF": 2.0 * lines["BSF"]}
+        lines = {name: line / unit for name, line in each.diagnosis.lines.items()}
+        marked = {name: lines[name] for name in MARKED if lines.get(name)} | {"2×BSF": lines["2×BSF"]}
         best = each.diagnosis.findings[0]
         marked |= {line.name: line.found / unit for line in best.lines}
-        top = LINES_TO * lines["BPFI"]
+        top = LINES_TO * max(lines["BPFO"], lines["BPFI"])
         families = mark_lines(axis, marked, 0.0, top, labels=False)
         frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
         axis.plot(frequency, depth, color=BLUE, linewidth=0.9)

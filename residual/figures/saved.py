@@ -17,7 +17,7 @@ TERM_COLOURS = {  # of the budget; other_forces stands in the place of ring_flex
     "other_forces": BLUE, "differentiation": GREY, "outer_ring": INDIGO, "shaft": ORANGE, "load_and_weight": OLIVE,
     "momentum": WINE,
 }  # fmt: skip
-LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "outer ring": OLIVE, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 
 
 @dataclass(frozen=True, kw_only=True)

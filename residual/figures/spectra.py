@@ -148,14 +148,14 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
     rows = (len(shown),) if short is None else (len(shown), 1)
     figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=RIGHT if short is None else COLOUR_BAR)
-    top, families = HIGHEST * tracking.lines["BPFI"], []
+    top, families = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"]), []
     for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
         families = mark_lines(axis, tracking.lines, 0.0, top)
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         psd = np.maximum(scale * spectrum.psd[inside], 1e-300)
         axis.semilogy(spectrum.frequency[inside], psd, color=BLUE, linewidth=0.9)
         axis.set(xlim=(0.0, top), ylim=(RANGE * psd.max(), 10.0 * psd.max()), ylabel=f"{name}/order")
-    axes[len(shown) - 1].set_xlabel("order, per turn of the shaft")
+    axes[len(shown) - 1].set_xlabel(f"order, per turn of the {tracking.ring}")
     handles = line_handles(families, tracking.lines, "")
     legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
     if short is not None:
@@ -164,14 +164,14 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
     low, high = text(float(speed.min()), 4), text(float(speed.max()), 4)
     caption = (
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
-        f"acceleration, resampled at {tracking.angles.size} equal angles of the shaft while it turns with {low} to "
-        f"{high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, which "
-        "stay where they are in orders; dotted: multiples."
+        f"acceleration, resampled at {tracking.angles.size} equal angles of the {tracking.ring} while it turns with "
+        f"{low} to {high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, "
+        "which stay where they are in orders; dotted: multiples."
     )
     if short is not None:
         caption += (
             f" Below, the path's y along the record: Hann windows of {text(short.length, 3)} turns; what follows the "
-            "shaft is horizontal."
+            f"{tracking.ring} is horizontal."
         )
     return save(figure, folder, "orders", "Order spectra of the hub", caption)
 
@@ -185,8 +185,10 @@ def _draw_map(axis, tracking: Tracking, short: ShortTime) -> None:
         cmap="viridis", shading="nearest", rasterized=True,
     )  # fmt: skip
     colour_bar(image, [axis], "path y, µm²/order", extend="min")
-    for line in ON_MAP:
+    for line in (name for name in ON_MAP if name in tracking.lines):
         axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
                       fontsize=8.5, va="center")  # fmt: skip
-    axis.set(xlabel="time, ms", ylabel="order", ylim=(0.0, HIGHEST * tracking.lines["BPFI"]))
+    axis.set(
+        xlabel="time, ms", ylabel="order", ylim=(0.0, HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"]))
+    )
     axis.grid(visible=False)

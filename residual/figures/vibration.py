@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.bearing import Cage
-from lagrange.kinematics import kinematics, turned
+from lagrange.kinematics import OUTER_RING, kinematics, turned
 from lagrange.messages import G
 from residual.evaluation import Evaluation
 from residual.figures.budget import middle
@@ -57,8 +57,8 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     upper.margins(x=0.0)
     upper.set(xlabel="time, ms", ylabel=f"{loud.vibration.body}, {loud.name}, g")
     legend_above(upper, 2)
-    top = SPECTRUM_TO * evaluation.lines["BPFI"]
-    slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
+    top = SPECTRUM_TO * max(evaluation.lines[name] for name in ("BPFO", "BPFI"))
+    slow = {name: evaluation.lines[name] for name in ("FTF", "shaft", OUTER_RING) if name in evaluation.lines}
     lines, families = slow | fault_lines(evaluation.lines), []
     for axis, (direction, envelope) in zip(axes, found, strict=True):
         families = mark_lines(axis, lines, 0.0, top)
@@ -153,7 +153,7 @@ def _slips(axes, t: Record, cage: CageMotion) -> str:
         f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * reach * t.interval)} ms at a time, "
         "where the shaft turns with at least an eighth of its highest speed"
     )
-    mean = kinematics(t.bearing, t.mean_speed).cage
+    mean = kinematics(t.bearing, *t.mean_speeds).cage
     if mean == 0.0:
         return f"{sentence}; the motion reverses and has no mean slip."
     return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."

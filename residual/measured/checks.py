@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured.diagnosis import SLIP, Diagnosis, Geometry, diagnose
@@ -123,7 +122,7 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
 
     if path.is_file() and path.suffix != ".mat" and is_result(path):
         run = read_result(path)
-        own = Geometry.of(run.bearing), abs(run.mean_speed) / (2.0 * np.pi)
+        own = Geometry.of(run.bearing, run.mean_speeds), _counted(run.mean_speeds) / (2.0 * np.pi)
         geometry, shaft = _bearing(question) or own[0], own[1]
         if question.speed is not None and beside is None:
             shaft = question.speed / 60.0
@@ -161,7 +160,8 @@ def _bearing(question: Question) -> Geometry | None:
     if question.bearing is not None:
         return Geometry.of(parse_scene({"bearing": {"designation": question.bearing}}, "--bearing").perfect_bearing())
     if question.scene is not None:
-        return Geometry.of(_scene(question).perfect_bearing())
+        scene = _scene(question)
+        return Geometry.of(scene.perfect_bearing(), scene.ideal_operation().ring_speeds)
     if not any(ways):
         return None
     count, diameter, pitch = sizes
@@ -188,7 +188,12 @@ def _speed(question: Question) -> float:
         return question.speed / 60.0
     if question.scene is None:
         raise InputError("the speed is missing: add --speed and the shaft's rpm")
-    return abs(_scene(question).operation.speed_rpm) * RPM / (2.0 * np.pi)
+    return _counted(_scene(question).ideal_operation().ring_speeds) / (2.0 * np.pi)
+
+
+def _counted(speeds: tuple[float, float]) -> float:
+    """The inner ring's speed, or that of an outer ring about a standing one; rad/s, >= 0."""
+    return abs(speeds[0]) or abs(speeds[1])
 
 
 def _of_run(path: Path, run: Record, rate: float | None) -> Signal:

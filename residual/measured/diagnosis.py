@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing
-from lagrange.kinematics import Kinematics
+from lagrange.kinematics import OUTER_RING, Kinematics
 from residual.errors import InputError
 from residual.measured.envelope import HARMONICS, EnvelopeSpectrum, best_comb, envelope_spectrum
 from residual.measured.signals import Signal
@@ -21,7 +21,8 @@ from residual.spectrum import MAIN_LOBE
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
-SIDES = {"BPFO": "", "BPFI": "shaft", "2×BSF": "FTF"}  # what a fault's strikes are modulated by
+# what a fault's strikes are modulated by under a load that stands still, as far as that turns
+SIDES = {"BPFO": OUTER_RING, "BPFI": "shaft", "2×BSF": "FTF"}
 
 SLIP = 0.01  # of a line, by which slip, contact angle and catalogue's dimensions move it from its kinematic place
 DECOYS = 200
@@ -46,24 +47,33 @@ class Geometry:
     element_diameter: float  # m
     pitch_diameter: float  # m
     contact_angle: float = 0.0  # rad
+    rings: tuple[float, float] = (1.0, 0.0)  # speeds of inner and outer ring over that of the shaft, as lines count it
 
     @classmethod
-    def of(cls, bearing: Bearing) -> "Geometry":
-        """That of a bearing of the scene."""
+    def of(cls, bearing: Bearing, speeds: tuple[float, float] = (1.0, 0.0)) -> "Geometry":
+        """That of a bearing of the scene whose inner and outer ring turn at speeds in any unit.
+
+        What lines call the shaft is the inner ring, or an outer one that turns about a standing one.
+        """
+        inner, outer = speeds
         return cls(
             elements=bearing.n_rollers, element_diameter=2.0 * bearing.element_radius,
             pitch_diameter=2.0 * bearing.pitch_radius, contact_angle=bearing.contact_angle,
+            rings=(1.0, outer / inner) if inner else (0.0, 1.0),
         )  # fmt: skip
 
     def lines(self, shaft: float) -> dict[str, float]:
-        """Kinematic lines, Hz, of rolling without slip at a shaft's speed, Hz, the outer ring standing still.
+        """Kinematic lines, Hz, of rolling without slip at a shaft's speed, Hz.
 
         Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 8.
         """
         share = self.element_diameter / self.pitch_diameter * cos(self.contact_angle)
-        cage = 0.5 * tau * shaft * (1.0 - share)
-        spin = -0.5 * tau * shaft * self.pitch_diameter / self.element_diameter * (1.0 - share**2)
-        found = Kinematics(shaft=tau * shaft, cage=cage, roller=cage + spin, n_rollers=self.elements).frequencies
+        inner, outer = (tau * shaft * ring for ring in self.rings)
+        cage = 0.5 * (inner * (1.0 - share) + outer * (1.0 + share))
+        spin = -0.5 * (inner - outer) * self.pitch_diameter / self.element_diameter * (1.0 - share**2)
+        found = Kinematics(
+            shaft=inner, cage=cage, roller=cage + spin, n_rollers=self.elements, outer_ring=outer
+        ).frequencies
         return found | {"2×BSF": 2.0 * found["BSF"]}
 
 
@@ -160,8 +170,8 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
             findings += [each for each in tried if each.name != best.name]
             break
         scale = best.found / best.expected
-        own = scale * nominal.get(SIDES[best.name], 0.0)
-        modulators = rest.modulators(best.found, own, scale * nominal["shaft"], scale * nominal["FTF"])
+        own = scale * side_of(best.name, nominal)
+        modulators = rest.modulators(best.found, own, *(scale * speed for speed in turns_of(nominal)))
         rest = rest.without(best.found, *modulators)
     prominent = findings[0]
     others = spectrum.without(prominent.found) if prominent.stands_out else spectrum
@@ -189,7 +199,9 @@ def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -
         raise InputError(f"--speed {60.0 * shaft:g}: must be a number of revolutions per minute above 0")
     if not 0.0 <= tolerance <= WIDEST:
         raise InputError(f"--speed-tolerance {100.0 * tolerance:g}%: must be from 0 to {100.0 * WIDEST:g}%")
-    passing = geometry.lines(shaft)["BPFO"]
+    passing = min(geometry.lines(shaft)[name] for name in ("BPFO", "BPFI"))
+    if passing == 0.0:
+        raise InputError("both rings turn as one: no rolling element passes any point of them")
     if passing * signal.duration < FEWEST_PASSES:
         raise InputError(
             f"{signal.name}: {signal.duration:.3g} s hold {passing * signal.duration:.3g} passes of rolling "
@@ -219,21 +231,26 @@ def _shaft(spectrum: EnvelopeSpectrum, shaft: float, tolerance: float, rng: np.r
 def _among_rivals(tried: list[Finding], spectrum: EnvelopeSpectrum, nominal: dict[str, float]) -> Finding:
     """The most prominent finding; of several at one frequency, the one whose sidebands are there.
 
-    A load that stands still modulates strikes of an inner ring by the shaft and of an element by the cage, but not
-    those of an outer ring.
+    A load that stands still modulates strikes of a ring that turns by its turns and of an element by the cage, but not
+    those of a ring at rest.
     """
     best = tried[0]
     near = MAIN_LOBE * spectrum.resolution
     rivals = [each for each in tried if abs(each.found - best.found) < near and each.beyond is None]
-    marked = [each for each in rivals if SIDES[each.name] and _sidebands(each, spectrum, nominal) > MARKED]
+    marked = [each for each in rivals if side_of(each.name, nominal) and _sidebands(each, spectrum, nominal) > MARKED]
     if marked:
         return max(marked, key=lambda each: _sidebands(each, spectrum, nominal))
-    return next((each for each in rivals if not SIDES[each.name]), best)
+    return next((each for each in rivals if not side_of(each.name, nominal)), best)
+
+
+def side_of(name: str, nominal: dict[str, float]) -> float:
+    """Spacing of the sidebands of a part's line under a load that stands still, Hz; 0: there are none."""
+    return nominal.get(SIDES[name], 0.0)
 
 
 def _sidebands(finding: Finding, spectrum: EnvelopeSpectrum, nominal: dict[str, float]) -> float:
     """Mean of log(1 + power over background) of the first sidebands: 0.6 of noise."""
-    side = nominal[SIDES[finding.name]] * finding.found / finding.expected
+    side = side_of(finding.name, nominal) * finding.found / finding.expected
     places = np.add.outer(finding.found * np.arange(1, 4), (-side, side))
     return float(np.mean(np.log1p(spectrum.ratio[spectrum.at(places)])))
 
@@ -243,15 +260,16 @@ def _finding(
     rng: np.random.Generator,
 ) -> Finding:  # fmt: skip
     """The comb of one part in what others have left, with its chance by combs of the record elsewhere."""
-    expected, sides = nominal[name], nominal.get(SIDES[name], 0.0)
+    expected, sides = nominal[name], side_of(name, nominal)
     comb = best_comb(rest, expected, reach, sides)
     wider = best_comb(rest, expected, reach + MAIN_LOBE * whole.resolution / expected, sides).frequency
     side = sides * comb.frequency / expected
     scale = comb.frequency / expected
-    modulators = rest.modulators(comb.frequency, side, scale * nominal["shaft"], scale * nominal["FTF"])
+    modulators = rest.modulators(comb.frequency, side, *(scale * speed for speed in turns_of(nominal)))
     masked = rest.without(comb.frequency, *modulators)
-    low = max(2.2 * nominal["FTF"], 10.0 * whole.resolution, 0.3 * nominal["BPFO"])
-    decoys = np.exp(rng.uniform(np.log(low), np.log(max(1.6 * nominal["BPFI"], 1.1 * low)), DECOYS))
+    slower, faster = sorted((nominal["BPFO"], nominal["BPFI"]))
+    low = max(2.2 * nominal["FTF"], 10.0 * whole.resolution, 0.3 * slower)
+    decoys = np.exp(rng.uniform(np.log(low), np.log(max(1.6 * faster, 1.1 * low)), DECOYS))
     null = np.array([best_comb(masked, each, reach, sides).score for each in decoys])
     place = comb.frequency * np.arange(1, HARMONICS + 1)
     index = whole.at(place)
@@ -277,6 +295,11 @@ def _multiple(name: str, k: int) -> str:
     count, _, base = name.rpartition("×")
     number = k * int(count or 1)
     return base if number == 1 else f"{number}×{base}"
+
+
+def turns_of(nominal: dict[str, float]) -> tuple[float, ...]:
+    """Hz, of rings and cage, as far as they turn: what modulates strikes."""
+    return tuple(nominal[name] for name in ("shaft", OUTER_RING, "FTF") if nominal.get(name))
 
 
 def _judge(best: Finding, doubts: list[str]) -> tuple[Verdict, list[str]]:
@@ -321,7 +344,7 @@ def _doubts(
         if abs(best.found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
             continue
         of_other = replace(best, name=name, expected=place)
-        told = _sidebands(of_other, spectrum, nominal) < UNMARKED if not SIDES[best.name] else (
+        told = _sidebands(of_other, spectrum, nominal) < UNMARKED if not side_of(best.name, nominal) else (
             _sidebands(best, spectrum, nominal) > MARKED)  # fmt: skip
         if not told:
             doubts.append(f"With this tolerance and length it may be {name} too, at {place:.4g} Hz by kinematics.")

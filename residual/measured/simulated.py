@@ -16,6 +16,7 @@ from typing import Any
 
 from lagrange.messages import said_if_long, say
 from lagrange.scene.keys import key_tables
+from lagrange.scene.operation import FIRST_SPEEDS
 from lagrange.scene.scene import Scene, read_scene
 from residual.errors import InputError
 
@@ -73,11 +74,12 @@ def simulation(path: Path, rate: float, duration: float, speed: float) -> Iterat
     InputError: the scene can't be run at one speed, or run-fem refuses it or fails.
     """
     scene = read_scene(path)
-    if scene.operation.speed_table is not None:
-        raise InputError(f"--against {path}: a scene with a speed_table; a record is compared at one steady speed")
+    for name in FIRST_SPEEDS:
+        if getattr(scene.operation, name) is not None:
+            raise InputError(f"--against {path}: a scene with {name}; a record is compared at one steady speed")
     multiple = ceil(1e6 / rate / _longest_interval(scene) - 1e-9)
     settings = {
-        "operation.speed_rpm": 60.0 * speed * (-1.0 if scene.operation.speed_rpm < 0.0 else 1.0),
+        **_speeds(scene, 60.0 * speed),
         "numerics.output_interval_us": 1e6 / (multiple * rate),
         "numerics.duration_ms": 1e3 * min(duration, MOST_SAMPLES / (multiple * rate)),
     }
@@ -89,6 +91,14 @@ def simulation(path: Path, rate: float, duration: float, speed: float) -> Iterat
             _run([*RUN_FEM, str(path), "--output", str(run), "--quiet", *given], path)
         command = f"run-fem {path} {' '.join(given)}"
         yield Simulation(run=run, command=command, assumed=tuple(assumed(scene)))
+
+
+def _speeds(scene: Scene, rpm: float) -> dict[str, float]:
+    """Settings by which the inner ring, or an outer one about a standing one, turns at this speed."""
+    inner, outer = scene.operation.speed_rpm, scene.operation.outer_ring_speed_rpm
+    scale = rpm / (abs(inner) or abs(outer) or rpm)
+    found = {"operation.speed_rpm": scale * inner if inner or outer else rpm}
+    return found | {"operation.outer_ring_speed_rpm": scale * outer} if outer else found
 
 
 def _longest_interval(scene: Scene) -> float:

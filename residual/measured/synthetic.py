@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from residual.measured.diagnosis import BODIES, SIDES, SLIP, Geometry
+from residual.measured.diagnosis import BODIES, SLIP, Geometry, side_of
 from residual.measured.signals import Signal
 
 LOAD_ZONE = 0.35  # of a turn, where an inner ring's or element's fault is struck
@@ -62,7 +62,7 @@ def synthetic_record(
     if fault is not None:
         slip = rng.uniform(-SLIP, 0.3 * SLIP)
         line = lines[fault] * (1.0 + slip)
-        sides = lines[SIDES[fault]] if SIDES[fault] else 0.0
+        sides = side_of(fault, lines)
         strikes = _through(_strikes(rng, n, rate, line, sides), rate, resonances)
         noise = noise + strength * strikes / strikes.std()
     scale = 10.0 ** rng.uniform(-1.0, 1.5)

@@ -64,6 +64,16 @@ def kinematics_met(bearing: Bearing, operation: Operation) -> Kinematics:
     return kinematics(bearing, *operation.ring_speeds_met)
 
 
+def fastest_kinematics(bearing: Bearing, operation: Operation) -> Kinematics:
+    """Rolling without slip where contacts run fastest along the surfaces in a run, the shaft, or else the outer ring,
+    counter-clockwise."""
+    inner, outer = operation.ring_speeds_met
+    met = kinematics(bearing, inner, outer)
+    k = int(np.argmax(np.abs(met.roller - met.cage)))
+    sign = -1.0 if (inner[k] or outer[k]) < 0.0 else 1.0
+    return kinematics(bearing, float(sign * inner[k]), float(sign * outer[k]))
+
+
 def mean_kinematics(bearing: Bearing, operation: Operation, time: float) -> Kinematics | None:
     """Rolling without slip on the mean up to a time, s.
 

@@ -6,7 +6,7 @@ the law. Steps, bodies and what stands around them are the reduced model's.
 
 from typing import NamedTuple
 
-from fem.kernels.drive import turn_at
+from fem.kernels.drive import outer_of, turn_at
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import exponential, logarithm, maximum, minimum
 from fem.kernels.lane_memory import load, store
@@ -122,7 +122,7 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         depth_i, depth_o = compliance.reach - away, out - compliance.track
-        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn)
+        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn, outer_of(drive.course))
         ring, own, ring_o, own_o = met
         depth_i, depth_o = depth_i + ring[0] + own[0], depth_o + ring_o[0] + own_o[0]
         depth_i, depth_o = select(there, depth_i, -1.0), select(there, depth_o, -1.0)
@@ -141,11 +141,11 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
 
 
 @part
-def _met(slope, bodies, compliance, forces, looks, group, turn):
+def _met(slope, bodies, compliance, forces, looks, group, turn, outer):
     """`met_surfaces`, where any contact is on surfaces that are not perfect circles."""
     if looks:
-        return met_surfaces(slope, bodies, compliance, forces, group, turn)
-    return met_surfaces(None, bodies, compliance, forces, group, turn)
+        return met_surfaces(slope, bodies, compliance, forces, group, turn, outer)
+    return met_surfaces(None, bodies, compliance, forces, group, turn, outer)
 
 
 @part

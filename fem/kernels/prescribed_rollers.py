@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import N_CAGE_SCALARS
-from fem.kernels.drive import follow, speed_of, step_of, turn_at
+from fem.kernels.drive import SPEED, STEP, TURN, follow, outer_of, speed_of, step_of, turn_at, with_outer
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, splat, total
@@ -25,6 +25,8 @@ class Prescribed(NamedTuple):
 
     spin: float  # turns of a roller about its own centre in one of the shaft
     cage: float  # turns of the rays
+    spin_by_outer: float  # turns of a roller in one of the outer ring
+    cage_by_outer: float  # turns of the rays
     first: np.ndarray | None  # (2, columns), cosine and sine of the rays' angles at t = 0; None: rollers are free
     force: np.ndarray  # (columns,), N, of the last kick on the rollers along +θ
     work: np.ndarray  # (2,), J, done by these up to the last kick; and after it in that step
@@ -35,8 +37,9 @@ class Prescribed(NamedTuple):
 def prescribe(prescribed, bodies, before, drive, time):
     """Turn the rollers as they roll, at the beginning of a step."""
     if prescribed is not None:
-        turn = splat(prescribed.spin * turn_at(drive.course, drive, time))
-        spin = splat(prescribed.spin * speed_of(drive.course, drive))
+        outer, more = outer_of(drive.course), prescribed.spin_by_outer
+        turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.course, drive, time), more, TURN))
+        spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.course, drive), more, SPEED))
         for group in range(0, bodies.n, WIDTH):
             store(bodies.turn, group, turn)
             store(bodies.spin, group, spin)
@@ -48,7 +51,9 @@ def prescribe(prescribed, bodies, before, drive, time):
 def take_moment(prescribed, drive, moment):
     """The work of what keeps eight rollers' spin against a moment, N m, in a step."""
     if prescribed is not None:
-        drive.sums[1] -= prescribed.spin * speed_of(drive.course, drive) * drive.dt * total(moment)
+        spin = prescribed.spin * speed_of(drive.course, drive)
+        spin = with_outer(outer_of(drive.course), spin, prescribed.spin_by_outer, SPEED)
+        drive.sums[1] -= spin * drive.dt * total(moment)
 
 
 @part
@@ -78,8 +83,9 @@ def hold(prescribed, bodies, drive, time):
 def _hold(first, prescribed, bodies, drive, time):
     if first is None:
         return
-    columns, dt, step = bodies.columns, drive.dt, prescribed.cage * step_of(drive.course, drive)
-    angle = prescribed.cage * turn_at(drive.course, drive, time)
+    columns, dt, outer, more = bodies.columns, drive.dt, outer_of(drive.course), prescribed.cage_by_outer
+    step = with_outer(outer, prescribed.cage * step_of(drive.course, drive), more, STEP)
+    angle = with_outer(outer, prescribed.cage * turn_at(drive.course, drive, time), more, TURN)
     c, s, c_step, s_step = cos(angle), sin(angle), cos(step), sin(step)
     ring_x, ring_y = ring_place(bodies.housing)
     ring_vx, ring_vy = ring_rates(bodies.housing)[1]
@@ -148,7 +154,8 @@ def write_held(prescribed, bodies, drive, time, out):
     if prescribed.column >= 0:
         at = prescribed.column
         out[at], out[at + 1] = ring_place(bodies.housing)
-        out[at + 2] = prescribed.cage * turn_at(drive.course, drive, time)
-        out[at + 3] = prescribed.cage * speed_of(drive.course, drive)
+        outer, more = outer_of(drive.course), prescribed.cage_by_outer
+        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.course, drive, time), more, TURN)
+        out[at + 3] = with_outer(outer, prescribed.cage * speed_of(drive.course, drive), more, SPEED)
         for j in range(bodies.n):
             out[at + N_CAGE_SCALARS + j] = prescribed.force[j]

@@ -14,7 +14,7 @@ force alternately: there the increments that neighbours use are multiplied by a 
 
 from math import cos, sin
 
-from fem.kernels.drive import SPEED
+from fem.kernels.drive import SPEED, on_outer, outer_of
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, logarithm, maximum
 from fem.kernels.lane_memory import load, store
@@ -175,7 +175,14 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
         first_i, first_o = _lowered(
-            bodies, compliance, forces, group, (turn, drive.looks), first_i, first_o, forces.slope
+            bodies,
+            compliance,
+            forces,
+            group,
+            (turn, drive.looks, outer_of(drive.course)),
+            first_i,
+            first_o,
+            forces.slope,
         )
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
@@ -206,22 +213,35 @@ def _touching(course, compliance, drive):
 @_touching.of(Course)
 def _touching_now(course, compliance, drive):
     more = course.now[SPEED] * course.now[SPEED] - drive.speed * drive.speed
-    return compliance.reach + course.growth * more, compliance.track - course.roller_growth * more
+    reach, track = compliance.reach + course.growth * more, compliance.track - course.roller_growth * more
+    return _with_outer_growth(course.outer, course, drive, reach, track, more)
+
+
+@part
+def _with_outer_growth(outer, course, drive, reach, track, more):
+    """The same where the outer ring turns: rollers spin by the difference of both surfaces' speeds, and it grows."""
+    if outer is None:
+        return reach, track
+    ratio = outer.radius / drive.inner_radius
+    now, first = course.now[SPEED] - ratio * outer.now[SPEED], drive.speed - ratio * outer.speed
+    spun = course.roller_growth * (now * now - first * first - more)  # beyond what the shaft alone makes of it
+    grown = outer.growth * (outer.now[SPEED] * outer.now[SPEED] - outer.speed * outer.speed)
+    return reach + spun, track - spun + grown
 
 
 @part
 def _lowered(bodies, compliance, forces, group, where, inner, outer, slope):
     """Approaches of eight rollers on surfaces that are not perfect circles; laws' brackets and slopes are kept.
 
-    `where` : how far the inner ring has turned, rad, and whether any contact is where they are not.
+    `where` : turn of the inner ring, rad; whether any contact is where they are not; how the outer ring turns
     """
     if slope is None:
         return inner, outer
-    turn, looks = where
+    turn, looks, turning = where
     if not looks:
         return inner, outer
     columns = bodies.columns
-    ring, own, ring_o, own_o = met_surfaces(slope, bodies, compliance, forces, group, turn)
+    ring, own, ring_o, own_o = met_surfaces(slope, bodies, compliance, forces, group, turn, turning)
     store_pair(slope, group, columns, ring[1] + own[1], own[1])
     store_pair(slope, 2 * columns + group, columns, ring_o[1] + own_o[1], own_o[1])
     store_pair(forces.softening, group, columns, ring[3] + own[3], own[3])
@@ -233,7 +253,7 @@ def _lowered(bodies, compliance, forces, group, where, inner, outer, slope):
 
 
 @part
-def met_surfaces(slope, bodies, compliance, forces, group, turn):
+def met_surfaces(slope, bodies, compliance, forces, group, turn, outer):
     """What eight rollers' contacts meet of inner ring, roller, outer ring and roller; on perfect circles nothing.
 
     Each minus the sinkage, m, minus its slope per rad, the compliance of edges, m/N, and its slope.
@@ -246,7 +266,8 @@ def met_surfaces(slope, bodies, compliance, forces, group, turn):
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     c, s = cos(turn), sin(turn)
     ring = lowered_ring(compliance.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
-    ring_o = lowered_ring(compliance.ring_profiles[1], 1.0, still, ox, oy)
+    bx, by = on_outer(outer, ox, oy)
+    ring_o = lowered_ring(compliance.ring_profiles[1], 1.0, still, bx, by)
     c, s = cosine_and_sine(load(bodies.turn, group))
     own = lowered_rollers(compliance.roller_profiles[0], group, still, -(c * ix + s * iy), s * ix - c * iy)
     own_o = lowered_rollers(compliance.roller_profiles[1], group, still, c * ox + s * oy, c * oy - s * ox)

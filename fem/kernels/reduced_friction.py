@@ -6,7 +6,7 @@ A contact's tangential compliance takes what its bodies slip in a step but for C
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
-from fem.kernels.drive import speed_of
+from fem.kernels.drive import drive_outer, less_outer, outer_of, speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum
 from fem.kernels.lane_memory import gather, load, scatter_add, store
@@ -37,9 +37,10 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     ring_x, ring_y = ring_velocity(bodies.housing)
     along = (vy - ring_y) * ox - (vx - ring_x) * oy
     rolling = absolute(spin - along * (1.0 / compliance.track)) * bodies.radius
-    slip = along + spin * bodies.radius
+    slip = less_outer(outer_of(drive.course), along + spin * bodies.radius)
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
     drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
+    drive_outer(outer_of(drive.course), drive, T_o)
     return T_i, T_o
 
 

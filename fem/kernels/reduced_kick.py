@@ -32,6 +32,18 @@ def _grow(course, drive, P_i, P_o):
 def _grow_now(course, drive, P_i, P_o):
     more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
     drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
+    _grow_outer(course.outer, course, drive, P_i, P_o)
+
+
+@part
+def _grow_outer(outer, course, drive, P_i, P_o):
+    """What a turning outer ring changes of that: see `reduced_contacts`."""
+    if outer is not None:
+        ratio = outer.radius / drive.inner_radius
+        now, gain = course.now[SPEED] - ratio * outer.now[SPEED], course.now[GAIN] - ratio * outer.now[GAIN]
+        spun = course.roller_growth * (now * gain - course.now[SPEED] * course.now[GAIN])
+        grown = outer.growth * outer.now[SPEED] * outer.now[GAIN]
+        drive.sums[1] += 2.0 * drive.dt * total(spun * P_i + (spun - grown) * P_o)
 
 
 @part

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.drive import turn_at, with_aside
+from fem.kernels.drive import TURN, outer_of, turn_at, with_aside, with_outer
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.isolated_contacts import Isolated
 from fem.kernels.jit import part, verb
@@ -91,7 +91,8 @@ def _take(paces, bodies, compliance, forces, drives, before, time, acting, given
     now = paces.now[0]
     drive = drives[now]
     pace = FAR
-    if _near_edges(paces, bodies, forces, turn_at(drive.course, drive, time)):
+    outer_turn = with_outer(outer_of(drive.course), 0.0, 1.0, TURN)
+    if _near_edges(paces, bodies, forces, turn_at(drive.course, drive, time), outer_turn):
         pace = NEAR
     elif now == NEAR and _struck(forces.radiation):
         pace = NEAR
@@ -114,7 +115,7 @@ def _struck(radiation):
 
 
 @part
-def _near_edges(paces, bodies, forces, turn):
+def _near_edges(paces, bodies, forces, turn, outer_turn):
     for k in range(paces.where.shape[0]):
         body, middle, within = paces.where[k, 0], paces.arcs[k, 0], paces.arcs[k, 1]
         row = INNER if body == ON_INNER_RING or body == INSIDE else OUTER
@@ -125,6 +126,8 @@ def _near_edges(paces, bodies, forces, turn):
             middle += bodies.turn[first]
         elif body == ON_INNER_RING:
             middle += turn
+        else:
+            middle += outer_turn
         c, s = np.cos(middle), np.sin(middle)
         for j in range(first, end):
             if sign * (forces.normal[row, 0, j] * c + forces.normal[row, 1, j] * s) >= within:

@@ -1,6 +1,6 @@
 """What slopes of surfaces that are not perfect circles do to rollers: forces along the surfaces, and how these pass."""
 
-from fem.kernels.drive import speed_of
+from fem.kernels.drive import SPEED, outer_of, speed_of, turn_against, with_outer
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import arc_tangent, maximum, minimum
 from fem.kernels.lane_memory import load, store
@@ -103,6 +103,7 @@ def push_along(slope, bodies, forces, drive, group, P, Q):
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
     drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
+    turn_against(outer_of(drive.course), drive, both_o - own_o)
     take_moment(bodies.prescribed, drive, own + own_o)
     store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
     return -both / away, -both_o / out
@@ -130,4 +131,5 @@ def passing_rates(slope, bodies, forces, drive, group, motion):
     both, own = load(slope, group), load(slope, columns + group)
     both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
     inner = both * around - own * turn - (both - own) * speed_of(drive.course, drive)
-    return inner, both_o * around_o - own_o * turn
+    outer = both_o * around_o - own_o * turn
+    return inner, with_outer(outer_of(drive.course), outer, own_o - both_o, SPEED)

@@ -131,6 +131,7 @@ class OuterTurn(NamedTuple):
     sums: state("4")  # N m s so far: of contacts, of gravity; that of gravity, N m, and at which time, s
     drive_work: state("3")  # as `Course` has it
     radius: float  # m, of the raceway
+    speed: float  # rad/s, at t = 0
     growth: float  # m s², of the raceway's radius by the square of its speed; see `Course`
     carries_load: bool  # the load that turns turns with it
 

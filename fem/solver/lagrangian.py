@@ -21,10 +21,11 @@ from fem.solver.pace import in_words, pace
 from fem.solver.sections import Sections, sections_of, step_rows
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import RunState, sample_count
-from lagrange import Bearing, Operation, contact_laws, kinematics, static_equilibrium
+from lagrange import Bearing, Operation, contact_laws, static_equilibrium
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import caution
 from lagrange.first_state import Problem
+from lagrange.kinematics import fastest_kinematics
 from lagrange.mounting import HELD
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
@@ -187,7 +188,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     )
     steps, sections = ceil(interval / longest_step(problem) * (1.0 - 1e-12)), None
     if problem.damping.acts:  # contacts without dampers vibrate on after a strike
-        fastest = kinematics(bearing, problem.operation.fastest)
+        fastest = fastest_kinematics(bearing, problem.operation)
         sections = sections_of(bearing, fastest, interval, longest_step(problem), longest_step(problem, spalls=False))
     return LagrangianPlan(
         scene=scene,

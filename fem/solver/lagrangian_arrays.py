@@ -48,12 +48,15 @@ def bodies_of(plan: "LagrangianPlan") -> RigidBodies:
         cage_velocity=np.array([0.0, half * operation.gravity]),
     )
     n, held, ideal = bearing.n_rollers, problem.angles == "kinematic", kinematics(bearing, 1.0)
+    by_outer = kinematics(bearing, 0.0, 1.0)
     rays = np.zeros((2, columns_for(n)))
     rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
     shown = held and plan.scene.ideal_cage() is not None
     prescribed = Prescribed(
         spin=float(ideal.roller),
         cage=float(ideal.cage),
+        spin_by_outer=float(by_outer.roller),
+        cage_by_outer=float(by_outer.cage),
         first=rays if held else None,
         force=np.zeros(columns_for(n)),
         work=np.zeros(2),

@@ -109,7 +109,7 @@ class Judge:
     def _shocked(self) -> tuple[str, ...]:
         """A sentence where a steady load's equilibrium does not last: energy can't show a start that is wrong."""
         problem, (first, soon) = self._problem, self._start
-        steady = problem.operation.course is None and not problem.bearing.faults
+        steady = problem.operation.is_steady and not problem.bearing.faults
         if problem.start != "equilibrium" or not steady or soon <= SHOCKED * first:
             return ()
         return (

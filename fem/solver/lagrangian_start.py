@@ -61,7 +61,7 @@ def beginning(problem: Problem) -> Beginning:
     aside = touch.inner_force * touch.tangential + touch.outer_force * touch.outer_slope
     along = aside / m - operation.gravity * np.cos(state.theta)
     course = operation.course
-    gain = 0.0 if course is None else kinematics(bearing, float(course.speed(0.0, 1))).cage
+    gain = 0.0 if course is None else float(kinematics(bearing, *course.ring_speeds(0.0, 1)).cage)
     if held:
         along = ring_acceleration @ around + 2.0 * state.rho_rate * state.theta_rate + state.rho * gain
     pushed = outwards * radial + (0.0 if held else 1.0) * along * around
@@ -83,7 +83,7 @@ def beginning(problem: Problem) -> Beginning:
 def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     """The first sample."""
     n, zero = problem.bearing.n_rollers, np.zeros(1)
-    ideal, per_roller = kinematics(problem.bearing, problem.operation.speed), np.zeros((1, n))
+    ideal, per_roller = kinematics(problem.bearing, *problem.operation.ring_speeds), np.zeros((1, n))
     coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name != "turns"}
     alone = State(**coordinates, turns=state.turns)
     rows = None if problem.free_cage is None else CageRows.of(first_row(n, ideal.cage)[None])

@@ -8,7 +8,7 @@ import numpy as np
 from fem.kernels.reduced_paces import INSIDE, ON_INNER_RING, ON_OUTER_RING, OUTSIDE, Paces
 from fem.kernels.reduced_state import ReducedDrive
 from fem.solver.sections import spalls_met
-from lagrange import kinematics
+from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
@@ -32,7 +32,10 @@ def paces_of(
     arcs = [(middle, np.cos(min(half + found.margin / radius, pi))) for _, _, (_, middle, half), radius in spalls]
     smooth = profiles(bearing).shortest_of_waves == inf
     sensor, steps = plan.operation.mounting.sensor, (drive.dt, long)
-    none, outward = np.zeros((2, 2, 3)), bearing.pitch_radius * kinematics(bearing, plan.operation.fastest).cage ** 2
+    none, outward = (
+        np.zeros((2, 2, 3)),
+        bearing.pitch_radius * np.abs(kinematics_met(bearing, plan.operation).cage).max() ** 2,
+    )
     steady = STEADY * bearing.n_rollers * bearing.roller_mass * outward**2
     paces = Paces(
         counts=np.array([found.near, found.far], dtype=np.intp),

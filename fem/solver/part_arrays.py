@@ -184,6 +184,7 @@ def _outer_turn(bearing: Bearing, operation: Operation, growth: float) -> OuterT
         frame=np.array([0.0, 1.0, 0.0]),
         drive_work=np.array([0.0, np.nan, 0.0]),
         radius=float(bearing.outer_raceway_radius),
+        speed=float(operation.outer_speed),
         growth=float(growth),
         carries_load=found.rotating_load_with == "outer_ring",
     )

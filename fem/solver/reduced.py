@@ -30,6 +30,7 @@ from fem.solver.vibrations import longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
+from lagrange.kinematics import fastest_kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
 
@@ -139,12 +140,12 @@ def make_plan(scene: Scene) -> ReducedPlan:
     """
     _check(scene)
     bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
-    ideal = kinematics(bearing, operation.speed)
+    ideal = kinematics(bearing, *operation.ring_speeds)
     highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
     modes = bearing_modes(bearing, operation.inner_mass, highest)
     model = reduced_bearing(bearing, ideal, modes, operation.gravity)
-    fastest = kinematics(bearing, operation.fastest)
-    check_speed(model, fastest)
+    fastest = fastest_kinematics(bearing, operation)
+    check_speed(model, kinematics_met(bearing, operation))
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)

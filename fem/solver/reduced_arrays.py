@@ -23,7 +23,7 @@ from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
 from lagrange.equations import touching_distances
-from lagrange.spinning import growths
+from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         outer=model.outer_law.constants,
         between=model.between.constants,
         reach=float(reach + model.inner_growth + model.roller_growth),
-        track=float(track - model.roller_growth),
+        track=float(track - model.roller_growth + model.outer_growth),
         sag=model.sag,
         across=model.across,
         relaxation_factor=plan.relaxation_factor,
@@ -141,7 +141,10 @@ def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:
 def drive_of(plan: "ReducedPlan") -> ReducedDrive:
     """What acts from outside, before any work."""
     bearing, numerics, operation = plan.model.bearing, plan.scene.numerics, plan.operation
-    inner, roller = growths(bearing, kinematics(bearing, 1.0))
+    (inner, roller), outer = (
+        growths(bearing, kinematics(bearing, 1.0)),
+        outer_growth(bearing, kinematics(bearing, 0.0, 1.0)),
+    )
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
     friction = float(plan.scene.friction_coefficient)
-    return outer_drive(bearing, operation, plan.time_step, ramp, friction, (inner + roller, roller))
+    return outer_drive(bearing, operation, plan.time_step, ramp, friction, (inner + roller, roller, outer))

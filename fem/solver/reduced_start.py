@@ -20,7 +20,7 @@ from fem.statics.contact_balance import (
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import HELD
@@ -67,7 +67,7 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
 
     ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
     place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
-    speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
+    speed, rate = surface_speed(bearing, operation), np.zeros_like(place)
     contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
     follows = followed(hub_stiffness(contacts, place, forces, spring), bearing, operation)[0].size == 2
     caution = None
@@ -118,7 +118,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
-    alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
+    alone = replace(operation, speed=0.0, outer_speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
     return _balanced(still, alone, 0.0)[0][:2]
 
@@ -146,7 +146,7 @@ def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.nda
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
     load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
     start, near = (first_guess(bearing, contacts.radial, load, aside), None) if middle is None else middle
-    cage = kinematics(bearing, operation.speed).cage
+    cage = kinematics(bearing, *operation.ring_speeds).cage
     spring = hub_spring(operation, ring)
     return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start, near)
 
@@ -154,7 +154,7 @@ def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.nda
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
     n, forces = model.bearing.n_rollers, closed_forces(forces)
     return ReducedStart(
-        kinematics=kinematics(model.bearing, operation.speed),
+        kinematics=kinematics(model.bearing, *operation.ring_speeds),
         angle=roller_angles(model.bearing, operation.first_roller_angle),
         hub=place[:2],
         rho=place[2:],

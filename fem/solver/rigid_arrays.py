@@ -63,7 +63,7 @@ def rigid_bodies(
     bodies.centre[:, :n], bodies.velocity[:, :n] = placed.centre, placed.velocity
     if cage is None:
         return bodies
-    speed = kinematics(bearing, operation.speed).cage
+    speed = kinematics(bearing, *operation.ring_speeds).cage
     state = cage_state(bearing, cage, placed.angle, speed, row_width(n, None, mounting))
     state.motion[:2, :2] = placed.cage, placed.cage_velocity
     return bodies._replace(cage=pair_of_rigid(state, cage, bodies, float(operation.speed)))
@@ -75,14 +75,15 @@ def outer_drive(
     dt: float,
     ramp: float,
     friction: float = 0.0,
-    growth: tuple[float, float] = (0.0, 0.0),
+    growth: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> ReducedDrive:
     """What acts from outside, before any work.
 
     Parameters
     ----------
     dt, ramp : s, a step, and the time in which the load comes
-    growth : m s², by which ring and roller together, and a roller, grow as the shaft turns, over its speed's square
+    growth : m s², by which inner ring and roller together, and a roller, grow as the shaft turns, over its speed's
+        square; and by which the outer raceway does, over its own
     """
     return filled(
         ReducedDrive,
@@ -94,5 +95,5 @@ def outer_drive(
         ramp=float(ramp),
         friction=float(friction),
         inner_radius=float(bearing.inner_raceway_radius),
-        course=course_arrays(bearing, operation, growth=growth[0], roller_growth=growth[1]),
+        course=course_arrays(bearing, operation, growth=growth[0], roller_growth=growth[1], outer_growth=growth[2]),
     )

@@ -50,7 +50,7 @@ def sections_of(bearing: Bearing, ideal: Kinematics, row: float, short: float, l
     ideal : at the fastest speed
     short, long : s, the longest steps near edges and elsewhere
     """
-    arcs, speed = list(spalls_met(bearing)), abs(ideal.cage) * bearing.outer_raceway_radius
+    arcs, speed = list(spalls_met(bearing)), abs(ideal.cage - ideal.outer_ring) * bearing.outer_raceway_radius
     if not arcs or speed == 0.0 or short >= long:
         return None
     fall = max(np.abs(np.diff(profile.coefficients)).max() / profile.spacing for _, profile, _, _ in arcs) * speed
@@ -84,11 +84,11 @@ def spalls_met(bearing: Bearing):
 
 def _share_near(bearing: Bearing, ideal: Kinematics, margin: float) -> float:
     """Share of the time in which a contact is near an edge, of rollers that roll."""
-    time = np.arange(INSTANTS)[:, None] / INSTANTS * (2.0 * pi / abs(ideal.cage))
+    time = np.arange(INSTANTS)[:, None] / INSTANTS * (2.0 * pi / abs(ideal.cage - ideal.outer_ring))
     at = roller_angles(bearing, 0.0) + ideal.cage * time
     contact = {
         "inner_ring": at - ideal.shaft * time,
-        "outer_ring": at,
+        "outer_ring": at - ideal.outer_ring * time,
         "inside": at + pi - ideal.roller * time,
         "outside": at - ideal.roller * time,
     }
@@ -102,7 +102,7 @@ def _share_near(bearing: Bearing, ideal: Kinematics, margin: float) -> float:
 
 def time_along_a_wave(bearing: Bearing, ideal: Kinematics) -> float:
     """Time in which contacts roll over the shortest knot that all but spalls need, s."""
-    surfaces, speed = profiles(bearing), abs(ideal.cage) * bearing.outer_raceway_radius
+    surfaces, speed = profiles(bearing), abs(ideal.cage - ideal.outer_ring) * bearing.outer_raceway_radius
     return inf if surfaces is None or speed == 0.0 else surfaces.shortest_of_waves / speed
 
 

@@ -65,6 +65,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "contact angle": lambda scene: scene.bearing.contact_angle_deg > 0.0,
     "solid shaft": lambda scene: scene.bearing.bore_diameter_mm == 0.0,
     "missing rollers": lambda scene: bool(scene.bearing.missing_rollers),
+    "axial": lambda scene: scene.axial is not None,
     "fitted": lambda scene: scene.fit is not None,
     "no housing": lambda scene: scene.mounting().housing is None,
     "mounted": lambda scene: scene.support is not None and scene.support.kind != "held",
@@ -114,13 +115,13 @@ REFUSED = (
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
-    ("outer ring's speed", "no mesh", '{given}: only with model = "fem", not with "{model}"; leave it out'),
     ("outer ring's speed", "mounted",
      f'{{given}}: only with support.kind = "held", not with "{{support}}": whatever turns with the outer ring holds it '
      f"all around{EITHER}"),
     ("outer ring's speed", "fitted",
      f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
     ("outer ring's speed", "modes", OTHER_MODES),
+    ("outer ring's speed", "axial", f"{{given}}: not with [axial], whose outer ring stands still{EITHER}"),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 

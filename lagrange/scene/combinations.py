@@ -105,6 +105,8 @@ def _fit(scene: SceneTables) -> Iterator[str]:
 
 
 def _cage(scene: SceneTables) -> Iterator[str]:
+    if scene.cage is not None and scene.cage.guidance == "outer_ring" and (key := scene.operation.turns_outer_ring):
+        yield f'cage.guidance = "outer_ring": not with operation.{key}, of a guide that turns; take another guidance'
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
 

@@ -165,8 +165,8 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
     caption = (
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
         f"acceleration, resampled at {tracking.angles.size} equal angles of the {tracking.ring} while it turns with "
-        f"{low} to {high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, "
-        "which stay where they are in orders; dotted: multiples."
+        f"{low} to {high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own "
+        "cage, which stay where they are in orders; dotted: multiples."
     )
     if short is not None:
         caption += (

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fem.errors import UsageError
 from fem.live.controls import Values
 from fem.live.player import FROM_LOAD, Player
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import OUTER_RING, kinematics
 from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.surfaces import own_radius
@@ -24,6 +24,7 @@ MM, UM = 1e-3, 1e-6
 FASTEST, SLOWEST = 1.0, 2000.0  # seconds of wall time per simulated second; a frame of the slowest holds two samples
 LINES = {  # of the spectrum, by `Kinematics.frequencies`
     "shaft": "turns of the shaft",
+    OUTER_RING: "turns of the outer ring",
     "FTF": "turns of the set of rollers",
     "BSF": "turns of a roller",
     "BPFO": "rollers passing a place of the outer ring",
@@ -86,7 +87,7 @@ def bearing_message(player: Player) -> Message:
         for fault in bearing.faults
         if isinstance(fault, Spall)
     ]
-    frequencies = kinematics(bearing, scene.ideal_operation().speed).frequencies
+    frequencies = kinematics(bearing, *scene.ideal_operation().ring_speeds).frequencies
     facts = {
         "name": scene.name,
         "values": player.values.model_dump(),
@@ -120,12 +121,13 @@ def frame_message(player: Player, slowness: float | None) -> Message:
     from_load = np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi
     frequency, amplitude = player.record.spectrum()
     bin_width, envelope, at_lines = player.record.envelope(player.fault_lines)
-    speed = player.scene.ideal_operation().speed
+    shaft, ring = (speed * now["time"] for speed in player.scene.ideal_operation().ring_speeds)
     frame = {
         "time": float(now["time"]) * 1e3,
         "slowness": slowness,
         "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
-        "shaft": float(np.remainder(speed * now["time"], 2.0 * pi)),
+        "shaft": float(np.remainder(shaft, 2.0 * pi)),
+        "ring": float(np.remainder(ring, 2.0 * pi)),
         "angle": _short(from_load, 5),
         "rise": _short((now["roller_rho"] - bearing.pitch_radius) / UM),
         "turn": _short(np.remainder(player.turn, 2.0 * pi), 4),

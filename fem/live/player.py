@@ -12,6 +12,7 @@ from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.kinematics import kinematics
 from lagrange.mounting import from_outer_ring
+from lagrange.scene.operation import TABLES
 from lagrange.scene.scene import Scene
 
 LONGEST = 2**15  # samples that a spectrum is of
@@ -139,7 +140,7 @@ class Player:
         ------
         UsageError: the model can't take the scene. RunFailed: it has no start.
         """
-        for key in ("speed_table", "load_table"):
+        for key in TABLES:
             if (name := getattr(scene.operation, key)) is not None:
                 raise UsageError(
                     f'operation.{key} = "{name}": run-live goes on without end, under a speed and a load that are '

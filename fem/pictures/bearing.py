@@ -181,15 +181,18 @@ def _surfaces(whole: _Whole) -> None:
 
 
 def _marks(whole: _Whole) -> None:
-    """Dots that turn with the rollers and the inner ring."""
+    """Dots that turn with the rollers and the rings that turn."""
     instant, bearing, scale = whole.instant, whole.bearing, whole.scale
-    if instant.operation.speed == 0.0:
+    if not any(instant.operation.ring_speeds):
         return
     turns = np.column_stack([np.cos(instant.roller_turn), np.sin(instant.roller_turn)])
     places = [*(scale * (whole.centres + MARK[0] * bearing.roller_radius * turns))]
     radius = 0.5 * (bearing.core_radius + bearing.inner_raceway_radius)
     turn = np.array([np.cos(instant.ring_turn), np.sin(instant.ring_turn)])
     places.append(scale * (radius * turn + whole.hub))
+    if instant.operation.outer_speed != 0.0:
+        radius = 0.5 * (bearing.outer_raceway_radius + bearing.outside_radius)
+        places.append(scale * radius * np.array([np.cos(instant.outer_turn), np.sin(instant.outer_turn)]))
     size = MARK[1] * bearing.roller_radius * scale
     whole.page.fill([disc(place, 1.35 * size, 0.12) for place in places], INK)
     whole.page.fill([disc(place, size, 0.13) for place in places], "white")

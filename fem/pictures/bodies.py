@@ -210,7 +210,8 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     reference = _roller_reference(instant)
     loads = contact_loads(instant)
     bodies = (inner, outer, *n * (disc,))
-    local = [rotated(inner.points, instant.ring_turn), outer.points - outer.cartesian(_clearance(outer, bearing))]
+    apart = outer.cartesian(_clearance(outer, bearing), instant.outer_turn)
+    local = [rotated(inner.points, instant.ring_turn), rotated(outer.points, instant.outer_turn) - apart]
     local += [rotated(disc.points, turn) for turn in instant.roller_turn]
     parts = []
     for number, (body, centre, motion, dent, stress) in enumerate(
@@ -248,7 +249,7 @@ def body_motions(instant: Instant) -> list[np.ndarray]:
     shift = instant.centres - _roller_reference(instant)
     return [
         instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn),
-        outer.cartesian(instant.outer_ring + _clearance(outer, instant.model.bearing)),
+        outer.cartesian(instant.outer_ring + _clearance(outer, instant.model.bearing), instant.outer_turn),
         *(shift[j] + rotated(instant.rollers[j], turn) for j, turn in enumerate(instant.roller_turn)),
     ]
 
@@ -276,11 +277,11 @@ def _dents(instant: Instant) -> list[np.ndarray]:
     model, disc = instant.model, instant.model.roller
     inner, outer = model.inner_ring, model.outer_ring
     turned, inner_dent = instant.ring_turn, model.indentation(INNER, instant.inner_force)
-    outer_dent = model.indentation(OUTER, instant.outer_force)
+    outer_turn, outer_dent = instant.outer_turn, model.indentation(OUTER, instant.outer_force)
     on_inner, on_outer = (_share(ring, disc) for ring in (inner, outer))
     dents = [
         inner.cartesian(_ring_dents(inner, instant.inner_angle - turned, -on_inner * inner_dent), turned),
-        outer.cartesian(_ring_dents(outer, instant.outer_angle, on_outer * outer_dent)),
+        outer.cartesian(_ring_dents(outer, instant.outer_angle - outer_turn, on_outer * outer_dent), outer_turn),
     ]
     inner_dent, outer_dent = (1.0 - on_inner) * inner_dent, (1.0 - on_outer) * outer_dent
     for j, turn in enumerate(instant.roller_turn):

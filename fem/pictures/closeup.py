@@ -146,7 +146,7 @@ class _Roller(Drawing):
     def is_over_a_spall(self, kind: str) -> bool:
         """Whether the contact's line of centres meets a spall: then its edges carry the force."""
         j, bearing, direction = self.look.roller, self.bearing, self.direction(kind)
-        on_ring = direction - self.instant.ring_turn * (kind == "inner")
+        on_ring = direction - (self.instant.ring_turn if kind == "inner" else self.instant.outer_turn)
         on_roller = direction + np.pi * (kind == "inner") - self.instant.roller_turn[j]
         for spall in spalls(bearing):
             if spall.body == f"{kind}_ring" or spall.roller == j:

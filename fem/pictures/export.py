@@ -50,7 +50,7 @@ def fields(instant: Instant) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     rollers = rotated(disc.points[None], instant.roller_turn[:, None]) + instant.centres[:, None]
     turned_ring = rotated(inner.points, instant.ring_turn) + instant.hub
-    points = np.concatenate([turned_ring, outer.points, rollers.reshape(-1, 2)])
+    points = np.concatenate([turned_ring, rotated(outer.points, instant.outer_turn), rollers.reshape(-1, 2)])
     bodies = [found[name] for name in ("inner_ring", "outer_ring", "roller")]
     displacement = np.concatenate([moved.reshape(-1, 2) for moved, _ in bodies])
     stress = np.concatenate([strained.reshape(-1, 3) for _, strained in bodies])

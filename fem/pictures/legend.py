@@ -82,7 +82,10 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
         share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
         load = f"W = {share * operation.radial_load:.4g} N of {operation.radial_load:g} N"
     rpm = round(operation.speed / RPM, 1) if scene.operation.speed_table else scene.operation.speed_rpm
-    facts = [f"n = {signed(rpm)} rpm", load, f"{scene.bearing.present} rollers"]
+    turning = f"n = {signed(rpm)} rpm"
+    if operation.outer_speed:
+        turning += f" (outer ring {signed(round(operation.outer_speed / RPM, 1))} rpm)"
+    facts = [turning, load, f"{scene.bearing.present} rollers"]
     if scene.bodies.rigid:
         both = len(scene.bodies.rigid) == 2
         facts.append("rigid rings" if both else f"rigid {scene.bodies.rigid[0].replace('_', ' ')}")

@@ -240,7 +240,7 @@ def _body(model: Model, instant: Instant, number: int) -> tuple[DiscBody | RingB
     if number == INNER_RING:
         return model.inner_ring, instant.ring_turn
     if number == OUTER_RING:
-        return model.outer_ring, 0.0
+        return model.outer_ring, instant.outer_turn
     return model.roller, float(instant.roller_turn[number - FIRST_ROLLER])
 
 

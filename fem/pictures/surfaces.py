@@ -86,7 +86,7 @@ class Drawing:
         bearing, thickness = self.bearing, _thickness(self.bearing, body)
         if body == "outer_ring":
             radius = bearing.outer_raceway_radius + (self.magnification - 1.0) * bearing.radial_clearance
-            place = dict(centre=np.zeros(2), radius=radius, turn=0.0, into=1.0)
+            place = dict(centre=np.zeros(2), radius=radius, turn=self.instant.outer_turn, into=1.0)
         elif body == "inner_ring":
             turn = self.instant.ring_turn
             place = dict(centre=self.hub, radius=bearing.inner_raceway_radius, turn=turn, into=-1.0)

@@ -159,6 +159,8 @@ const drawing = (function () {
         if (spall.body === "inner_ring") {
           c.translate(frame.hub[0] * shape.mm, frame.hub[1] * shape.mm);
           [radius, side, angle] = [shape.inner, -1, angle + frame.shaft];
+        } else if (spall.body === "outer_ring") {
+          angle += frame.ring;
         } else if (spall.body === "roller") {
           const place = frame.angle[spall.roller] - Math.PI / 2;
           const from = shape.pitch + frame.rise[spall.roller] * shape.mm;

@@ -1,0 +1,204 @@
+"""Both rings turn: kinematics, statics, growth, files, refusals; runs of every model seen from the other ring."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from fem.interface import simulate as run
+from lagrange import contact_laws, kinematics, simulate, static_equilibrium
+from lagrange.kinematics import OUTER_RING, turned
+from lagrange.scene.operation import RPM
+from lagrange.scene.scene import Scene, SceneError, read_scene
+from lagrange.spinning import outer_growth
+from lagrange.surface.deviation import Turns
+from residual.evaluation import evaluate
+from residual.fault_finding import find_faults
+from residual.measured.diagnosis import Geometry
+from tests.reference.operation_tables import record_of
+
+SPALL = {"width_mm": 1.0, "depth_um": 20.0}
+
+
+def turning(inner, outer, load=0.0, rotating=None, model="lagrange", mu=0.0, **tables):
+    """A weightless scene, speeds in rpm; `rotating` : N, a load that turns with the outer ring."""
+    operation = {"speed_rpm": inner, "outer_ring_speed_rpm": outer, "radial_load_N": load, "gravity_m_s2": 0.0}
+    if rotating is not None:
+        operation |= {"rotating_load_N": rotating, "rotating_load_with": "outer_ring"}
+    numerics = {"duration_ms": 1.0, "mesh_size_mm": 2.0, "output_interval_us": 20.0}
+    contact = {"friction_coefficient": mu}
+    return Scene(model=model, operation=operation, numerics=numerics, contact=contact, **tables)
+
+
+def solved(scene, duration=1e-3):
+    bearing = scene.ideal_bearing()
+    return simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), duration, 2e-5)
+
+
+@pytest.mark.parametrize(("inner", "outer"), [(1000.0, 0.0), (0.0, 600.0), (3000.0, -2000.0), (900.0, 900.0)])
+def test_lines_of_two_rings_are_harris_ones(inner, outer):
+    bearing = replace(Scene().ideal_bearing(), outer_raceway_radius=28e-3)  # no clearance
+    share, elements = bearing.roller_radius / bearing.pitch_radius, bearing.n_rollers
+    found = kinematics(bearing, inner * RPM, outer * RPM).frequencies
+    ni, no = inner / 60.0, outer / 60.0
+    assert found["FTF"] == pytest.approx(abs(0.5 * (ni * (1.0 - share) + no * (1.0 + share))), rel=1e-9)
+    assert found["BPFO"] == pytest.approx(0.5 * elements * abs(ni - no) * (1.0 - share), rel=1e-9, abs=1e-9)
+    assert found["BPFI"] == pytest.approx(0.5 * elements * abs(ni - no) * (1.0 + share), rel=1e-9, abs=1e-9)
+    assert found["BSF"] == pytest.approx(0.5 * abs(ni - no) * (1.0 - share**2) / share, rel=1e-9, abs=1e-9)
+    assert found.get(OUTER_RING, 0.0) == pytest.approx(abs(no))
+    lines = Geometry.of(bearing, (inner, outer)).lines((abs(inner) or abs(outer)) / 60.0)
+    for name in ("FTF", "BPFO", "BPFI", "BSF"):
+        assert lines[name] == pytest.approx(found[name], rel=1e-9, abs=1e-9)
+
+
+def test_surfaces_roll_without_slip_on_both_raceways():
+    bearing = replace(Scene().ideal_bearing(), outer_raceway_radius=28e-3)
+    found = kinematics(bearing, 314.0, -120.0)
+    centre, around = found.cage * bearing.pitch_radius, found.roller * bearing.roller_radius
+    assert centre - around == pytest.approx(314.0 * bearing.inner_raceway_radius, rel=1e-12)
+    assert centre + around == pytest.approx(-120.0 * bearing.outer_raceway_radius, rel=1e-12)
+
+
+def test_the_outer_ring_turns_by_the_integral_of_its_table(tmp_path):
+    (tmp_path / "ring.csv").write_text("time_ms,speed_rpm\n0,600\n4,1200\n", encoding="utf-8")
+    text = '[operation]\nouter_ring_speed_table = "ring.csv"\nouter_ring_speed_table_shape = "linear"\nspeed_rpm = 0\n'
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    scene = read_scene(tmp_path / "scene.toml", ("numerics.duration_ms=4",))
+    operation = scene.ideal_operation()
+    assert scene.operation.outer_ring_speed_rpm == 600.0
+    assert operation.ring_speeds == pytest.approx((0.0, 600.0 * RPM))
+    way = turned(scene.ideal_bearing(), operation, 4e-3)
+    assert way.outer_ring == pytest.approx(900.0 * RPM * 4e-3, rel=1e-12)
+    assert operation.fastest == pytest.approx(1200.0 * RPM)
+    assert operation.at(2e-3).outer_speed == pytest.approx(900.0 * RPM)
+
+
+def test_a_load_turns_with_either_ring():
+    operation = turning(1000.0, -500.0, 0.0, 100.0).ideal_operation()
+    quarter = 0.25 * 60.0 / 500.0  # s, of a turn clockwise, from −y to −x
+    assert operation.course.force(quarter) == pytest.approx((-100.0, 0.0), abs=1e-9)
+    with_inner = turning(1000.0, -500.0, rotating=100.0).varied({"operation.rotating_load_with": "inner_ring"})
+    assert with_inner.ideal_operation().course.force(0.5 * quarter) == pytest.approx((100.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        ({"support": {"kind": "housing"}}, 'only with support.kind = "held", not with "housing"'),
+        ({"support": {"kind": "points"}, "model": "fem"}, 'not with "points"'),
+        ({"fit": {"inner_ring_C": 30.0}}, "not with [fit], whose housing stands still"),
+        ({"cage": {"mass_kg": 0.02, "guidance": "outer_ring"}}, 'cage.guidance = "outer_ring": not with operation'),
+        (
+            {"model": "reduced", "reduced": {"modes_up_to_kHz": 100.0}},
+            "not together with reduced.modes_up_to_kHz = 100",
+        ),
+        ({"model": "fem", "contact": {"model": "resolved"}}, 'only with contact.model = "subgrid"'),
+        ({"model": "lagrange", "axial": {}}, "not with [axial], whose outer ring stands still"),
+    ],
+)
+def test_what_does_not_go_with_a_turning_outer_ring_is_refused_by_name(tables, words):
+    with pytest.raises(SceneError) as error:
+        Scene(operation={"outer_ring_speed_rpm": 600.0}, **tables)
+    assert "operation.outer_ring_speed_rpm" in str(error.value)
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("body", ["outer_ring", pytest.param("inner_ring", marks=pytest.mark.slow)])
+def test_forces_are_those_seen_from_the_other_ring(body):
+    """But for centrifugal forces, 2e-8 of the load at 6 rpm."""
+    spalls = {"spall": [SPALL | {"body": body, "angle_deg": 0.3}]}
+    seen = solved(turning(6.0, 0.0, 2000.0, **spalls), 4e-4)
+    for inner, outer in ((0.0, -6.0), (3.0, -3.0)):
+        found = solved(turning(inner, outer, 0.0, 2000.0, **spalls), 4e-4)
+        for name in ("inner_force", "outer_force"):
+            far = np.abs(getattr(found, name) - getattr(seen, name)).max()
+            assert far < 1e-6 * seen.inner_force.max()
+        assert np.abs(found.energy_error).max() < 1e-8 * found.energy_contact.max()
+
+
+def test_rollers_press_outwards_by_their_centrifugal_force():
+    scene = turning(6000.0, 6000.0)
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    found = static_equilibrium(bearing, operation, contact_laws("harris", bearing), start=(0.0, 0.0))
+    np.testing.assert_allclose(found.outer_force, bearing.roller_mass * found.rho * operation.speed**2, rtol=1e-9)
+
+
+def test_a_spall_turns_with_the_outer_ring():
+    scene = turning(0.0, 600.0, 2000.0, spall=[SPALL | {"body": "outer_ring", "angle_deg": -30.0}])
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    laws = contact_laws("harris", bearing)
+    time = np.radians(30.0) / (600.0 * RPM)  # when it lies under the load, and roller 0 with it
+    angles = -0.5 * np.pi + 2.0 * np.pi * np.arange(bearing.n_rollers) / bearing.n_rollers
+    met, sound = (
+        static_equilibrium(each, operation.at(time), laws, angles=angles, turns=Turns.rolling(bearing, operation, time))
+        for each in (bearing, replace(bearing, faults=()))
+    )
+    assert met.outer_force[0] < 0.9 * sound.outer_force[0]
+
+
+def test_a_raceway_held_around_its_outside_grows_as_elasticity_says():
+    """By the equation of a spinning ring, integrated as a boundary value problem."""
+    bearing = Scene().ideal_bearing()
+    steel, speed = bearing.outer_ring, 3000.0
+    stiff, lame = steel.lame_lambda + 2.0 * steel.lame_mu, steel.lame_lambda
+
+    def rates(r, state):
+        return np.array([state[1], state[0] / r**2 - state[1] / r - steel.density * speed**2 * (r + state[0]) / stiff])
+
+    def ends(inside, outside):
+        return np.array([stiff * inside[1] + lame * inside[0] / bearing.outer_raceway_radius, outside[0]])
+
+    places = np.linspace(bearing.outer_raceway_radius, bearing.outside_radius, 50)
+    found = solve_bvp(rates, ends, places, np.zeros((2, places.size)), tol=1e-9)
+    motion = kinematics(bearing, 0.0, speed)
+    assert outer_growth(bearing, motion) == pytest.approx(float(found.sol(places[0])[0]), rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["lagrange", "reduced", "fem"])
+def test_runs_are_those_seen_from_the_other_ring(model):
+    mu = 0.0 if model == "lagrange" else 0.1
+    changing = {"rotating_load_N": 1e-9}  # all of them take steps of histories
+    alone = turning(12.0, 0.0, 2000.0, model=model, mu=mu)
+    seen = run(alone.varied({f"operation.{key}": value for key, value in changing.items()})).values
+    for inner, outer in ((0.0, -12.0), (6.0, -6.0)):
+        found = run(turning(inner, outer, 0.0, 2000.0, model=model, mu=mu)).values
+        for name in ("inner_force", "outer_force"):
+            assert np.abs(found[name] - seen[name]).max() < 1e-6 * seen["inner_force"].max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["lagrange", "reduced", "fem"])
+def test_energy_balances_while_rings_turn_against_each_other(model):
+    spall = [SPALL | {"body": "outer_ring", "angle_deg": -1.0}]
+    scene = turning(3000.0, -2000.0, 2000.0, model=model, mu=0.0 if model == "lagrange" else 0.1, spall=spall)
+    found = run(scene.varied({"damping.contact_time_us": 1.0})).values
+    stored = found["energy_kinetic"] + found["energy_elastic"] + found["energy_contact"]
+    left = stored + found["work_dissipated"] - found["work_external"]
+    assert np.ptp(found["work_external"]) > 1e-6  # J
+    assert np.abs(left - left[0]).max() < 1e-4 * found["energy_contact"].max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "fem"])
+def test_a_bearing_that_turns_as_a_whole_is_at_rest_in_itself(model):
+    scene = turning(3000.0, 3000.0, 0.0, 2000.0, model=model, mu=0.1)
+    bearing, found = scene.ideal_bearing(), run(scene).values
+    pressed = bearing.roller_mass * found["roller_rho"] * scene.ideal_operation().speed ** 2
+    np.testing.assert_allclose(found["outer_force"][0] - found["inner_force"][0], pressed[0], rtol=2e-4)
+    assert np.ptp(found["inner_force"], axis=0).max() < 1e-3 * found["inner_force"].max()  # the hub's own inertia
+
+
+@pytest.mark.slow
+def test_a_planet_wheels_spall_is_found_and_its_line_modulated_by_the_rings_turning(tmp_path):
+    spall = [SPALL | {"body": "outer_ring", "angle_deg": 40.0, "depth_um": 50.0}]
+    scene = turning(0.0, 600.0, 2000.0, spall=spall, damping={"contact_time_us": 1.0})
+    record = record_of(scene, solved(scene, 0.3))
+    found = find_faults(record).found
+    assert [spall.place.body for spall in found] == ["outer_ring"]
+    assert np.degrees(found[0].angle) + 90.0 == pytest.approx(40.0, abs=1.0)
+    assert found[0].width == pytest.approx(1e-3, rel=0.1)
+    lines = {line.name: line.amplitude for line in evaluate(record, "harris").y.vibration.lines}
+    for side in ("BPFO−outer ring", "BPFO+outer ring"):
+        assert 0.3 * lines["BPFO"] < lines[side] < 1.2 * lines["BPFO"]

@@ -111,7 +111,7 @@ class Record:
 
 def fault_lines(scene: Scene) -> dict[str, float]:
     """Kinematic lines of damage of outer ring, inner ring and rolling element, Hz."""
-    found = kinematics(scene.perfect_bearing(), scene.ideal_operation().speed).frequencies
+    found = kinematics(scene.perfect_bearing(), *scene.ideal_operation().ring_speeds).frequencies
     return {"BPFO": abs(found["BPFO"]), "BPFI": abs(found["BPFI"]), "2×BSF": 2.0 * abs(found["BSF"])}
 
 

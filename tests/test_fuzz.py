@@ -31,6 +31,10 @@ EXAMPLES = {
     "fields": 15,
     "matrices": 100,
     "checkpoint": 80,
+    "record_text": 40,
+    "record_wav": 60,
+    "record_numpy": 60,
+    "record_matlab": 15,
 }
 
 

@@ -28,6 +28,7 @@ INSTRUMENTED = ("lagrange", "residual", "fem.study", "fem.elastic.cache", "tomll
 OF_RESULTS = "fem.result.checkpoint", "fem.result.fields", "fem.pictures.stored_values"
 READERS = (
     "csv", "tomllib", "lagrange.scene.scene", "residual.sources", "residual.table_source", "residual.evaluation",
+    "residual.measured.signals", "residual.measured.diagnosis",
     "residual.summary", "fem.study.solving", "fem.study.study_file",
     "fem.study.sampling", "fem.study.folder", "fem.study.folder", "fem.elastic.cache",
 )  # fmt: skip

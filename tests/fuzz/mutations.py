@@ -157,6 +157,10 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "fields": damaged,
     "matrices": resealed,
     "checkpoint": archive,
+    "record_text": table,
+    "record_wav": damaged,
+    "record_numpy": damaged,
+    "record_matlab": damaged,
 }
 
 

@@ -71,6 +71,8 @@ def seeds(name: str) -> list[bytes]:
         ]
     if name == "matrices":
         return [_sealed({"a": np.arange(20.0), "b": np.array([[1, 2]])}), _sealed({})]
+    if name.startswith("record_"):
+        return _records(name.removeprefix("record_"))
     if name == "study":
         return [text.encode() for text in STUDIES]
     with tempfile.TemporaryDirectory() as folder:
@@ -89,6 +91,40 @@ def seeds(name: str) -> list[bytes]:
         if name == "table":
             return [_table(path, ",", True), _table(path, "\t", False)]
         return [path.read_bytes(), _unchecked(path)]
+
+
+def _records(kind: str) -> list[bytes]:
+    """A record of 0.26 s in files of a kind."""
+    from scipy.io import savemat, wavfile
+
+    rate, rng = 8000, np.random.default_rng(1)
+    time = np.arange(2100) / rate
+    wave = np.sin(820.0 * time) + 0.1 * rng.standard_normal(time.size)
+
+    def written(write, *arguments, **keywords) -> bytes:
+        target = io.BytesIO()
+        write(target, *arguments, **keywords)
+        return target.getvalue()
+
+    if kind == "text":
+        rows = [f"{t:.6f},{a:.5f}" for t, a in zip(time, wave, strict=True)]
+        plain = "\n".join(["time_s,acc_g", *rows])
+        german = "\n".join(row.replace(",", ";").replace(".", ",") for row in rows)
+        one = "\n".join(f"{a:.5f}" for a in wave)
+        latin = f"Zeit [s];Wert [m/s²]\n{german}".encode("cp1252")
+        return [plain.encode(), latin, f"Sampling rate: 8000 Hz\nacc\n{one}".encode("utf-16")]
+    if kind == "wav":
+        return [written(wavfile.write, rate, values) for values in (wave.astype("f4"), (9e3 * wave).astype("i2"))]
+    if kind == "numpy":
+        return [written(np.savez, acc=wave, fs=8e3), written(np.savez, time=time, acc=wave)]
+    new = io.BytesIO()
+    import h5py
+
+    with h5py.File(new, "w", userblock_size=512) as file:
+        file["time"], file["run/acc"] = time, wave
+    return [written(savemat, {"fs": 8e3, "run": {"acc": wave, "unit": "g"}}),
+            written(savemat, {"time": time, "acc": wave}, do_compression=True),
+            b"MATLAB 7.3 MAT-file".ljust(512) + new.getvalue()[512:]]  # fmt: skip
 
 
 def _study_facts(place: Path, text: str) -> bytes:

@@ -111,6 +111,48 @@ class Targets:
             return _refused(error)
         return True
 
+    def record_text(self, data: bytes) -> bool:
+        """Read a vibration record from text, and judge it where it is taken."""
+        return self._judged("fuzzed-record.csv", data)
+
+    def record_wav(self, data: bytes) -> bool:
+        """The same from a WAV file."""
+        return self._judged("fuzzed-record.wav", data)
+
+    def record_numpy(self, data: bytes) -> bool:
+        """The same from an NPY or NPZ file."""
+        return self._judged("fuzzed-record.npz", data)
+
+    def record_matlab(self, data: bytes) -> bool:
+        """The same from a MATLAB file of version 5, or of 7.3 with its HDF5; read in a child first, as always."""
+        from residual.measured import formats
+
+        formats.SECONDS = 0.5
+        return self._judged("fuzzed-record.mat", data)
+
+    def _judged(self, name: str, data: bytes) -> bool:
+        import numpy as np
+
+        from residual.errors import InputError
+        from residual.measured.diagnosis import Geometry, diagnose
+        from residual.measured.signals import read_signal
+
+        bearing = Geometry(elements=8, element_diameter=8e-3, pitch_diameter=40e-3)
+        try:
+            signal = read_signal(self._file(name, data))
+        except InputError as error:
+            return _refused(error)
+        assert np.isfinite(signal.values).all() and 0.0 < signal.rate < np.inf
+        for note in signal.notes:
+            _refused(ValueError(note))
+        try:
+            found = diagnose(signal, bearing, 40.0)
+        except InputError as error:
+            _refused(error)  # a record that is too short or slow for this bearing is read all the same
+        else:
+            assert all(np.isfinite([each.clear, each.depth, each.p]).all() for each in found.findings)
+        return True
+
     def result(self, data: bytes) -> bool:
         """Read a result file first in a child, as always; then here, so that the search sees which way it took."""
         from residual import sources
@@ -196,6 +238,7 @@ class Targets:
 
 NAMES = (
     "scene", "heights", "speeds", "loads", "study", "folder", "table", "result", "fields", "matrices", "checkpoint",
+    "record_text", "record_wav", "record_numpy", "record_matlab",
 )  # fmt: skip
 
 

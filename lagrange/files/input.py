@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+ROOM = 2**16  # bytes, of files whose size the system does not know
 FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
     b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
     b"\xd0\xcf\x11\xe0": "an Excel workbook; save the sheet as CSV UTF-8",
@@ -45,9 +46,10 @@ def read_plain(path: str | Path, most: int = -1) -> bytes:
     name holds a null character.
     """
     with open(path, "rb", opener=_without_waiting) as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        about = os.fstat(file.fileno())
+        if not stat.S_ISREG(about.st_mode):
             raise OSError(errno.EINVAL, "a pipe or a device, not a plain file", str(path))
-        return file.read(most)
+        return file.read(min(most, max(about.st_size + 1, ROOM)))  # room for all that is asked for is made beforehand
 
 
 def plain_text(path: str | Path, most: int) -> str:

@@ -119,6 +119,7 @@ REFUSED = {  # name: content, options, words of the refusal
     "none_such.csv": (rows(head="time,x,y\n", columns=(TIME, WAVE, WAVE)), {"channel": "z"}, "no channel"),
     "broken.csv": (rows(head=HEAD) + "0.3,abc\n", {}, "'abc' is no number"),
     "ragged.csv": (rows(head=HEAD) + "0.3,1,2\n", {}, "3 cells"),
+    "far.csv": (rows(head=HEAD, columns=(1e200 * TIME, WAVE), digits="%.6e"), {}, "which no record has"),
     "short.csv": (rows(head=HEAD, columns=(TIME[:500], WAVE[:500])), {}, "at least 1024"),
     "constant.csv": (rows(head=HEAD, columns=(TIME, 0.0 * WAVE)), {}, "constant"),
     "volts.csv": (rows(head=HEAD), {"unit": "V"}, "--sensitivity"),

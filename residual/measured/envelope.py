@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from residual.errors import InputError
 from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE
 
 PADDING = 4  # bins of the transform for one of the record's resolution
@@ -98,7 +99,8 @@ def envelope_spectrum(values: np.ndarray, rate: float, cage: float, top: float) 
 
     Errors
     ------
-    A line between bins of the padded transform reads up to 1 % low; one that slip smears over several, lower.
+    InputError: no vibration. A line between bins of the padded transform reads up to 1 % low; one that slip smears over
+    several, lower.
     """
     from scipy.ndimage import median_filter
     from scipy.signal import welch
@@ -106,6 +108,8 @@ def envelope_spectrum(values: np.ndarray, rate: float, cage: float, top: float) 
 
     power = np.abs(prewhitened(values)) ** 2
     mean = float(power.mean())
+    if not mean > 0.0:
+        raise InputError("the record is constant but for its last samples: no vibration")
     length = min(power.size, int(np.ceil(TURNS / cage * rate)))
     segments = 1 + (power.size - length) // (length - length // 2)
     frequency, squared = welch(

@@ -32,6 +32,7 @@ SATURATED = 0.01  # of the samples at the largest values
 DROPPED = 32  # equal samples in a row
 OFFSET = 1.0  # times the rms about the mean
 LARGEST = 1e30  # of a sample: more is no measured number, nor finite when squared
+FASTEST, SLOWEST = 1e9, 1e6  # Hz; s between samples
 COARSE = 32  # different values
 
 
@@ -50,6 +51,7 @@ class Signal:
         return self.values.size / self.rate
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
 def read_signal(
     path: str | Path,
     rate: float | None = None,
@@ -137,7 +139,7 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
 
 def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float | None, notes: list[str]) -> float:
     """The rate, Hz, of the times, of the file or as given; those that contradict each other are refused."""
-    if given is not None and not 1.0 <= given <= 1e9:
+    if given is not None and not 1.0 <= given <= FASTEST:
         raise InputError(f"--rate {given:g}: must be a number of Hz from 1 to 1e9")
     told = channels.rate
     if times is not None:
@@ -154,6 +156,8 @@ def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float
             )
     if told is None and given is None:
         raise InputError(f"{path}: neither a rate nor a column of times is in it; add --rate and the number of Hz")
+    if told is not None and not 1.0 / SLOWEST <= told <= FASTEST:
+        raise InputError(f"{path}: its times or rate tell {told:g} Hz, which no record has; give --rate without them")
     if told is not None and given is not None and abs(told / given - 1.0) > RATES_AGREE:
         raise InputError(f"{path}: --rate {given:g} Hz, but the file's own is {told:.6g} Hz; leave --rate out")
     return float(told if given is None else given)  # type: ignore[arg-type]

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.run_summary import LOADED, RunStatistics
 from lagrange import Bearing, kinematics
+from lagrange.columns import DERIVED
 from lagrange.kinematics import Kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
@@ -39,6 +40,10 @@ OF_RECORD = {
     "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y; 3 of normal noise"),
     "peak_to_peak_x": ("m", "width of the hub's path, x"),
     "peak_to_peak_y": ("m", "width of the hub's path, y"),
+    "largest_inner_pressure": ("Pa", "largest Hertz pressure on the inner raceway"),
+    "largest_outer_pressure": ("Pa", "largest Hertz pressure on the outer raceway"),
+    "largest_inner_half_width": ("m", "half-width of that contact on the inner raceway"),
+    "largest_outer_half_width": ("m", "half-width of that contact on the outer raceway"),
 }
 OF_STATICS = {"static_stiffness": ("N/m", "radial stiffness against the load, rollers as at the start")}
 OF_RUN = OF_START | OF_MOTION | OF_RECORD  # all that a run's samples tell
@@ -85,7 +90,7 @@ def run_quantities(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[
     """All of OF_RUN, of OF_START alone where there is one sample; `ideal` as in `run_summary`.
 
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
-    turns both ways.
+    turns both ways, pressures of balls.
     """
     first = samples["inner_force"][0]
     hub = from_outer_ring(samples, "inner")
@@ -120,7 +125,21 @@ def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> d
         "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,
         "peak_to_peak_x": float(width[0]),
         "peak_to_peak_y": float(width[1]),
+        **_pressures(bearing, samples),
     }
+
+
+def _pressures(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """Largest pressures and half-widths of both raceways; NaN of balls."""
+    from lagrange.rating.contact_stress import hertz_columns
+    from lagrange.rating.sources import Unavailable
+
+    largest = {f"{side}_force": samples[f"{side}_force"].max() for side in ("inner", "outer")}
+    try:
+        found = hertz_columns(bearing, largest)
+    except Unavailable:
+        found = dict.fromkeys(DERIVED, np.array(nan))
+    return {f"largest_{name.replace('peak_', '')}": float(value) for name, value in found.items()}
 
 
 OF_SPALL = {"angle_deg": "deg", "width_mm": "mm", "depth_um": "um"}  # units

@@ -14,11 +14,12 @@ from fem.commands.start_up import Outcome, need
 from fem.quantities import Quantity, labels, run_quantities
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
 from fem.result.later_columns import events_of, with_sinkages
-from fem.result.layout import PER_ROLLER, variables_of
+from fem.result.layout import PER_ROLLER, readable, variables_of
 from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
 from lagrange import mounting
 from lagrange.kinematics import mean_kinematics
+from lagrange.rating.contact_stress import hertz_columns
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import SpallEvent, spalls
 
@@ -104,10 +105,21 @@ class Result:
         return self.plan.scene
 
     def __getitem__(self, name: str) -> np.ndarray:
-        try:
+        if name in self.values:
             return self.values[name]
-        except KeyError:
-            raise KeyError(f"{name}: no variable of this run; it has {', '.join(self.values)}") from None
+        if name in readable(self.scene):
+            return self.pressures[name]
+        raise KeyError(f"{name}: no variable of this run; it has {', '.join(readable(self.scene))}")
+
+    @cached_property
+    def pressures(self) -> dict[str, np.ndarray]:
+        """Hertz pressures, Pa, and half-widths, m, of every contact, (n_times, n_rollers), by `DERIVED`'s names.
+
+        Errors
+        ------
+        Unavailable: of a ball bearing.
+        """
+        return hertz_columns(self.scene.perfect_bearing(), self.values)
 
     @property
     def time(self) -> np.ndarray:
@@ -149,9 +161,9 @@ class Result:
         need("xarray", "to_xarray")
         import xarray
 
-        variables = variables_of(self.scene)
+        variables = readable(self.scene)
         found = {
-            name: (dimensions, self.values[name], {"units": unit, "long_name": meaning})
+            name: (dimensions, self[name], {"units": unit, "long_name": meaning})
             for name, (dimensions, unit, meaning) in variables.items()
         }
         about = {"scene": self.scene.to_toml(), "status": self.status, **self.outcome_attributes}

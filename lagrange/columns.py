@@ -92,6 +92,15 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
 }
 
 
+# of line contacts by Hertz, from the forces: computed where they are asked for, stored nowhere
+DERIVED = {
+    "inner_peak_pressure": Column(PER_ROLLER, "Pa", "largest Hertz pressure, inner raceway and roller"),
+    "outer_peak_pressure": Column(PER_ROLLER, "Pa", "largest Hertz pressure, outer raceway and roller"),
+    "inner_half_width": Column(PER_ROLLER, "m", "half-width of the contact of inner raceway and roller"),
+    "outer_half_width": Column(PER_ROLLER, "m", "half-width of the contact of outer raceway and roller"),
+}
+
+
 def columns_of(*parts: str) -> dict[str, Column]:
     """Columns of some parts of a scene, in the order of COLUMNS; of the part "" every run has them."""
     return {name: Column(*about) for part in COLUMNS if part in parts for name, about in COLUMNS[part].items()}

@@ -48,6 +48,29 @@ def test_a_result_saves_the_file_that_run_fem_writes(changes, tmp_path):
             assert np.array_equal(mine["events"][name][:], command["events"][name][:]), name
 
 
+def test_pressures_are_hertzs_of_the_forces_and_quantities_their_largest():
+    """The paper's roller: E* = 115 385 MPa, 1/R = 1/18 + 1/5 mm, L = 10 mm (Johnson, 1985, (4.43) to (4.45))."""
+    result = simulate(lagrangian())
+    force, radius, modulus, length = result["inner_force"], 1.0 / (1.0 / 18e-3 + 1.0 / 5e-3), 210e9 / 0.91 / 2.0, 10e-3
+    pressure = np.sqrt(force * modulus / (pi * radius * length))
+    np.testing.assert_allclose(result["inner_peak_pressure"], pressure, rtol=1e-12)
+    np.testing.assert_allclose(
+        result["inner_half_width"], 2.0 * force / (pi * length * np.maximum(pressure, 1.0)), rtol=1e-12
+    )
+    largest = result.quantities["largest_inner_pressure"]
+    assert (largest.value, largest.unit) == (pytest.approx(pressure.max(), rel=1e-12), "Pa")
+    outer = result.quantities["largest_outer_pressure"].value
+    assert outer == pytest.approx(result["outer_peak_pressure"].max(), rel=1e-12) and outer < largest.value
+    assert result.quantities["largest_outer_half_width"].value == result["outer_half_width"].max()
+
+
+def test_balls_have_no_pressures_of_line_contacts():
+    result = simulate(Scene(model="lagrange", bearing={"type": "ball"}).varied(SHORT))
+    with pytest.raises(KeyError, match="inner_peak_pressure: no variable of this run"):
+        result["inner_peak_pressure"]
+    assert np.isnan(result.quantities["largest_inner_pressure"].value)
+
+
 def test_runs_of_threads_do_not_disturb_each_other():
     loads = (500.0, 1000.0, 1500.0, 2000.0)
     scenes = [lagrangian(**{"operation.radial_load_N": load}) for load in loads]

@@ -22,7 +22,7 @@ method = "grid"
 "operation.radial_load_N" = [500.0, 1000.0]
 [keep]
 quantities = ["hub_mean_y"]
-signals = ["inner_ay", "inner_force"]
+signals = ["inner_ay", "inner_peak_pressure"]
 signal_rate_kHz = 20.0
 """
 
@@ -49,10 +49,10 @@ def test_shards_hold_every_point_with_its_labels(study):
     with h5py.File(study / "study.nc") as file:
         for k, (key, sample) in enumerate(samples.items()):
             i, j = divmod(k, 2)
-            assert set(sample) == {"json", "inner_ay.npy", "inner_force.npy"}, key
+            assert set(sample) == {"json", "inner_ay.npy", "inner_peak_pressure.npy"}, key
             assert sample["inner_ay.npy"].dtype == np.float32
             np.testing.assert_array_equal(sample["inner_ay.npy"], file["inner_ay"][i, j].astype(np.float32))
-            assert sample["inner_force.npy"].shape == (sample["inner_ay.npy"].size, 13)
+            assert sample["inner_peak_pressure.npy"].shape == (sample["inner_ay.npy"].size, 13)
             told = sample["json"]
             assert (told["speed_rpm"], told["radial_load_N"]) == ([1500, 3000][i], [500.0, 1000.0][j])
             assert told["BPFO_Hz"] == file["BPFO_Hz"][i, j]
@@ -87,7 +87,7 @@ def test_parquet_has_a_row_for_every_point(study):
             np.array(table["inner_ay"].to_pylist(), dtype=np.float32),
             file["inner_ay"][...].reshape(4, -1).astype(np.float32),
         )
-        assert np.array(table["inner_force"].to_pylist()).shape == (4, file["time"].size, 13)
+        assert np.array(table["inner_peak_pressure"].to_pylist()).shape == (4, file["time"].size, 13)
 
 
 def test_what_can_not_be_written_is_refused_before_anything_is_solved(study, tmp_path, monkeypatch, capsys):

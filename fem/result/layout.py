@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.columns import PER_ROLLER, Column, columns_of
+from lagrange.columns import DERIVED, PER_ROLLER, Column, columns_of
 from lagrange.files.hdf5 import CHECKSUM, hdf5_to_write
 from lagrange.scene.scene import Scene
 
@@ -59,6 +59,11 @@ def variables_of(scene: Scene) -> Variables:
         "damping": scene.damping.acts,
     }
     return columns_of("", *scene.mounting().parts, *(name for name, is_there in features.items() if is_there))
+
+
+def readable(scene: Scene) -> Variables:
+    """What a run of this scene can be asked for: its columns, and what is computed from them when it is read."""
+    return {**variables_of(scene), **({} if scene.bearing.type == "ball" else DERIVED)}
 
 
 @dataclass(frozen=True, kw_only=True)

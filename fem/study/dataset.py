@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.quantities import UNITS, labels
-from fem.result.layout import variables_of
+from fem.result.layout import readable
 from fem.study.folder import MISSING, PROGRAM, Folder
 from fem.study.solving import COMPLETE, LIBRARIES, Points, Solved
 from fem.study.study_file import QUANTITIES
@@ -97,7 +97,7 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
     status, text, seconds = np.full(n, MISSING, dtype=object), np.full(n, "", dtype=object), np.full(n, nan)
     marks: dict[str, list[Any]] = {name: [] for name in UNITS}
     signals = _Signals(file, points)
-    variables = variables_of(points.scene(0))
+    variables = readable(points.scene(0))
     for i in range(n):
         solved = folder.read(points, i, variables)
         for name, value in labels(points.scene(i)).items():
@@ -160,7 +160,7 @@ class _Signals:
         """Room for the signals of all points, which are as long as the first one's."""
         file, design = self._file, self._points.design
         scene = self._points.scene(0)
-        known = variables_of(scene)
+        known = readable(scene)
         length = len(next(iter(first.signals.values())))
         self._shapes = {name: values.shape for name, values in first.signals.items()}
         time = first.signal_interval * np.arange(length)

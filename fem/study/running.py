@@ -10,7 +10,7 @@ from math import nan
 
 from fem.commands.progress import count_display
 from fem.errors import RunFailed, UsageError
-from fem.result.layout import variables_of
+from fem.result.layout import readable
 from fem.solver.simulate import make_plan, programs_named
 from fem.study.cluster import solve_on_cluster
 from fem.study.folder import Folder
@@ -81,7 +81,7 @@ def _memory() -> float:
 
 def _disk(points: Points) -> float:
     keep, scene = points.study.keep, points.scene(0)
-    numerics, variables = scene.numerics, variables_of(scene)
+    numerics, variables = scene.numerics, readable(scene)
     rate = 1e3 / numerics.output_interval_us if keep.signal_rate_kHz is None else keep.signal_rate_kHz
     rollers = scene.bearing.present
     columns = sum(rollers if variables[name].dimensions == PER_ROLLER else 1 for name in keep.signals)

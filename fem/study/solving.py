@@ -16,7 +16,7 @@ from fem.errors import RunFailed, UsageError
 from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_STATICS, Quantity
 from fem.recording import Result
-from fem.result.layout import variables_of
+from fem.result.layout import readable
 from fem.solver.solver import sample_count
 from fem.study.sampling import Design
 from fem.study.study_file import KeepTable, Study, decimation
@@ -82,7 +82,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         )
     if not keep.signals:
         return
-    known = variables_of(scene)
+    known = readable(scene)
     for name in keep.signals:
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")

@@ -1,11 +1,15 @@
 """Stresses of a line contact: Hertz's pressure and what it makes below the surface. SI."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from lagrange.contact.raceway_laws import Pair
+from lagrange.bearing import BallBearing, Bearing
+from lagrange.columns import DERIVED
+from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.rating.sources import Unavailable
 
 PERMITTED = 4000e6  # Pa, at ISO 76's C0: roller and raceway then keep 1e-4 of the roller's diameter
 FATIGUE = 1500e6  # Pa, at ISO 281's C_u, of usual bearing steels
@@ -47,6 +51,27 @@ def _largest(poisson_ratio: float) -> tuple[float, float, float, float]:
     mises = np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
     rows = [(float(each.max()), float(DEPTHS[each.argmax()])) for each in (shear, mises)]
     return *rows[0], *rows[1]
+
+
+def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of `lagrange.columns.DERIVED` from a run's contact forces, each (n_times, n_rollers).
+
+    b² = 4 R Q/(π E* L), p₀ = 2 Q/(π b L), R of the perfect circles: at edges of spalls pressures are higher.
+
+    Errors
+    ------
+    Unavailable: the contacts of balls are points.
+
+    Source: Johnson, Contact Mechanics (1985), (4.43) to (4.45).
+    """
+    if isinstance(bearing, BallBearing):
+        raise Unavailable("Hertz pressures of runs are those of line contacts; this bearing has balls")
+    found = {}
+    for pair, side in zip(contact_pairs(bearing), ("inner", "outer"), strict=False):
+        width = np.sqrt(pair.half_width_factor * samples[f"{side}_force"])
+        found[f"{side}_half_width"] = width
+        found[f"{side}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width  # Q = b² / factor
+    return {name: found[name] for name in DERIVED}
 
 
 def line_contact(pair: Pair, force: float) -> LineContact:

@@ -84,7 +84,7 @@ def prewhitened(values: np.ndarray) -> np.ndarray:
     transform = fft.rfft(values[:size] - values[:size].mean())
     magnitude = np.abs(transform)
     positive = np.zeros(size, dtype=complex)
-    np.divide(2.0 * transform, magnitude, out=positive[: transform.size], where=magnitude > 0.0)
+    np.divide(2.0 * transform, magnitude, out=positive[: transform.size], where=magnitude > np.finfo(float).tiny)
     positive[0] = 0.0
     return fft.ifft(positive)
 

@@ -103,7 +103,7 @@ def run_quantities(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[
     found = quantities_of(OF_START, start)
     if len(samples["time"]) < 2:
         return found
-    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(ideal, samples))]
+    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(bearing, ideal, samples))]
 
 
 def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, float]) -> list[Quantity]:
@@ -111,7 +111,7 @@ def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, flo
     return [Quantity(name, *about, values[name]) for name, about in table.items()]
 
 
-def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+def _of_record(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
     seen, cage = RunStatistics(), 0.0 if ideal is None else ideal.cage
     seen.add(samples)
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low

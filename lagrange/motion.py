@@ -17,6 +17,7 @@ from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, po
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 from lagrange.surface.edges import SoftenedLaws, softened
+from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +38,7 @@ class State:
     ring_x_rate: np.ndarray | float = 0.0
     ring_y_rate: np.ndarray | float = 0.0
     turns: Turns = UNTURNED  # prescribed; matter where surfaces are not perfect
+    tilts: Tilts | None = None  # None: axes stay parallel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +57,7 @@ class ContactState(PolarOverlaps):
     outer_damper: np.ndarray | float = 0.0
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
     outer_compliance: np.ndarray | float = 0.0
+    tilted: TiltedContacts | None = None  # None: axes stay parallel
 
     def laws(self, laws: ContactLaws) -> SoftenedLaws:
         """The contacts' own laws: the bearing's, softened where edges are."""
@@ -63,12 +66,13 @@ class ContactState(PolarOverlaps):
 
 
 def contact_state(
-    bearing: Bearing, laws: ContactLaws, state: State, damping: ContactDamping = UNDAMPED
+    bearing: Bearing, laws: ContactLaws | TiltedLaws, state: State, damping: ContactDamping = UNDAMPED
 ) -> ContactState:
     """Geometry and forces of every contact.
 
     Parameters
     ----------
+    laws : of tilted contacts where the state has tilts; these have neither dampers nor surfaces that are not perfect
     damping : of each closed contact; it never makes a contact pull
 
     Errors
@@ -81,6 +85,7 @@ def contact_state(
     x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
     found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
     surfaces, turns = profiles(bearing), state.turns
+    tilted: TiltedContacts | None = None
     passing_in: np.ndarray | float = 0.0
     passing_out: np.ndarray | float = 0.0
     inner_soft: np.ndarray | float = 0.0
@@ -90,8 +95,13 @@ def contact_state(
     if surfaces is not None:
         found, inner, outer = polar_deviated(surfaces, found, turns, state.theta)
         inner_soft, outer_soft = inner.compliance, outer.compliance
-    inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
-    inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
+    if isinstance(laws, TiltedLaws):
+        if state.tilts is None:
+            raise ValueError("contacts of tilted rollers ask for a state with tilts")
+        found, tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, state.rho, cos, sin)
+    else:
+        inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
+        inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
     if surfaces is not None:
         inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
         found = polar_at_force(found, inner, outer, state.rho)
@@ -116,7 +126,7 @@ def contact_state(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
         inner_closing=inner_closing, outer_closing=outer_closing, inner_passing=passing_in, outer_passing=passing_out,
         inner_damper=inner_damper, outer_damper=outer_damper, inner_compliance=inner_soft,
-        outer_compliance=outer_soft,
+        outer_compliance=outer_soft, tilted=tilted,
     )  # fmt: skip
 
 
@@ -246,16 +256,16 @@ def rotation_energy(bearing: Bearing, operation: Operation):
     turning = kinematics(bearing, *operation.ring_speeds)
     share = 0.4 if isinstance(bearing, BallBearing) else 0.5
     element = share * bearing.roller_mass * bearing.roller_radius**2
-    ring = 0.5 * bearing.inner_ring_mass * (bearing.bore_radius**2 + bearing.inner_raceway_radius**2)
-    radius = bearing.bore_radius or bearing.inner_raceway_radius
-    shaft = 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
     outer = 0.5 * bearing.outer_ring_mass * (bearing.outer_raceway_radius**2 + bearing.outside_radius**2)
-    inside = 0.5 * ((ring + shaft) * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
+    hub = hub_axial_inertia(bearing, operation)
+    inside = 0.5 * (hub * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
     return inside + 0.5 * outer * turning.outer_ring**2
 
 
 def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
+    if contacts.tilted is not None:
+        return np.sum(contacts.tilted.energy, axis=-1)
     own = contacts.laws(laws)
     return np.sum(own.inner.potential(contacts.inner) + own.outer.potential(contacts.outer), axis=-1)
 

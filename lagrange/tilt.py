@@ -1,0 +1,195 @@
+"""Tilt and skew of rollers and the slope of the hub: kinematics, moments of contacts, equations of motion.
+
+A body's axis at the height z over the plane section is at its place there plus z times its slope: of a roller
+a = τ e_r − σ e_t (the tilt τ moves the +z end outwards, the skew σ moves it backwards), of the hub b. Slopes are small.
+A contact closes by δ − P(z) − ψ z, with ψ = (a − b)·n at the inner raceway, −a·e_r at the outer one; its energy U(δ, ψ)
+gives the force Q = ∂U/∂δ and the moment M = −∂U/∂ψ = ∫ q z dz. Where the slopes have a part across the normal n, a
+moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without which no energy would be conserved.
+
+Source: Lagrange's equations of T = ½ I_t |ȧ|² − ½ I_a w (a_x ȧ_y − a_y ȧ_x), w the spin, and V = Σ U; the tests derive
+them by computer algebra.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.equations import PolarOverlaps
+from lagrange.kinematics import kinematics
+
+
+class TiltedContact(Protocol):
+    """One contact of a roller that may be tilted; `lagrange.axial.slices.Slices` is one."""
+
+    def sums(self, approach, slope) -> Any:
+        """U, J, Q, N, and M, N m, at approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any one shape."""
+
+
+class TiltedLaws(NamedTuple):
+    """Contacts of a roller with either raceway."""
+
+    inner: TiltedContact
+    outer: TiltedContact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tilts:
+    """Slopes of the bodies' axes and their rates; rad, rad/s."""
+
+    tilt: np.ndarray  # (..., n_rollers), τ
+    skew: np.ndarray | float  # σ
+    tilt_rate: np.ndarray
+    skew_rate: np.ndarray | float
+    slope_x: np.ndarray | float  # (...,), of the hub, b
+    slope_y: np.ndarray | float
+    slope_x_rate: np.ndarray | float = 0.0
+    slope_y_rate: np.ndarray | float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class HubTilt:
+    """How the hub's axis stands: held at a slope, or free about it with an inertia, on the shaft's stiffness."""
+
+    slope_x: float  # rad, at which the shaft's springs are slack
+    slope_y: float
+    inertia: float = 0.0  # kg m², about an axis across; 0: held
+    stiffness: float = 0.0  # N m/rad
+
+    @property
+    def is_free(self) -> bool:
+        return self.inertia > 0.0
+
+
+class Misalignments(NamedTuple):
+    """How contacts are misaligned: ψ, rad, and the slopes' part across the normal, u·t, rad; (..., n_rollers)."""
+
+    inner: np.ndarray
+    outer: np.ndarray
+    inner_across: np.ndarray
+    outer_across: np.ndarray
+
+
+def roller_inertias(bearing: Bearing) -> tuple[float, float]:
+    """I_t of a roller about an axis across its own, m (3 r² + L²)/12, and I_a about its own, ½ m r², kg m²."""
+    m, r, length = bearing.roller_mass, bearing.roller_radius, bearing.roller_length
+    return m * (3.0 * r**2 + length**2) / 12.0, 0.5 * m * r**2
+
+
+def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
+    """Of inner ring and shaft about their axis, kg m²: the shaft a solid cylinder in the bore with what M has left."""
+    ring = 0.5 * bearing.inner_ring_mass * (bearing.bore_radius**2 + bearing.inner_raceway_radius**2)
+    radius = bearing.bore_radius or bearing.inner_raceway_radius
+    return ring + 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
+
+
+def misalignments(found: PolarOverlaps, tilts: Tilts, cos, sin) -> Misalignments:
+    """ψ and u·t of contacts whose normals are those of `found`; `cos`, `sin` of the rollers' angles."""
+    bx, by = np.asarray(tilts.slope_x)[..., None], np.asarray(tilts.slope_y)[..., None]
+    out, around = tilts.tilt - (bx * cos + by * sin), -tilts.skew - (by * cos - bx * sin)
+    return Misalignments(
+        inner=out * found.radial + around * found.tangential,
+        outer=-tilts.tilt,
+        inner_across=around * found.radial - out * found.tangential,
+        outer_across=-tilts.skew + np.zeros_like(tilts.tilt),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltedContacts:
+    """What tilted contacts have beside their forces; arrays (..., n_rollers)."""
+
+    inner_moment: np.ndarray  # M, N m
+    outer_moment: np.ndarray
+    energy: np.ndarray  # J, of both contacts of a roller
+    at: Misalignments
+    normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
+
+    @property
+    def outwards(self) -> np.ndarray:
+        """Moment of both contacts that tilts a roller outwards, N m."""
+        return self.inner_moment * self.normal[0] - self.outer_moment
+
+    @property
+    def backwards(self) -> np.ndarray:
+        """Moment of both contacts that skews a roller backwards, N m."""
+        return -self.inner_moment * self.normal[1]
+
+    def on_hub(self, cos, sin) -> tuple[np.ndarray, np.ndarray]:
+        """Moment of the inner contacts on the hub's slope, along x and y, (...,), N m; angles of the rollers."""
+        out, around = (-self.inner_moment * each for each in self.normal)
+        return np.sum(out * cos - around * sin, axis=-1), np.sum(out * sin + around * cos, axis=-1)
+
+
+def tilted_contacts(
+    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin
+) -> tuple[PolarOverlaps, TiltedContacts, np.ndarray, np.ndarray]:
+    """The contacts with the directions that moments give their forces; what they have more; both forces, N."""
+    at = misalignments(found, tilts, cos, sin)
+    inner, outer = laws.inner.sums(found.inner, at.inner), laws.outer.sums(found.outer, at.outer)
+    aside = _turned(at.inner_across / found.distance, inner)
+    turned = replace(
+        found,
+        radial=found.radial - aside * found.tangential,
+        tangential=found.tangential + aside * found.radial,
+        outer_slope=-_turned(at.outer_across / rho, outer),
+    )
+    more = TiltedContacts(
+        inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
+        normal=(found.radial, found.tangential),
+    )  # fmt: skip
+    return turned, more, inner.force, outer.force
+
+
+def _turned(across, of) -> np.ndarray:
+    """Angle, rad, by which a moment turns a contact's force."""
+    closed = of.force > 0.0
+    return np.where(closed, of.moment * across / np.where(closed, of.force, 1.0), 0.0)
+
+
+def tilt_equations(
+    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, skew_acc, theta_acc
+) -> tuple[np.ndarray, np.ndarray]:
+    """Left sides of the τ and of the σ equations, N m, (..., n_rollers): the moments that something else must give.
+
+    τ: I_t (τ̈ + 2θ̇σ̇ + θ̈σ − θ̇²τ) − I_a w (σ̇ − θ̇τ) − M_in n·e_r + M_out
+    σ: I_t (σ̈ − 2θ̇τ̇ − θ̈τ − θ̇²σ) + I_a w (τ̇ + θ̇σ) + M_in n·e_t
+
+    Of a roller whose skew is guided the second is the guide's moment on it.
+    """
+    across, along = roller_inertias(bearing)
+    turning = along * np.asarray(kinematics(bearing, operation.speed).roller)[..., None]
+    t, omega = state.tilts, state.theta_rate
+    of_tilt = tilt_acc + 2.0 * omega * t.skew_rate + theta_acc * t.skew - omega**2 * t.tilt
+    of_skew = skew_acc - 2.0 * omega * t.tilt_rate - theta_acc * t.tilt - omega**2 * t.skew
+    return (
+        across * of_tilt - turning * (t.skew_rate - omega * t.tilt) - contacts.tilted.outwards,
+        across * of_skew + turning * (t.tilt_rate + omega * t.skew) - contacts.tilted.backwards,
+    )
+
+
+def hub_slope_equations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any, x_acc, y_acc):
+    """Left sides of the equations of the hub's slope along x and y, N m, each (...,): 0 where nothing else holds it.
+
+    I_h b̈ + I_ha Ω (ḃ_y, −ḃ_x) + k (b − b₀) + Σ M_in n; of a hub whose slope is held what the shaft must give.
+    """
+    t, turning = state.tilts, hub_axial_inertia(bearing, operation) * np.asarray(operation.speed)
+    on_x, on_y = contacts.tilted.on_hub(np.cos(state.theta), np.sin(state.theta))
+    x = hub.inertia * x_acc + turning * t.slope_y_rate + hub.stiffness * (t.slope_x - hub.slope_x)
+    y = hub.inertia * y_acc - turning * t.slope_x_rate + hub.stiffness * (t.slope_y - hub.slope_y)
+    return x - on_x, y - on_y
+
+
+def tilt_energy(bearing: Bearing, hub: HubTilt, tilts: Tilts, theta_rate) -> np.ndarray:
+    """½ I_t |ȧ|² of the rollers and ½ I_h |ḃ|² of the hub, J, (...,)."""
+    across, _ = roller_inertias(bearing)
+    out, around = tilts.tilt_rate + theta_rate * tilts.skew, tilts.skew_rate - theta_rate * tilts.tilt
+    rollers = 0.5 * across * np.sum(out**2 + around**2, axis=-1)
+    return rollers + 0.5 * hub.inertia * (np.asarray(tilts.slope_x_rate) ** 2 + np.asarray(tilts.slope_y_rate) ** 2)
+
+
+def shaft_tilt_energy(hub: HubTilt, tilts: Tilts) -> np.ndarray:
+    """Of the shaft's stiffness against tilt, J, (...,)."""
+    x, y = np.asarray(tilts.slope_x) - hub.slope_x, np.asarray(tilts.slope_y) - hub.slope_y
+    return 0.5 * hub.stiffness * (x**2 + y**2)

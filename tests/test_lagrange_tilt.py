@@ -1,0 +1,110 @@
+"""Equations of motion with tilt against Lagrange's equations derived by computer algebra."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from lagrange.kinematics import kinematics
+from lagrange.motion import State, angular_equations, contact_state, hub_equations, radial_equations
+from lagrange.scene.scene import Scene
+from lagrange.tilt import (
+    HubTilt,
+    TiltedLaws,
+    Tilts,
+    hub_axial_inertia,
+    hub_slope_equations,
+    roller_inertias,
+    tilt_equations,
+)
+from tests.reference.lagrange_equations import derived_tilt_equations
+
+N = 1  # sums over rollers are those of the plane model
+BEARING = replace(Scene().ideal_bearing(), n_rollers=N)
+OPERATION = Scene().ideal_operation()
+PLACE, DROP = np.array([-4e-3, 1e-3, 4.5e-3]), np.array([2e-6, 0.0, 5e-6])
+EXPONENT = 10.0 / 9.0
+ROUND_OFF = 1e-11  # of the terms of an equation
+
+
+class Sums(NamedTuple):
+    energy: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+
+
+class PowerSlices:
+    """Slices of one contact with a power law each, written out."""
+
+    def __init__(self, stiffness):
+        self.stiffness, self.exponent = stiffness, EXPONENT
+
+    def sums(self, approach, slope):
+        deep = np.maximum(np.asarray(approach)[..., None] - DROP - np.asarray(slope)[..., None] * PLACE, 0.0)
+        forces = self.stiffness * deep**self.exponent
+        energy = self.stiffness * deep ** (self.exponent + 1.0) / (self.exponent + 1.0)
+        return Sums(energy.sum(axis=-1), forces.sum(axis=-1), forces @ PLACE)
+
+
+LAWS = TiltedLaws(PowerSlices(4e8), PowerSlices(5e8))
+
+
+def random_state(rng):
+    return State(
+        x=rng.uniform(-2e-5, 2e-5), y=rng.uniform(-2e-5, 2e-5),
+        rho=BEARING.pitch_radius + rng.uniform(-2e-5, 4e-5, N), theta=rng.uniform(-np.pi, np.pi, N),
+        x_rate=rng.uniform(-1.0, 1.0), y_rate=rng.uniform(-1.0, 1.0), rho_rate=rng.uniform(-1.0, 1.0, N),
+        theta_rate=rng.uniform(-400.0, 400.0, N),
+        tilts=Tilts(
+            tilt=rng.uniform(-5e-3, 5e-3, N), skew=rng.uniform(-5e-3, 5e-3, N),
+            tilt_rate=rng.uniform(-200.0, 200.0, N), skew_rate=rng.uniform(-200.0, 200.0, N),
+            slope_x=rng.uniform(-3e-3, 3e-3), slope_y=rng.uniform(-3e-3, 3e-3),
+            slope_x_rate=rng.uniform(-100.0, 100.0), slope_y_rate=rng.uniform(-100.0, 100.0),
+        ),
+    )  # fmt: skip
+
+
+def test_equations_with_tilt_are_those_that_computer_algebra_derives():
+    derive = derived_tilt_equations(N, EXPONENT, list(PLACE), list(DROP))
+    hub = HubTilt(slope_x=1e-4, slope_y=-1e-3, inertia=1.03e-5, stiffness=2000.0)
+    across, along = roller_inertias(BEARING)
+    spin = kinematics(BEARING, OPERATION.speed).roller
+    b, o, rng = BEARING, OPERATION, np.random.default_rng(11)
+    parameters = (
+        b.roller_mass, o.inner_mass, o.gravity, o.radial_load, b.inner_raceway_radius, b.outer_raceway_radius,
+        b.roller_radius, LAWS.inner.stiffness, LAWS.outer.stiffness, across, along, spin, hub.inertia,
+        hub_axial_inertia(b, o), o.speed, hub.stiffness, hub.slope_x, hub.slope_y,
+    )  # fmt: skip
+    worst, closed = np.zeros(8), 0
+    for _ in range(25):
+        state = random_state(rng)
+        t, acc = state.tilts, rng.uniform(-1.0, 1.0, 4 * N + 4)
+        acc *= np.repeat([1e5, 1e5, 1e6, 1e8, 1e8, 1e8], [2, N, N, N, N, 2])
+        ax, ay, *more = np.split(acc, [1, 2, 2 + N, 2 + 2 * N, 2 + 3 * N, 2 + 4 * N])
+        rho_acc, theta_acc, tilt_acc, skew_acc, b_acc = more
+        expected = np.array(derive(
+            parameters,
+            [state.x, state.y, *state.rho, *state.theta, *t.tilt, *t.skew, t.slope_x, t.slope_y],
+            [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate, *t.tilt_rate, *t.skew_rate,
+             t.slope_x_rate, t.slope_y_rate],
+            acc,
+        ))  # fmt: skip
+        touch = contact_state(b, LAWS, state)
+        of_tilt, of_skew = tilt_equations(b, o, state, touch, tilt_acc, skew_acc, theta_acc)
+        of_theta = angular_equations(b, o, state, touch, theta_acc)
+        found = np.concatenate([
+            np.ravel(hub_equations(o, state, touch, ax, ay)), radial_equations(b, o, state, touch, rho_acc),
+            # tilt and skew turn with θ, and so act on it
+            of_theta + t.skew * of_tilt - t.tilt * of_skew, of_tilt, of_skew,
+            hub_slope_equations(b, o, hub, state, touch, *b_acc),
+        ])  # fmt: skip
+        forces = touch.inner_force + touch.outer_force + b.roller_mass * np.abs(rho_acc)
+        total = np.sum(forces) + o.inner_mass * 1e5 + o.radial_load
+        moments = 1e-2 * forces + across * 1e8
+        scale = np.concatenate([[total, total], forces, state.rho * forces, moments, moments, 2 * [np.sum(moments)]])
+        worst = np.maximum(worst, [part.max() for part in np.split(
+            np.abs(found - expected) / scale, [1, 2, 2 + N, 2 + 2 * N, 2 + 3 * N, 2 + 4 * N, 3 + 4 * N])])  # fmt: skip
+        closed += np.sum(touch.inner_force > 0.0) + np.sum(touch.outer_force > 0.0)
+    assert worst == pytest.approx(0.0, abs=ROUND_OFF)
+    assert 10 < closed < 40  # open and closed contacts are both met

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from lagrange.axial.facts import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.raceway_laws import ContactLaws
@@ -19,6 +20,8 @@ from lagrange.motion import State
 from lagrange.mounting import ring_place
 from lagrange.statics import Statics, held_hub, static_equilibrium
 from lagrange.surface.deviation import Turns
+from lagrange.tilt import HubTilt, TiltedLaws, Tilts, hub_tilt, sliced_laws
+from lagrange.tilted_statics import TiltedStatics, tilted_equilibrium
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter
@@ -96,6 +99,52 @@ def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws)
     return FirstState(state, caution)
 
 
+def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axial: Axial) -> FirstState:
+    """The same with rollers that tilt; a hub that cannot follow the equilibrium starts without velocity, and so do all.
+
+    Errors
+    ------
+    RuntimeError: no equilibrium.
+    """
+    first, hub, contacts = operation.first_roller_angle, hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
+
+    def equilibrium_at(shift: float, place) -> TiltedStatics:
+        theta = roller_angles(bearing, first) + turned(bearing, operation, shift).cage
+        acting = operation.at(shift)
+        plane = static_equilibrium(bearing, acting, laws, angles=theta, ring=place)
+        start = np.array([plane.x, plane.y]), plane.rho
+        return tilted_equilibrium(bearing, acting, contacts, hub, theta, start, ring=place)
+
+    def force_at(place):
+        still = equilibrium_at(0.0, place)
+        return np.array([still.outer_force @ np.cos(still.theta), still.outer_force @ np.sin(still.theta)])
+
+    ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
+    now, n = equilibrium_at(0.0, ring), bearing.n_rollers
+    rates, caution = np.zeros(4 + 2 * n), None
+    if operation.fastest > 0.0:
+        if followed(now.stiffness, bearing, operation)[0].size < 2:
+            caution = SOFT
+        else:
+            before, after = (equilibrium_at(shift, ring).moved for shift in (-DIFFERENCE, DIFFERENCE))
+            found = (after - before) / (2.0 * DIFFERENCE)
+            if np.hypot(*found[:2]) <= JUMP * operation.fastest * bearing.inner_raceway_radius:
+                rates = found
+            else:
+                caution = JUMPS
+    zero = np.zeros(n)
+    state = State(
+        x=now.place[0], y=now.place[1], rho=now.rho, theta=now.theta, x_rate=rates[0], y_rate=rates[1],
+        rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, operation.speed).cage,
+        ring_x=ring[0], ring_y=ring[1],
+        tilts=Tilts(
+            tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,
+            slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
+        ),
+    )  # fmt: skip
+    return FirstState(state, caution)
+
+
 def _rates(
     bearing: Bearing, operation: Operation, laws: ContactLaws, now: Statics, ring: np.ndarray
 ) -> tuple[np.ndarray, str | None]:
@@ -162,6 +211,7 @@ class Problem:
     damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
     cage: Cage | None = None  # free angles: a body of its own; else what holds the angles
+    axial: Axial | None = None  # None: axes stay parallel
 
     def __post_init__(self):
         if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
@@ -170,6 +220,16 @@ class Problem:
             raise ValueError(
                 f"start = {self.start!r}, angles = {self.angles!r}: equilibrium or rest, kinematic or free"
             )
+
+    @cached_property
+    def contacts(self) -> ContactLaws | TiltedLaws:
+        """Laws of the contacts, of slices where rollers tilt."""
+        return self.laws if self.axial is None else sliced_laws(self.bearing, self.axial, self.laws)
+
+    @property
+    def hub_tilt(self) -> HubTilt | None:
+        """How the hub's axis stands; None: parallel to the others."""
+        return None if self.axial is None else hub_tilt(self.operation, self.axial)
 
     @property
     def free_cage(self) -> Cage | None:
@@ -184,9 +244,11 @@ class Problem:
         ------
         RuntimeError: no equilibrium to start from.
         """
-        if self.start == "rest":
-            return rest_state(self.bearing, self.operation)
         operation = self.operation
+        if self.start == "rest" and self.axial is None:
+            return rest_state(self.bearing, operation)
         if self.load_ramp > 0.0:
             operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
+        if self.axial is not None:
+            return tilted_state(self.bearing, operation, self.laws, self.axial)
         return equilibrium_state(self.bearing, operation, self.laws)

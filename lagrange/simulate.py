@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from lagrange.axial.facts import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.raceway_laws import ContactLaws
@@ -17,6 +18,7 @@ from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State, accelerations, contact_state, housing_accelerations
 from lagrange.step_size import critical_time_step
 from lagrange.surface.deviation import Turns
+from lagrange.tilt import Tilts, guide_moment, guided_theta, hub_slope_accelerations, tilt_accelerations
 from lagrange.trajectory import Trajectory, energy_of, loaded, quantities
 
 RELATIVE = 1e-7  # error of a step, of each unknown; and absolute:
@@ -28,7 +30,8 @@ WORKS = 4  # of the load; of what holds the angles and drives the bodies; lost i
 
 class Motion:
     """A problem as a first-order system: hub and outer ring, x and y, ρ − pitch radius, θ − the kinematic angle; their
-    rates; four works, J; a sensor's r and its rate."""
+    rates; where rollers tilt their tilts, the hub's slope and the rates of these; four works, J; a sensor's r and its
+    rate."""
 
     def __init__(self, problem: Problem):
         self.problem, self.n = problem, problem.bearing.n_rollers
@@ -41,14 +44,30 @@ class Motion:
         s, ideal = self.problem.first_state.state, kinematics(self.problem.bearing, *self.problem.operation.ring_speeds)
         places = s.x, s.y, s.ring_x, s.ring_y, *(s.rho - self.problem.bearing.pitch_radius), *np.zeros(self.n)
         rates = s.x_rate, s.y_rate, s.ring_x_rate, s.ring_y_rate, *s.rho_rate, *(s.theta_rate - ideal.cage)
-        return np.array([*places, *rates, *np.zeros(WORKS + 2)])
+        t = s.tilts
+        tilts: tuple = () if t is None else (
+            *t.tilt, t.slope_x, t.slope_y, *t.tilt_rate, t.slope_x_rate, t.slope_y_rate
+        )  # fmt: skip
+        return np.array([*places, *rates, *tilts, *np.zeros(WORKS + 2)])
 
     @property
     def tolerance(self) -> np.ndarray:
         """Absolute errors of the unknowns that a step may make."""
         axes = np.ones(self.n) / self.problem.bearing.pitch_radius
         ways = np.array([1.0, 1.0, 1.0, 1.0, *np.ones(self.n), *axes])
-        return np.array([*(PLACE * ways), *(RATE * ways), *np.full(WORKS, WORK), PLACE, RATE])
+        angles = np.full(0 if self.problem.axial is None else self.n + 2, 1.0 / self.problem.bearing.roller_length)
+        tilts = *(PLACE * angles), *(RATE * angles)
+        return np.array([*(PLACE * ways), *(RATE * ways), *tilts, *np.full(WORKS, WORK), PLACE, RATE])
+
+    def _tilts(self, unknowns: np.ndarray) -> Tilts | None:
+        if self.problem.axial is None:
+            return None
+        n, nothing = self.n, np.zeros_like(unknowns[: self.n]).T
+        tilt, (bx, by), rate, (vx, vy) = np.split(unknowns[8 + 4 * n : 12 + 6 * n], [n, n + 2, 2 * n + 2])
+        return Tilts(
+            tilt=tilt.T, skew=nothing, tilt_rate=rate.T, skew_rate=nothing,
+            slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy,
+        )  # fmt: skip
 
     def state(self, time, unknowns: np.ndarray) -> State:
         """Generalised coordinates at a time, s, or of unknowns, (n_unknowns, n_times), at times, (n_times,)."""
@@ -61,7 +80,7 @@ class Motion:
             theta=self.first + turned(bearing, operation, when).cage + off.T, x_rate=vx, y_rate=vy, rho_rate=rho_rate.T,
             theta_rate=kinematics(bearing, *operation.at(when).ring_speeds).cage + off_rate.T,
             ring_x=ring_x, ring_y=ring_y, ring_x_rate=ring_vx, ring_y_rate=ring_vy,
-            turns=Turns.rolling(bearing, operation, when),
+            turns=Turns.rolling(bearing, operation, when), tilts=self._tilts(unknowns),
         )  # fmt: skip
 
     def rate(self, time: float, unknowns: np.ndarray) -> np.ndarray:
@@ -69,7 +88,7 @@ class Motion:
         problem, n, places = self.problem, self.n, 4 + 2 * self.n
         bearing, course = problem.bearing, problem.operation.course
         state, acting = self.state(time, unknowns), loaded(problem, time)
-        touch = contact_state(bearing, problem.laws, state, problem.damping)
+        touch = contact_state(bearing, problem.contacts, state, problem.damping)
         ring = housing_accelerations(bearing, acting, state, touch)
         x, y, rho, theta = accelerations(bearing, acting, state, touch, ring)
         gain = 0.0 if course is None else float(kinematics(bearing, *course.ring_speeds(time, 1)).cage)
@@ -85,11 +104,23 @@ class Motion:
         dashed += 0.0 if housing is None else housing.damping * (state.ring_x_rate**2 + state.ring_y_rate**2)
         r, r_rate = unknowns[-2:]
         found = np.empty_like(unknowns)
+        tilts, hub = state.tilts, problem.hub_tilt
+        if tilts is not None and hub is not None:
+            if not self.held:
+                theta = guided_theta(bearing, acting, state, touch, theta)
+            around = gain if self.held else theta
+            guide = guide_moment(bearing, acting, state, touch, around)
+            driven -= np.sum(state.theta_rate * tilts.tilt * guide) if self.held else 0.0
+            first = 2 * places
+            found[first : first + n + 2] = unknowns[first + n + 2 : first + 2 * n + 4]
+            found[first + n + 2 : first + 2 * n + 2] = tilt_accelerations(bearing, acting, state, touch, around)
+            slopes = hub_slope_accelerations(bearing, acting, hub, state, touch)
+            found[first + 2 * n + 2 : first + 2 * n + 4] = slopes
         found[:places] = unknowns[places : 2 * places]
         found[places : places + 4] = x - ring[0], y - ring[1], *ring
         found[places + 4 : places + 4 + n] = rho
         found[places + 4 + n : 2 * places] = 0.0 if self.held else theta - gain
-        found[2 * places : -2] = acting.side_load * vx - acting.radial_load * vy, driven, lost, dashed
+        found[-WORKS - 2 : -2] = acting.side_load * vx - acting.radial_load * vy, driven, lost, dashed
         found[-2:] = (r_rate, sensor.pull @ (r, r_rate) - ring[1]) if sensor is not None else (0.0, 0.0)
         return found
 
@@ -107,6 +138,7 @@ def simulate(
     load_ramp: float = 0.0,
     time_step: float | None = None,
     cage: Cage | None = None,
+    axial: Axial | None = None,
 ) -> Trajectory:
     """Integrate (21)-(23), with the angles from kinematics (20) or free (the θ equation).
 
@@ -121,6 +153,7 @@ def simulate(
     load_ramp : float, s, over which the load grows from nothing, by half a cosine
     time_step : float, s, at most; default 10 µs
     cage : what holds the angles
+    axial : profiles and slices of rollers that tilt, guided against skew; None: axes stay parallel
 
     Returns
     -------
@@ -140,7 +173,7 @@ def simulate(
         raise ValueError(f"duration = {duration}, interval = {interval}: at least 0, and positive")
     problem = Problem(
         bearing=bearing, operation=operation, laws=laws, start=start, angles=angles, damping=damping,
-        load_ramp=load_ramp, cage=cage,
+        load_ramp=load_ramp, cage=cage, axial=axial,
     )  # fmt: skip
     if problem.free_cage is not None:
         raise ValueError('cage with angles = "free": its friction jumps with the slip; run-fem\'s model has it')

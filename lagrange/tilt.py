@@ -15,23 +15,26 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from lagrange.axial.facts import Axial
+from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.equations import PolarOverlaps
 from lagrange.kinematics import kinematics
 
 
-class TiltedContact(Protocol):
-    """One contact of a roller that may be tilted; `lagrange.axial.slices.Slices` is one."""
+class TiltedLaw(Protocol):
+    """One contact of a roller that may be tilted: `lagrange.axial.ContactTable`, or slices."""
 
-    def sums(self, approach, slope) -> Any:
-        """U, J, Q, N, and M, N m, at approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any one shape."""
+    def at(self, approach, slope) -> Any:
+        """U, J, Q, N, M, N m, and their derivatives, at approaches δ, m, in the plane z = 0 and slopes ψ, rad."""
 
 
 class TiltedLaws(NamedTuple):
     """Contacts of a roller with either raceway."""
 
-    inner: TiltedContact
-    outer: TiltedContact
+    inner: TiltedLaw
+    outer: TiltedLaw
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +65,23 @@ class HubTilt:
         return self.inertia > 0.0
 
 
+def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
+    """The hub's slope, b = −misalignment along y: its +z end goes towards the load."""
+    return HubTilt(
+        slope_x=0.0,
+        slope_y=-operation.misalignment,
+        inertia=axial.hub_tilt_inertia or 0.0,
+        stiffness=axial.shaft_tilt_stiffness,
+    )
+
+
+def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
+    """Contacts by slices that stand alone, each with its share of the whole length's law."""
+    drops, place = axial.drops(bearing), axial.centres(bearing)
+    inner, outer = (Slices(law=law, place=place, drop=drop) for law, drop in zip(laws, drops, strict=True))
+    return TiltedLaws(inner, outer)
+
+
 class Misalignments(NamedTuple):
     """How contacts are misaligned: ψ, rad, and the slopes' part across the normal, u·t, rad; (..., n_rollers)."""
 
@@ -71,10 +91,37 @@ class Misalignments(NamedTuple):
     outer_across: np.ndarray
 
 
+@dataclass(frozen=True, kw_only=True)
+class TiltSamples:
+    """Tilt of a motion, by the result file's columns; (n_times, n_rollers), of the hub (n_times,)."""
+
+    roller_tilt: np.ndarray  # rad
+    roller_skew: np.ndarray
+    inner_moment: np.ndarray  # N m
+    outer_moment: np.ndarray
+    inner_slope_x: np.ndarray  # rad
+    inner_slope_y: np.ndarray
+
+    @classmethod
+    def of(cls, tilts: Tilts, contacts: "TiltedContacts") -> "TiltSamples":
+        nothing = np.zeros_like(tilts.tilt)
+        return cls(
+            roller_tilt=tilts.tilt, roller_skew=nothing + tilts.skew, inner_moment=contacts.inner_moment,
+            outer_moment=contacts.outer_moment, inner_slope_x=nothing[:, 0] + tilts.slope_x,
+            inner_slope_y=nothing[:, 0] + tilts.slope_y,
+        )  # fmt: skip
+
+
 def roller_inertias(bearing: Bearing) -> tuple[float, float]:
     """I_t of a roller about an axis across its own, m (3 r² + L²)/12, and I_a about its own, ½ m r², kg m²."""
     m, r, length = bearing.roller_mass, bearing.roller_radius, bearing.roller_length
     return m * (3.0 * r**2 + length**2) / 12.0, 0.5 * m * r**2
+
+
+def precession_stiffness(bearing: Bearing, speed):
+    """Stiffness against tilt of guided rollers that go round at cage speed, I_a w Ω − I_t Ω², N m/rad."""
+    (across, along), turning = roller_inertias(bearing), kinematics(bearing, speed)
+    return along * turning.roller * turning.cage - across * turning.cage**2
 
 
 def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
@@ -127,7 +174,7 @@ def tilted_contacts(
 ) -> tuple[PolarOverlaps, TiltedContacts, np.ndarray, np.ndarray]:
     """The contacts with the directions that moments give their forces; what they have more; both forces, N."""
     at = misalignments(found, tilts, cos, sin)
-    inner, outer = laws.inner.sums(found.inner, at.inner), laws.outer.sums(found.outer, at.outer)
+    inner, outer = laws.inner.at(found.inner, at.inner), laws.outer.at(found.outer, at.outer)
     aside = _turned(at.inner_across / found.distance, inner)
     turned = replace(
         found,
@@ -167,6 +214,32 @@ def tilt_equations(
         across * of_tilt - turning * (t.skew_rate - omega * t.tilt) - contacts.tilted.outwards,
         across * of_skew + turning * (t.tilt_rate + omega * t.skew) - contacts.tilted.backwards,
     )
+
+
+def tilt_accelerations(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """τ̈ of rollers that are guided against skew, rad/s²."""
+    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)
+    return -left / roller_inertias(bearing)[0]
+
+
+def guide_moment(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """Moment that keeps rollers from skewing, N m: > 0 pushes their +z end backwards."""
+    return tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)[1]
+
+
+def guided_theta(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """θ̈ of free rollers, rad/s², whose guides push back on what turns them: m ρ² θ̈ = … + τ (guide's moment)."""
+    tilt, turning = state.tilts.tilt, bearing.roller_mass * state.rho**2
+    push = turning * theta_acc + tilt * guide_moment(bearing, operation, state, contacts, 0.0)
+    return push / (turning + roller_inertias(bearing)[0] * tilt**2)
+
+
+def hub_slope_accelerations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any):
+    """b̈ along x and y, rad/s²; 0 of a hub whose slope is held."""
+    if not hub.is_free:
+        return np.zeros_like(np.asarray(state.tilts.slope_x)), np.zeros_like(np.asarray(state.tilts.slope_y))
+    x, y = hub_slope_equations(bearing, operation, hub, state, contacts, 0.0, 0.0)
+    return -x / hub.inertia, -y / hub.inertia
 
 
 def hub_slope_equations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any, x_acc, y_acc):

@@ -20,6 +20,7 @@ from lagrange.motion import (
     rotation_energy,
 )
 from lagrange.mounting import OF_HOUSING
+from lagrange.tilt import TiltSamples, shaft_tilt_energy, tilt_energy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +67,7 @@ class Trajectory:
     housing_ax: np.ndarray
     housing_ay: np.ndarray
     sensor_ay: np.ndarray
+    tilt: TiltSamples | None  # of rollers that tilt
     time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
@@ -105,7 +107,7 @@ def quantities(
     These; mass times height of all that moves, kg m; energy of the bodies' own rotation, J; (n_times,) each.
     """
     bearing, operation, laws = problem.bearing, problem.operation, problem.laws
-    touch = contact_state(bearing, laws, state, problem.damping)
+    touch = contact_state(bearing, problem.contacts, state, problem.damping)
     acting = loaded(problem, time)
     left_x, left_y = hub_equations(acting, state, touch, 0.0, 0.0)
     ax, ay = -left_x / operation.inner_mass, -left_y / operation.inner_mass
@@ -114,6 +116,11 @@ def quantities(
     rotation = rotation_energy(bearing, operation.at(time)) + np.zeros_like(time)
     kinetic = kinetic_energy(bearing, operation, state) + rotation
     contact = contact_energy(laws, touch)
+    tilt, hub_axis = None, problem.hub_tilt
+    if hub_axis is not None and state.tilts is not None and touch.tilted is not None:
+        kinetic = kinetic + tilt_energy(bearing, hub_axis, state.tilts, state.theta_rate)
+        contact = contact + shaft_tilt_energy(hub_axis, state.tilts)
+        tilt = TiltSamples.of(state.tilts, touch.tilted)
     shaft, housing = operation.mounting.shaft, operation.mounting.housing
     bent = np.zeros_like(time) if shaft is None else 0.5 * shaft.stiffness * (x**2 + y**2)
     sprung: Any = np.zeros_like(time)
@@ -145,7 +152,7 @@ def quantities(
         inner_force=touch.inner_force, outer_force=touch.outer_force,
         inner_damper=nothing + touch.inner_damper, outer_damper=nothing + touch.outer_damper,
         energy_kinetic=kinetic, energy_contact=contact, energy_shaft=bent, energy_support=sprung,
-        work_dissipated=dissipated, work_damping=by_contacts, cage=cage,
+        work_dissipated=dissipated, work_damping=by_contacts, cage=cage, tilt=tilt,
         **moved, sensor_ay=np.zeros_like(time) if on_sensor is None else sensor @ on_sensor.pull,
     )  # fmt: skip
     return part, lift, rotation

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from lagrange.kinematics import kinematics
+from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, angular_equations, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
 from lagrange.tilt import (
@@ -15,9 +16,12 @@ from lagrange.tilt import (
     Tilts,
     hub_axial_inertia,
     hub_slope_equations,
+    hub_tilt,
     roller_inertias,
+    sliced_laws,
     tilt_equations,
 )
+from lagrange.tilted_statics import tilted_equilibrium
 from tests.reference.lagrange_equations import derived_tilt_equations
 
 N = 1  # sums over rollers are those of the plane model
@@ -40,7 +44,7 @@ class PowerSlices:
     def __init__(self, stiffness):
         self.stiffness, self.exponent = stiffness, EXPONENT
 
-    def sums(self, approach, slope):
+    def at(self, approach, slope):
         deep = np.maximum(np.asarray(approach)[..., None] - DROP - np.asarray(slope)[..., None] * PLACE, 0.0)
         forces = self.stiffness * deep**self.exponent
         energy = self.stiffness * deep ** (self.exponent + 1.0) / (self.exponent + 1.0)
@@ -108,3 +112,50 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
         closed += np.sum(touch.inner_force > 0.0) + np.sum(touch.outer_force > 0.0)
     assert worst == pytest.approx(0.0, abs=ROUND_OFF)
     assert 10 < closed < 40  # open and closed contacts are both met
+
+
+FREE = {
+    "axial__hub_tilt_inertia_kg_m2": 1.03e-5, "axial__shaft_tilt_stiffness_N_m_rad": 2000.0,
+    "operation__misalignment_mrad": 1.0,
+}  # fmt: skip
+
+
+def scene(**changes):
+    """The paper's bearing with rollers in slices; misalignment in mrad."""
+    return Scene().varied({"axial.slices": 40} | {key.replace("__", "."): value for key, value in changes.items()})
+
+
+def standing(found):
+    """Statics of a standing, weightless bearing under the law of ISO/TS 16281."""
+    bearing, operation = found.ideal_bearing(), replace(found.ideal_operation(), speed=0.0, gravity=0.0)
+    laws = contact_laws("iso16281", bearing)
+    plane = static_equilibrium(bearing, operation, laws)
+    theta, axial = roller_angles(bearing, operation.first_roller_angle), found.ideal_axial()
+    start = np.array([plane.x, plane.y]), plane.rho
+    contacts = sliced_laws(bearing, axial, laws)
+    return tilted_equilibrium(bearing, operation, contacts, hub_tilt(operation, axial), theta, start)
+
+
+@pytest.mark.parametrize(
+    ("profile", "misalignment", "sinks", "moment"),
+    [("none", 0.0, 4.160, 0.0), ("logarithmic", 0.0, 7.281, 0.0), ("none", 1.0, None, 4326.0),
+     ("none", 4.0, None, 18508.0), ("logarithmic", 1.0, None, 1835.0), ("logarithmic", 4.0, None, 7702.0)],
+)  # fmt: skip
+def test_statics_are_those_of_the_standards_method(profile, misalignment, sinks, moment):
+    # µm and N mm, by F = c_s Σ cos φ_j Σ_k δ_jk^(10/9) of ISO/TS 16281 with 40 slices, solved apart from this program
+    found = standing(scene(axial__roller_profile=profile, operation__misalignment_mrad=misalignment))
+    assert 1e3 * found.on_hub[1] == pytest.approx(moment, abs=5e-4 * moment + 1e-6)
+    if sinks is not None:
+        assert -1e6 * found.place[1] == pytest.approx(sinks, rel=5e-4)
+
+
+@pytest.mark.parametrize("angles", ["kinematic", "free"])
+def test_energy_of_rollers_that_tilt_balances(angles):
+    found = scene(**{**FREE, "axial__slices": 11})
+    bearing, operation = found.ideal_bearing(), found.ideal_operation()
+    motion = simulate(
+        bearing, operation, contact_laws("johnson", bearing), 2e-4, 1e-5, axial=found.ideal_axial(), angles=angles
+    )
+    moved = np.ptp(motion.tilt.inner_slope_y)
+    assert moved > 1e-7  # rad
+    assert np.abs(motion.energy_error).max() < 1e-8 * motion.energy_contact.max()

@@ -9,6 +9,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from lagrange.axial.table import TiltedContact
+
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
 FIRST, BISECTIONS = 1e-8, 60  # m, beyond the opening, to begin with
@@ -92,6 +94,13 @@ class Slices:
             own = self.law.potential(self.law.approach(self.count * forces)).mean(axis=-1)
             energy = own + 0.5 * np.einsum("...k,kl,...l->...", forces, self.coupling, forces)
         return Sums(energy, forces.sum(axis=-1), forces @ self.place)
+
+    def at(self, approach, slope) -> TiltedContact:
+        """The same with derivatives, as a table has them, of slices that stand alone."""
+        found, one = self.sums(approach, slope), self.law.slope(self.approaches(approach, slope)) / self.count
+        return TiltedContact(
+            *found, stiffness=one.sum(axis=-1), cross=-(one @ self.place), tilt_stiffness=one @ self.place**2
+        )
 
 
 def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray:

@@ -89,6 +89,14 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
         "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
     },
+    "axial": {
+        "roller_tilt": (PER_ROLLER, "rad", "roller's tilt: its +z end outwards where > 0"),
+        "roller_skew": (PER_ROLLER, "rad", "roller's skew: its +z end backwards, against +theta, where > 0"),
+        "inner_moment": (PER_ROLLER, "N m", "moment of inner_force along the axis: force times z"),
+        "outer_moment": (PER_ROLLER, "N m", "moment of outer_force along the axis: force times z"),
+        "inner_slope_x": (PER_TIME, "rad", "slope of the hub's axis along z, x"),
+        "inner_slope_y": (PER_TIME, "rad", "slope of the hub's axis along z, y"),
+    },
 }
 
 

@@ -136,7 +136,7 @@ def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, out
 
 def critical_time_step(problem: Problem, *largest: float) -> float:
     """Step, s, at which leapfrog becomes unstable under the largest inner and outer force, N; default: expected."""
-    return 2.0 / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
+    return 2.0 / max(fastest_mode(problem, *(largest or 2 * [expected_force(problem)])), fastest_of_cage(problem))
 
 
 def longest_step(problem: Problem, spalls: bool = True) -> float:
@@ -146,7 +146,7 @@ def longest_step(problem: Problem, spalls: bool = True) -> float:
     """
     cage, surfaces = fastest_of_cage(problem), profiles(problem.bearing)
     speed = contact_speed(problem.bearing, problem.operation)
-    force = _expected_force(problem)
+    force = expected_force(problem)
     longest = min(LEAP / fastest_mode(problem, force, force), inf if cage == 0.0 else CAGE_STEP / cage)
     if surfaces is not None and speed > 0.0:
         shortest = surfaces.shortest if spalls else surfaces.shortest_of_waves
@@ -159,7 +159,7 @@ def longest_step(problem: Problem, spalls: bool = True) -> float:
     return longest
 
 
-def _expected_force(problem: Problem) -> float:
+def expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation
     weight = operation.heaviest + operation.inner_mass * operation.gravity

@@ -50,6 +50,10 @@ class Tilts:
     slope_x_rate: np.ndarray | float = 0.0
     slope_y_rate: np.ndarray | float = 0.0
 
+    def as_sample(self) -> "Tilts":
+        """Those of one instant as a sample, time first."""
+        return Tilts(**{name: np.asarray(value)[None] for name, value in vars(self).items()})
+
 
 @dataclass(frozen=True, kw_only=True)
 class HubTilt:

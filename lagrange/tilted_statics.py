@@ -15,11 +15,13 @@ from lagrange.equations import PolarOverlaps, polar_overlaps
 from lagrange.kinematics import kinematics
 from lagrange.tilt import HubTilt, TiltedLaws, Tilts, misalignments, precession_stiffness
 
-MOST_STEPS, MOST_HALVINGS = 200, 30
-BALANCED = 1e-10  # of the largest force, and of that over the rollers' length
+MOST_STEPS, MOST_HALVINGS, MOST_TURNS = 150, 30, 60
+ROUND_OFF_ENERGY, SOFTEST, LONGEST = 1e-15, 1e-9, 2e-3  # of energies; of scaled stiffnesses; of a roller's radius
+BALANCED = 1e-10  # of the largest force, and of that over the rollers' length; or, where contacts of edges that
+NEARLY = 1e-4  # hardly touch keep steps from it, so much, which hardly moves anything
 FAINTEST = 1e-4  # N, on rollers that only LOOSE holds: there the tables have kinks
 ROUND_OFF = 1e-7  # N
-FITTING = 1e-15  # m, of approaches
+FITTING = 1e-13  # m, of approaches
 LOOSE = 1.0  # N/m, and N m/rad a metre squared, keeps in the middle what no force holds
 
 
@@ -56,12 +58,13 @@ class TiltedStatics:
 class _Point(NamedTuple):
     """The system at one state of its unknowns."""
 
+    energy: float  # J
+    parts: np.ndarray  # (2 n,), J, of contacts
     forces: np.ndarray  # (4 n,), Q of all contacts, then −M
     stiff: np.ndarray  # (4 n, 4 n), their derivatives by own approaches and misalignments
-    geometric: np.ndarray  # (4 n,), approaches and misalignments of the bodies
-    ways: np.ndarray  # (4 n, 4 + 2 n), their derivatives by the bodies' places
-    left: np.ndarray  # (4 + 2 n,), unbalanced forces and moments
-    missing: np.ndarray  # (4 n,), by which own approaches and misalignments are off
+    own: np.ndarray  # (4 n,), these
+    ways: np.ndarray  # (4 n, 4 + 2 n), derivatives of approaches and misalignments by the bodies' places
+    left: np.ndarray  # (4 + 2 n,), unbalanced forces and moments, 0 of a slope that is held
     turning: np.ndarray  # (4 + 2 n, 4 + 2 n), stiffness by contacts' normals that turn
 
 
@@ -94,29 +97,38 @@ def tilted_equilibrium(
     slope = np.array([hub.slope_x, hub.slope_y])
     radial = np.array([np.cos(theta), np.sin(theta)])
     moved = np.concatenate([start[0], slope, start[1], 0.5 * (slope @ radial)])
-    own = system.geometry(moved)[0]
-    here = system.at(moved, own)
-    for _ in range(MOST_STEPS):
-        if system.size_of(here) <= 1.0:
-            return system.found(moved, own, here)
-        moved, own, here = _descended(system, moved, own, here)
-    raise RuntimeError(
-        f"no static equilibrium with tilt after {MOST_STEPS} steps: {np.abs(here.left[:2]).max():.3g} N unbalanced at "
-        f"the hub; check load, operation.misalignment_mrad and profiles"
-    )
+    taken, steps = np.zeros(4 * bearing.n_rollers), 0
+    for _ in range(MOST_TURNS):
+        here = system.at(moved, taken)
+        while system.size_of(here) > 1.0:
+            steps += 1
+            if steps > MOST_STEPS and system.size_of(here, NEARLY) <= 1.0:
+                break
+            if steps > MOST_STEPS:
+                raise RuntimeError(
+                    f"no static equilibrium with tilt after {MOST_STEPS} steps: {np.abs(here.left[:2]).max():.3g} N "
+                    "unbalanced at the hub; check load, operation.misalignment_mrad and profiles"
+                )
+            moved, here = _descended(system, moved, taken, here)
+        now = system.compliance @ here.forces
+        if np.abs((now - taken) * system.arms).max() <= FITTING:
+            return system.found(moved, here)
+        taken = now
+    raise RuntimeError("no static equilibrium with tilt: contacts push one another in")
 
 
-def _descended(system: "_System", moved, own, here: _Point):
-    """Newton's step, as much of it as makes what is left less."""
-    step, own_step = system.newton(here)
-    size = system.length_of(here)
+def _descended(system: "_System", moved, taken, here: _Point) -> tuple[np.ndarray, _Point]:
+    """Newton's step, as much of it as makes the energy less, or what is left where round-off hides that."""
+    step = system.newton(here)
+    expected = -float(here.left @ step)  # < 0
+    noise = ROUND_OFF_ENERGY * (np.abs(here.parts).sum() + abs(here.energy))
     for _ in range(MOST_HALVINGS):
-        there = moved + step, own + own_step
-        point = system.at(*there)
-        if system.length_of(point) < size:
+        point = system.at(moved + step, taken)
+        lower = point.energy <= here.energy + 1e-4 * expected
+        if lower or (point.energy <= here.energy + noise and system.size_of(point) < system.size_of(here)):
             break
-        step, own_step = 0.5 * step, 0.5 * own_step
-    return *there, point
+        step, expected = 0.5 * step, 0.5 * expected
+    return moved + step, point
 
 
 class _System:
@@ -153,8 +165,7 @@ class _System:
         if shaft is not None:
             self.springs[:2], slack[:2] = shaft.stiffness, -ring
         self.slack, self.moves = slack, np.isfinite(self.springs)
-        self.weights = np.repeat([1.0, self.length], n)
-        self.typical = bearing.roller.elastic.youngs_modulus * self.length  # N/m, of contacts, about
+        self.arms = np.repeat([1.0, self.length], 2 * n)
         self.precession = precession_stiffness(bearing, operation.speed)
 
     def geometry(self, moved) -> tuple[np.ndarray, np.ndarray, PolarOverlaps]:
@@ -176,76 +187,71 @@ class _System:
         ways[3 * n + j, 4 + n + j] = -1.0
         return np.concatenate([found.inner, found.outer, at.inner, at.outer]) + self.closing, ways, found
 
-    def at(self, moved, own) -> _Point:
-        """Forces by contacts' own approaches, and what they leave of balance and fit."""
+    def at(self, moved, taken) -> _Point:
+        """Forces and energy where other contacts take so much of approaches and misalignments, (4 n,)."""
         n, j = self.n, np.arange(self.n)
         geometric, ways, found = self.geometry(moved)
-        forces, stiff = np.zeros(4 * n), np.zeros((4 * n, 4 * n))
+        own, parts, forces, stiff = geometric - taken, np.zeros(2 * n), np.zeros(4 * n), np.zeros((4 * n, 4 * n))
         for row, law in enumerate(self.laws):
             d, p = row * n + j, (2 + row) * n + j
-            met = law.at(own[d], own[p])
-            forces[d], forces[p] = met.force, -met.moment
+            most = getattr(law, "last_approach", np.inf)  # of a table, beyond which a step may try
+            met, more = law.at(np.minimum(own[d], most), own[p]), np.maximum(own[d] - most, 0.0)
+            forces[d], forces[p] = met.force + met.stiffness * more, -met.moment + met.cross * more
+            parts[d] = met.energy + (met.force + 0.5 * met.stiffness * more) * more
             stiff[d, d], stiff[d, p], stiff[p, d], stiff[p, p] = met.stiffness, met.cross, met.cross, met.tilt_stiffness
-        held = np.where(self.moves, self.springs, 0.0) * (moved - self.slack)
-        left = self.applied - held - ways.T @ forces
+        off = moved - self.slack
+        pull = np.where(self.moves, self.springs, 0.0) * off
+        left = self.applied - pull - ways.T @ forces
         left[4 : 4 + n] += self.spin * moved[4 : 4 + n]
         left[4 + n :] -= self.precession * moved[4 + n :]
+        energy = float(parts.sum() + 0.5 * pull @ off - self.applied @ off)
+        energy -= 0.5 * self.spin * float(np.sum(off[4 : 4 + n] * (moved[4 : 4 + n] + self.slack[4 : 4 + n])))
+        energy += 0.5 * self.precession * float(np.sum(moved[4 + n :] ** 2))
         across = np.zeros((n, 4 + 2 * n))  # ways along the inner contacts' tangents
         nx, ny = ways[j, 0], ways[j, 1]
         across[:, 0], across[:, 1], across[j, 4 + j] = ny, -nx, -found.tangential
         turning = -(across.T * (forces[:n] / found.distance)) @ across
-        return _Point(forces, stiff, geometric, ways, left, geometric - self.compliance @ forces - own, turning)
+        return _Point(energy, parts, forces, stiff, own, ways, np.where(self.moves, left, 0.0), turning)
 
-    def size_of(self, here: _Point) -> float:
+    def size_of(self, here: _Point, share: float = BALANCED) -> float:
         """Of what is left, over what may be: at most 1 in equilibrium."""
-        n, left = self.n, np.where(self.moves, np.abs(here.left), 0.0)
+        n, left = self.n, np.abs(here.left)
         largest = max(float(np.abs(self.applied).max()), float(np.abs(here.forces[: 2 * n]).max()))
         left[2:4], left[4 + n :] = left[2:4] / self.length, left[4 + n :] / self.length
-        fits = max(np.abs(here.missing[: 2 * n]).max(), self.length * np.abs(here.missing[2 * n :]).max())
-        enough = BALANCED * largest
-        return max(left[:4].max() / (enough + ROUND_OFF), left[4:].max() / (enough + FAINTEST), fits / FITTING)
+        enough = share * largest
+        return max(left[:4].max() / (enough + ROUND_OFF), left[4:].max() / (enough + FAINTEST))
 
-    def length_of(self, here: _Point) -> float:
-        """Of the vector of all that is left, N, which Newton's steps make shorter."""
-        left = np.where(self.moves, here.left, 0.0) / np.concatenate(
-            [[1.0, 1.0], np.full(2, self.length), self.weights]
-        )
-        missing = here.missing / np.repeat([1.0, 1.0 / self.length], 2 * self.n)
-        return float(np.sqrt(left @ left + self.typical**2 * (missing @ missing)))
-
-    def _effective(self, here: _Point) -> np.ndarray:
-        """Stiffness of all contacts by the bodies' approaches, (4 n, 4 n)."""
-        return np.linalg.solve((np.eye(4 * self.n) + self.compliance @ here.stiff).T, here.stiff.T).T
-
-    def _stiffness(self, here: _Point, effective: np.ndarray) -> np.ndarray:
+    def _stiffness(self, here: _Point, contacts: np.ndarray) -> np.ndarray:
         n = self.n
-        whole = here.ways.T @ effective @ here.ways + here.turning
         own = np.where(self.moves, self.springs, 1.0)
         own[4 : 4 + n] -= self.spin
         own[4 + n :] += self.precession
-        return whole + np.diag(own)
+        return here.ways.T @ contacts @ here.ways + here.turning + np.diag(own)
 
-    def newton(self, here: _Point) -> tuple[np.ndarray, np.ndarray]:
-        """Newton's step of the bodies, and of the contacts' own approaches and misalignments."""
-        effective, moves = self._effective(here), self.moves
-        whole = self._stiffness(here, effective)[np.ix_(moves, moves)]
-        right = (here.left - here.ways.T @ (effective @ here.missing))[moves]
-        step = np.zeros(moves.size)
-        step[moves] = np.linalg.solve(whole, right)
-        own_step = np.linalg.solve(np.eye(4 * self.n) + self.compliance @ here.stiff, here.missing + here.ways @ step)
-        longest = 1e-3 * self.bearing.roller_radius
-        share = min(1.0, longest / max(float(np.abs(own_step[: 2 * self.n]).max()), 1e-30))
-        return share * step, share * own_step
+    def newton(self, here: _Point) -> np.ndarray:
+        """Newton's step of the bodies; along directions with negative stiffness downhill."""
+        moves, step = self.moves, np.zeros(self.moves.size)
+        whole = self._stiffness(here, here.stiff)[np.ix_(moves, moves)]
+        scale = np.sqrt(np.abs(np.diag(whole)))
+        values, vectors = np.linalg.eigh(whole / np.outer(scale, scale))
+        values = np.maximum(np.abs(values), SOFTEST)
+        step[moves] = (vectors @ ((vectors.T @ (here.left[moves] / scale)) / values)) / scale
+        longest = LONGEST * self.bearing.roller_radius
+        furthest = max(
+            np.abs(step[:2]).max(), np.abs(step[4 : 4 + self.n]).max(), self.length * np.abs(step[4 + self.n :]).max()
+        )
+        return step * min(1.0, longest / max(float(furthest), 1e-30))
 
-    def found(self, moved, own, here: _Point) -> TiltedStatics:
+    def found(self, moved, here: _Point) -> TiltedStatics:
         n, forces = self.n, here.forces
-        whole = self._stiffness(here, self._effective(here))
+        effective = np.linalg.solve((np.eye(4 * n) + self.compliance @ here.stiff).T, here.stiff.T).T
+        whole = self._stiffness(here, effective)
         first, rest = np.arange(2), np.flatnonzero(self.moves)[2:]
         cross = whole[np.ix_(first, rest)]
         stiffness = whole[:2, :2] - cross @ np.linalg.solve(whole[np.ix_(rest, rest)], cross.T)
         return TiltedStatics(
             place=moved[:4], rho=moved[4 : 4 + n], tilt=moved[4 + n :], theta=self.theta,
             inner_force=forces[:n], outer_force=forces[n : 2 * n], inner_moment=-forces[2 * n : 3 * n],
-            outer_moment=-forces[3 * n :], own=own.reshape(2, 2 * n), stiffness=stiffness,
+            outer_moment=-forces[3 * n :], own=here.own.reshape(2, 2 * n), stiffness=stiffness,
             on_hub=-(here.ways.T @ forces)[2:4],
         )  # fmt: skip

@@ -49,7 +49,7 @@ def coupled_approach(compliance, forces, array, row, group):
 
 
 @part
-def _tilted(compliance, forces, row, group):
+def raceway_tilt(compliance, forces, row, group):
     """How fast the approach of eight contacts grows along their ring by the forces guessed, m/rad."""
     found, to, columns = splat(0.0), _place(forces, row, group), forces.normal.shape[2]
     for k in range(compliance.felt[row, 0]):
@@ -59,7 +59,7 @@ def _tilted(compliance, forces, row, group):
 
 
 @part
-def _lift(compliance, forces, drive, row, group):
+def lift(compliance, forces, drive, row, group):
     """Approach of eight contacts, m, that tractions along their ring, of the last step, take away."""
     found = splat(0.0)
     if drive.friction > 0.0:
@@ -149,7 +149,7 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
-    reach, track = _touching(drive.course, compliance, drive)
+    reach, track = touching(drive.course, compliance, drive)
     ring_x, ring_y = ring_place(bodies.housing)
     gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
@@ -169,9 +169,9 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
         first_i = reach - away - across * guess_o - coupled_approach(compliance, forces, forces.guess, INNER, group)
         first_o = out - track - across * guess_i - coupled_approach(compliance, forces, forces.guess, OUTER, group)
-        first_i -= _lift(compliance, forces, drive, INNER, group)
-        first_o -= _lift(compliance, forces, drive, OUTER, group)
-        tilt_i, tilt_o = _tilted(compliance, forces, INNER, group), _tilted(compliance, forces, OUTER, group)
+        first_i -= lift(compliance, forces, drive, INNER, group)
+        first_o -= lift(compliance, forces, drive, OUTER, group)
+        tilt_i, tilt_o = raceway_tilt(compliance, forces, INNER, group), raceway_tilt(compliance, forces, OUTER, group)
         store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
         first_i, first_o = _lowered(
@@ -205,12 +205,12 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
 
 
 @verb
-def _touching(course, compliance, drive):
+def touching(course, compliance, drive):
     """Distances from hub and centre, m, at which rollers touch the rings, grown by their spin."""
     return compliance.reach, compliance.track
 
 
-@_touching.of(Course)
+@touching.of(Course)
 def _touching_now(course, compliance, drive):
     more = course.now[SPEED] * course.now[SPEED] - drive.speed * drive.speed
     reach, track = compliance.reach + course.growth * more, compliance.track - course.roller_growth * more

@@ -24,11 +24,11 @@ PAID_BY_WAVES = 0.1
 
 
 @verb
-def _grow(course, drive, P_i, P_o):
+def grow(course, drive, P_i, P_o):
     """The work of bodies that grow against eight rollers' forces, N, as the shaft speeds up."""
 
 
-@_grow.of(Course)
+@grow.of(Course)
 def _grow_now(course, drive, P_i, P_o):
     more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
     drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
@@ -78,13 +78,13 @@ def kick(bodies, compliance, forces, drive, before):
         note_ahead(forces.ahead, forces, group, further_i, P_i)
         note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
-        _grow(drive.course, drive, P_i, P_o)
+        grow(drive.course, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
             store_pair(forces.pulled, halo + group, width, select(there, T_i, 0.0), select(there, T_o, 0.0))
-            _shift(forces, drive, INNER, group, Q_i)
-            _shift(forces, drive, OUTER, group, Q_o)
+            shift(forces, drive, INNER, group, Q_i)
+            shift(forces, drive, OUTER, group, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
@@ -98,8 +98,8 @@ def kick(bodies, compliance, forces, drive, before):
         fx, fy = fx - P_o * ox - T_o * oy, fy - P_o * oy + T_o * ox
         store(bodies.velocity, group, load(bodies.velocity, group) + over * fx)
         store(bodies.velocity, at, load(bodies.velocity, at) + over * fy - drive.gravity * dt)
-        _expect(forces, halo + group, group, Q_i)
-        _expect(forces, width + halo + group, columns + group, Q_o)
+        expect(forces, halo + group, group, Q_i)
+        expect(forces, width + halo + group, columns + group, Q_o)
     for row in range(2):
         wrap(forces.guess, row, n, halo)
         if drive.friction > 0.0:
@@ -108,7 +108,7 @@ def kick(bodies, compliance, forces, drive, before):
 
 
 @part
-def _shift(forces, drive, row, group, Q):
+def shift(forces, drive, row, group, Q):
     """Less dissipation, J, by how eight contacts' forces, N, shift the raceways under all tractions along their ring.
 
     By Betti that is how far tractions push raceways back, times what forces have changed.
@@ -285,7 +285,7 @@ def _bounded(forces, taken, at, approach, P, Q, residual):
 
 
 @part
-def _expect(forces, at, row, Q):
+def expect(forces, at, row, Q):
     """Guess the next step's forces, in a straight line from the last two; they become the last ones."""
     last = load(forces.force, row)
     store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - last)))

@@ -44,6 +44,8 @@ from fem.kernels.sample_kernels import (
 )
 from fem.kernels.shaft import pull, settle
 from fem.kernels.state import Course
+from fem.kernels.tilted_contacts import Tilted, find_tilted, kick_tilted
+from fem.kernels.tilts import drift_tilts, write_tilts
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 
@@ -102,6 +104,7 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
                 _write_shaft(bodies.shaft, drive, out)
                 write_ring(bodies.housing, before, drive, out)
                 write_held(bodies.prescribed, bodies, drive, time, out)
+                write_tilts(bodies.tilts, bodies, forces, drive, out)
             if inside == 0:
                 take_pace(paces, bodies, compliance, forces, drives, before, time, (aside, radial_load), given)
                 drive, count = drive_of(paces, drives), steps_of(paces, stride)
@@ -113,6 +116,7 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             drive.sums[0] = with_aside(drive.course, drive.sums[0], 0.5 * drive.dt * aside * work)
             _change_ahead(drive.course, drive, before, time, radial_load)
             _drift(bodies, drive.dt)
+            drift_tilts(bodies.tilts, drive)
             _drift_cage(bodies.cage, drive)
             _drift_shaft(bodies.shaft, drive)
             drift_ring(bodies.housing, drive)
@@ -142,6 +146,8 @@ def _kick_rollers(compliance, bodies, forces, drive, before):
 
 _find_forces.of(Isolated)(find_isolated)
 _kick_rollers.of(Isolated)(kick_isolated)
+_find_forces.of(Tilted)(find_tilted)
+_kick_rollers.of(Tilted)(kick_tilted)
 damping_coefficients.of(Isolated)(isolated_damping)
 
 

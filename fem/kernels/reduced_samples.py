@@ -37,6 +37,7 @@ from fem.kernels.sample_kernels import (
     X,
     Y,
 )
+from fem.kernels.tilted_contacts import Tilted, repeat_moments, tilted_energy
 
 
 @part
@@ -198,9 +199,37 @@ def _isolated_energy(compliance, bodies, forces, drive, before, group):
     return own
 
 
+@_contact_energy.of(Tilted)
+def _tilted_energy(compliance, bodies, forces, drive, before, group):
+    own = tilted_energy(compliance, forces, bodies.columns, group)
+    for row in range(2):
+        own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
+    return own + _elastic_energy(compliance.between, compliance, forces, bodies.columns, group)
+
+
+@part
+def _elastic_energy(between, compliance, forces, columns, group):
+    """Of eight rollers' bodies between contacts, of rollers that meet and of tractions, J."""
+    if between is None:
+        return splat(0.0)
+    own = compliance.across * load(forces.force, group) * load(forces.force, columns + group)
+    for row in range(2):
+        at = row * columns + group
+        others = load(forces.lifted, at) + 0.5 * coupled_approach(compliance, forces, forces.gained, row, group)
+        T = load(forces.traction, at)
+        rubbing = select(load(forces.force, at) > 0.0, (0.5 * compliance.tangential[row]) * T * T, 0.0)
+        own += others * load(forces.force, at) + rubbing
+    return own + _stored(between, compliance, forces, NEXT, columns, group)
+
+
 @verb
 def _repeat_forces(compliance, forces, n, columns):
     """Leave in `gained`, which the next step fills anew, the forces that raceways feel around."""
+    _repeat_around(forces, n, columns)
+
+
+@part
+def _repeat_around(forces, n, columns):
     for row in range(2):
         for group in range(0, n, WIDTH):
             Q = load(forces.force, row * columns + group)
@@ -211,6 +240,18 @@ def _repeat_forces(compliance, forces, n, columns):
 @_repeat_forces.of(Isolated)
 def _repeat_nothing(compliance, forces, n, columns):
     pass
+
+
+@_repeat_forces.of(Tilted)
+def _repeat_all(compliance, forces, n, columns):
+    _repeat_both(compliance.between, forces, n, columns)
+
+
+@part
+def _repeat_both(between, forces, n, columns):
+    if between is not None:
+        _repeat_around(forces, n, columns)
+        repeat_moments(between, forces, n, columns)
 
 
 @part

@@ -14,6 +14,7 @@ from fem.kernels.housing_kernels import Housing
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
 from fem.kernels.state import Course, Law
+from fem.kernels.tilts import TiltedForces, Tilts
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
@@ -81,6 +82,7 @@ class RigidBodies(NamedTuple):
     shaft: Shaft | None = None  # None: the bearing alone holds the hub
     housing: Housing | None = None  # None: the ground holds the outer ring
     prescribed: Prescribed | None = None  # None: rollers turn and go round by the forces on them
+    tilts: Tilts | None = None  # None: axes stay parallel
 
 
 class Spacing(NamedTuple):
@@ -182,6 +184,7 @@ class ReducedForces(NamedTuple):
     # and what the kick gave beyond forces that are not, N
     ahead: state("2, 2, columns", np.nan)
     cut: state("2, columns")  # m, there too, what the last kick's approaches were cut by
+    tilted: TiltedForces | None = None  # None: axes stay parallel
 
 
 class ReducedDrive(NamedTuple):

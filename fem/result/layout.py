@@ -57,6 +57,7 @@ def variables_of(scene: Scene) -> Variables:
         "surfaces": scene.has_faults or scene.lubricant is not None,
         "cage": scene.cage is not None,
         "damping": scene.damping.acts,
+        "axial": scene.axial is not None,
     }
     return columns_of("", *scene.mounting().parts, *(name for name, is_there in features.items() if is_there))
 

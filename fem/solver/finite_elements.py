@@ -9,6 +9,7 @@ from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
+from fem.errors import UsageError
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
 from fem.solver.cautions import cautions
@@ -121,6 +122,11 @@ def make_plan(scene: Scene) -> ElementPlan:
     RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """
+    if scene.axial is not None:
+        raise UsageError(
+            '[axial]: model = "fem" has meshes of a plane section, in which nothing tilts; take model = "reduced" or '
+            '"lagrange"'
+        )
     numerics = scene.numerics
     operation = scene.ideal_operation()
     forces = expected_forces(scene)

@@ -109,9 +109,14 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage."""
+        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage.
+
+        Rollers that tilt have one more each, a hub whose slope is free two.
+        """
         more = 0 if self.problem.operation.mounting.housing is None else 2
         more += 0 if self.problem.free_cage is None else 3
+        hub = self.problem.hub_tilt
+        more += 0 if hub is None else self.problem.bearing.n_rollers + (2 if hub.is_free else 0)
         return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + more
 
     @property
@@ -157,6 +162,9 @@ class LagrangianPlan(CompiledPlan):
             statics = static_equilibrium(problem.bearing, problem.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
+        largest = statics.inner_force.max(), statics.outer_force.max()
+        if problem.axial is not None:
+            largest = self.begin.samples["inner_force"].max(), self.begin.samples["outer_force"].max()
         memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
@@ -166,9 +174,7 @@ class LagrangianPlan(CompiledPlan):
             **step_rows(self, ", halved where contacts rattle"),
             "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
-            "largest static forces": largest_loads(
-                problem.bearing, statics.inner_force.max(), statics.outer_force.max()
-            ),
+            "largest static forces": largest_loads(problem.bearing, *largest),
         }
 
 
@@ -185,6 +191,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         damping=scene.damping.contacts,
         load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
         cage=scene.ideal_cage(),
+        axial=scene.ideal_axial(),
     )
     steps, sections = ceil(interval / longest_step(problem) * (1.0 - 1e-12)), None
     if problem.damping.acts:  # contacts without dampers vibrate on after a strike

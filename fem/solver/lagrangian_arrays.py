@@ -10,14 +10,19 @@ from fem.kernels.lanes import WIDTH
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.reduced_state import UNEVEN, ReducedForces, RigidBodies
 from fem.kernels.state import Law
+from fem.kernels.tilted_contacts import Tilted
 from fem.solver.part_arrays import raceway_profiles, rigid_dampers
 from fem.solver.rigid_arrays import Placed, columns_for, rigid_bodies
 from fem.solver.samples import row_width
+from fem.solver.tilted_arrays import rigid_compliance, tilted, with_moments, with_tilts
 from lagrange import kinematics
+from lagrange.axial import ContactTable, contact_tables
+from lagrange.axial.facts import Axial
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.equations import touching_distances
 from lagrange.first_state import Problem
+from lagrange.step_size import expected_force
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
@@ -64,7 +69,11 @@ def bodies_of(plan: "LagrangianPlan") -> RigidBodies:
     )
     of_model = {"inertia": np.inf, "vibrations": None, "prescribed": prescribed}  # their spin is prescribed
     free = None if problem.free_cage is None else plan.scene.ideal_cage()
-    return rigid_bodies(bearing, operation, free, placed, dt, **of_model)
+    bodies = rigid_bodies(bearing, operation, free, placed, dt, **of_model)
+    tilts = problem.first_state.state.tilts
+    if problem.axial is None or tilts is None:
+        return bodies
+    return with_tilts(bodies, bearing, operation, problem.axial, plan.scene.ideal_cage(), tilts)
 
 
 def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.ndarray:
@@ -72,9 +81,12 @@ def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.n
     return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
 
 
-def contact_laws_of(problem: Problem) -> Isolated:
+def contact_laws_of(problem: Problem) -> Isolated | Tilted:
     """How contacts give way, on the surfaces of a problem."""
     reach, track = touching_distances(problem.bearing)
+    if problem.axial is not None:
+        columns = columns_for(problem.bearing.n_rollers)
+        return tilted(rigid_compliance(reach, track, columns), _tables(problem, problem.axial), problem.bearing)
     inner, outer = raceway_profiles(problem.bearing, columns_for(problem.bearing.n_rollers))
     return Isolated(
         inner=_constants(problem.laws.inner),
@@ -84,6 +96,12 @@ def contact_laws_of(problem: Problem) -> Isolated:
         ring_profiles=(inner["profile"], outer["profile"]),
         roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
     )
+
+
+def _tables(problem: Problem, axial: Axial) -> tuple[ContactTable, ContactTable]:
+    """Tables up to a few times the largest static force, made of the slices that the reference has."""
+    laws = problem.laws.inner, problem.laws.outer
+    return contact_tables(problem.bearing, axial, laws, expected_force(problem), problem.operation.misalignment)
 
 
 def _constants(law) -> PowerConstants | Law:
@@ -105,7 +123,7 @@ def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
         ReducedForces,
         {"columns": columns, "haloed": 0, "lanes": WIDTH, "neighbours": 0},
         first=np.full((2, columns), np.nan),
-        tilt=np.zeros((2, 0)),
+        tilt=np.zeros((2, columns if problem.axial is not None else 0)),
         lifted=np.zeros((2, 2, 0)),
         radiation=None,
         taken=None,
@@ -115,4 +133,6 @@ def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
     )
     for row, force in enumerate((start["inner_force"], start["outer_force"])):
         found.force[row, :n] = found.estimate[row, :n] = force[0]
-    return found
+    if problem.axial is None:
+        return found
+    return with_moments(found, start["inner_moment"][0], start["outer_moment"][0])

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 PER_TIME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "energy_kinetic",
             "energy_contact")  # fmt: skip
 PER_ROLLER = "roller_rho", "roller_theta", "inner_force", "outer_force"
+KEPT = "turns", "tilts"  # of a state: no arrays
 WORKS = "energy_elastic", "work_external", "work_dissipated", "work_damping_contact", "work_damping_bodies"
 
 
@@ -50,7 +51,7 @@ def beginning(problem: Problem) -> Beginning:
     """
     bearing, operation, held = problem.bearing, problem.operation, problem.angles == "kinematic"
     state = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0))
-    touch = contact_state(bearing, problem.laws, state, problem.damping)
+    touch = contact_state(bearing, problem.contacts, state, problem.damping)
     hub_acceleration = -np.array(hub_equations(loaded(problem, 0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
     ring = np.array([state.ring_x, state.ring_y])
     ring_acceleration = np.array(housing_accelerations(bearing, operation, state, touch))
@@ -84,11 +85,11 @@ def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     """The first sample."""
     n, zero = problem.bearing.n_rollers, np.zeros(1)
     ideal, per_roller = kinematics(problem.bearing, *problem.operation.ring_speeds), np.zeros((1, n))
-    coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name != "turns"}
-    alone = State(**coordinates, turns=state.turns)
+    coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name not in KEPT}
+    alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
     rows = None if problem.free_cage is None else CageRows.of(first_row(n, ideal.cage)[None])
     part, _, _ = quantities(problem, zero, alone, zero, zero, np.zeros((1, 2)), rows)
-    cage = part.pop("cage")
+    cage, tilt = part.pop("cage"), part.pop("tilt")
     x, y = alone.rho * np.cos(alone.theta), alone.rho * np.sin(alone.theta)
     found = {name: zero + part[name] for name in (*PER_TIME, *problem.operation.mounting.columns)}
     found |= {name: per_roller + part[name] for name in PER_ROLLER}
@@ -99,6 +100,7 @@ def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     }  # fmt: skip
     found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
     found |= dict.fromkeys(WORKS, zero)
+    found |= {} if tilt is None else vars(tilt)
     return found | ({} if cage is None else {f"cage_{name}": value for name, value in vars(cage).items()})
 
 

@@ -12,10 +12,12 @@ from fem.solver.lagrangian_judge import ENERGY_TOLERANCE, Judge, Verdict
 from fem.solver.rigid_arrays import outer_drive
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import Block, Numbers, Samples
+from lagrange.first_state import Problem
 from lagrange.kinematics import turned
 from lagrange.motion import State, contact_state, hub_equations, rotation_energy
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import Turns
+from lagrange.tilt import Tilts
 from lagrange.trajectory import loaded
 
 if TYPE_CHECKING:
@@ -144,9 +146,14 @@ class LagrangianState(RigidState):
         state = State(
             x=x, y=y, rho=samples["roller_rho"], theta=samples["roller_theta"], x_rate=samples["inner_vx"],
             y_rate=samples["inner_vy"], rho_rate=nothing, theta_rate=nothing, ring_x=ring_x, ring_y=ring_y,
-            turns=Turns.rolling(bearing, operation, time[:, None]),
+            turns=Turns.rolling(bearing, operation, time[:, None]), tilts=_tilts(problem, samples),
         )  # fmt: skip
-        touch = contact_state(bearing, problem.laws, state)
+        touch = contact_state(bearing, problem.contacts, state)
+        if touch.tilted is not None:
+            samples["inner_moment"][:], samples["outer_moment"][:] = (
+                touch.tilted.inner_moment,
+                touch.tilted.outer_moment,
+            )
         inner, outer = touch.inner_force > 0.0, touch.outer_force > 0.0
         samples["inner_damping_force"][:] = np.where(
             inner, np.maximum(samples["inner_damping_force"], -touch.inner_force), 0.0
@@ -177,3 +184,14 @@ class LagrangianState(RigidState):
         x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
         rho, theta = np.hypot(x - ring[0], y - ring[1]), self._angles(time)
         x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)
+
+
+def _tilts(problem: Problem, samples: Samples) -> Tilts | None:
+    """Slopes of samples; None: axes stay parallel."""
+    if problem.axial is None:
+        return None
+    tilt, nothing = samples["roller_tilt"], np.zeros(samples["roller_tilt"].shape)
+    return Tilts(
+        tilt=tilt, skew=samples["roller_skew"], tilt_rate=nothing, skew_rate=nothing,
+        slope_x=samples["inner_slope_x"], slope_y=samples["inner_slope_y"],
+    )  # fmt: skip

@@ -25,11 +25,13 @@ from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.sections import Sections, sections_of, step_rows, time_along_a_wave
 from fem.solver.solver import sample_count
+from fem.solver.tilted_start import tables_of, tilted_start
 from fem.solver.validity import may_strike
 from fem.solver.vibrations import longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
+from lagrange.axial import ContactTable
 from lagrange.kinematics import fastest_kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
@@ -52,6 +54,7 @@ class ReducedPlan(CompiledPlan):
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart
+    tables: tuple[ContactTable, ContactTable] | None  # of contacts of rollers that tilt; None: axes stay parallel
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
@@ -81,9 +84,11 @@ class ReducedPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Two of the hub, three of each roller, one of each mode."""
+        """Two of the hub, three of each roller, one of each mode; tilts of rollers and two of a hub's free slope."""
         n, modes = self.model.bearing.n_rollers, self.model.modes
-        return 2 + 3 * n + (0 if modes is None else modes.count(n))
+        axial = self.scene.ideal_axial()
+        tilts = 0 if axial is None else n + 2 * axial.has_free_slope
+        return 2 + 3 * n + tilts + (0 if modes is None else modes.count(n))
 
     @property
     def steps(self) -> int:
@@ -166,6 +171,10 @@ def make_plan(scene: Scene) -> ReducedPlan:
     longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest)) * numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
+    axial, tables = scene.ideal_axial(), None
+    if axial is not None:
+        tables = tables_of(model, operation, axial, largest)
+        start = tilted_start(model, operation, axial, tables, start)
     of_start = () if start.caution is None else (start.caution,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
@@ -183,6 +192,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         waves=unseen_waves(bearing, operation.inner_mass, modes),
         strikes=scene.cage is not None or may_strike(scene, operation),
         start=start,
+        tables=tables,
         seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
         static_energy=float(
             model.contacts.inner_law.energy(loaded.inner_force).sum()

@@ -17,8 +17,10 @@ from fem.kernels.reduced_state import (
     RigidBodies,
     Spacing,
 )
+from fem.kernels.tilted_contacts import Tilted
 from fem.solver.part_arrays import raceway_profiles, rigid_dampers
 from fem.solver.rigid_arrays import STILL, Placed, columns_for, outer_drive, rigid_bodies
+from fem.solver.tilted_arrays import tilted, with_moments, with_tilts
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
@@ -58,10 +60,11 @@ def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     free = plan.scene.ideal_cage()
     bodies = rigid_bodies(bearing, operation, free, placed, dt, inertia=inertia, vibrations=vibrating)
     bodies.spin[: bearing.n_rollers] = start.kinematics.roller
-    return bodies
+    axial = plan.scene.ideal_axial()
+    return bodies if axial is None else with_tilts(bodies, bearing, operation, axial, free, start.tilts)
 
 
-def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
+def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance | Tilted:
     """How contacts give way, on the surfaces of the plan's scene; `columns`: of the bodies' arrays."""
     model = plan.model
     reach, track = touching_distances(model.bearing)
@@ -70,7 +73,7 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
     pocket = np.arange(columns)
     pocket[: model.bearing.n_rollers] = np.array(model.bearing.pocket) - model.bearing.pocket[0]
     apart = 2.0 * np.pi / model.bearing.pockets * pocket
-    return Compliance(
+    found = Compliance(
         inner=model.inner_law.constants,
         outer=model.outer_law.constants,
         between=model.between.constants,
@@ -86,6 +89,7 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
         spacing=spacing,
     )
+    return found if plan.tables is None else tilted(found, plan.tables, model.bearing)
 
 
 def _couplings(plan: "ReducedPlan", columns: int) -> tuple[RingCouplings, Spacing | None]:
@@ -111,12 +115,14 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     halo = int(np.abs(rings.distance).max(initial=0))
     uneven = profiles(plan.model.bearing) is not None
     absent = () if uneven else UNEVEN
+    if plan.tables is not None:  # with accounts of their own
+        absent += "ahead", "cut", "taken"
     absent += () if plan.strikes else ("ahead", "cut") if plan.model.modes is not None else ("ahead", "cut", "taken")
     found = filled(
         ReducedForces,
         {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": rings.distance.size},
         along=np.repeat(rings.along[:, :, None], columns, axis=2) if spacing is None else spacing.along.copy(),
-        radiation=_radiation(plan, columns),
+        radiation=_radiation(plan, columns) if plan.tables is None else None,
         halo=halo,
         dampers=rigid_dampers(plan.scene.damping.contacts, columns),
         **dict.fromkeys(absent),
@@ -125,7 +131,9 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         found.force[row, :n] = force
         at = np.arange(-halo, n + halo)
         found.guess[row, : n + 2 * halo] = force[at % n]
-    return found
+    if start.inner_moment is None or start.outer_moment is None:
+        return found
+    return with_moments(found, start.inner_moment, start.outer_moment)
 
 
 def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:

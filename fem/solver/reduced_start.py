@@ -25,6 +25,7 @@ from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import HELD
 from lagrange.surface.deviation import UNTURNED, Turns
+from lagrange.tilt import Tilts
 
 NEWTON_STEPS = 20
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds
@@ -46,6 +47,9 @@ class ReducedStart:
     steady: bool  # forces hold every roller on its circle
     ring: np.ndarray  # (2,), of the outer ring's centre, from which all other places are
     caution: str | None = None  # on velocities that it starts without
+    tilts: Tilts | None = None  # None: axes stay parallel
+    inner_moment: np.ndarray | None = None  # (n_rollers,), N m
+    outer_moment: np.ndarray | None = None
 
 
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:

@@ -151,7 +151,8 @@ class ReducedState(RigidState):
         for vibrating in self._modes.values():
             modes += [vibrating.stiffness, vibrating.shape, vibrating.mass]
             modes += [vibrating.start] if isinstance(vibrating, RollerModes) else [vibrating.orders, vibrating.carried]
-        return (*super().fixed, waves.inertia, waves.settling, *modes)
+        of_waves = () if waves is None else (waves.inertia, waves.settling)
+        return (*super().fixed, *of_waves, *modes)
 
     def check(self) -> None:
         bodies, n = self.bodies, self.bodies.n
@@ -161,7 +162,7 @@ class ReducedState(RigidState):
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
-        if np.any(self.forces.radiation.owed < 0.0):
+        if self.forces.radiation is not None and np.any(self.forces.radiation.owed < 0.0):
             raise ValueError("contacts that are owed energy by waves")
         for name, modes in self._modes.items():
             shape = modes.shape[:, None, None] if isinstance(modes, RollerModes) else modes.shape[:, None]

@@ -75,7 +75,8 @@ class RowState(RunState):
     @property
     def _row_width(self) -> int:
         plan = self.plan
-        return row_width(plan.model.bearing.n_rollers, plan.scene.ideal_cage(), plan.operation.mounting)
+        cage, tilts = plan.scene.ideal_cage(), plan.scene.axial is not None
+        return row_width(plan.model.bearing.n_rollers, cage, plan.operation.mounting, tilts)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""

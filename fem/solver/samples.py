@@ -26,9 +26,9 @@ def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | s
     return places
 
 
-def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD, tilts: bool = False) -> int:
     """Numbers in a sample of the time loops."""
-    parts = mounting.parts if cage is None else (*mounting.parts, "cage")
+    parts = *mounting.parts, *(() if cage is None else ("cage",)), *(("axial",) if tilts else ())
     return sum(n_rollers if isinstance(at, slice) else 1 for at in row_places(n_rollers, parts).values())
 
 
@@ -39,7 +39,8 @@ class SampleReader:
     """
 
     def __init__(self, plan):
-        parts = (*plan.operation.mounting.parts, *(() if plan.scene.cage is None else ("cage",)))
+        of_scene = {"cage": plan.scene.cage, "axial": plan.scene.axial}
+        parts = (*plan.operation.mounting.parts, *(part for part, table in of_scene.items() if table is not None))
         self._places = row_places(plan.model.bearing.n_rollers, parts)
         self._pressed = plan.pressed_energy
         self._looks = plan.looks

@@ -52,6 +52,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     ),
     "axial": lambda scene: None if scene.axial is None else "[axial]",
     "outer ring's speed": lambda scene: f"operation.{key}" if (key := scene.operation.turns_outer_ring) else None,
+    "free skew": lambda scene: 'axial.skew = "free"' if scene.axial and scene.axial.skew == "free" else None,
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -69,6 +70,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "fitted": lambda scene: scene.fit is not None,
     "no housing": lambda scene: scene.mounting().housing is None,
     "mounted": lambda scene: scene.support is not None and scene.support.kind != "held",
+    "any": lambda scene: True,
 }
 EITHER = "; leave one of them out"
 SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
@@ -112,6 +114,14 @@ REFUSED = (
     ("solid shaft", "modes", f"{{modes}}: not together with {{given}}, a shaft whose mass is all over it{EITHER}"),
     ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
     ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
+    ("axial", "modes", f"{{given}}: not together with {{modes}}, which are those of plane sections{EITHER}"),
+    ("surfaces", "axial", f"{{given}}: not together with [axial], whose profiles are the same all around{EITHER}"),
+    ("missing rollers", "axial", f"{{given}}: not together with [axial]{EITHER}"),
+    ("contacts' damping", "axial",
+     f"{{given}}: not together with [axial], of whose tilts dampers of approaches know nothing{EITHER}"),
+    ("free skew", "any",
+     '{given}: slices without friction of their own leave rollers neutral against skew, in which they would turn on; '
+     'take skew = "guided"'),
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),

@@ -1,0 +1,134 @@
+"""Tilt of rigid bodies in the time loop: of rollers, guided against skew, and of a hub whose slope may be free.
+
+A roller's axis stays in the plane through the bearing's axis: a = τ n, n outward from the outer ring's centre.
+"""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels.drive import speed_of
+from fem.kernels.fields import room, state
+from fem.kernels.jit import part
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, count_from, select, splat, total
+from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
+
+INNER, OUTER, TWELFTH = 0, 1, 1.0 / 12.0
+
+
+class Tilts(NamedTuple):
+    """Slopes of the axes of rollers and hub."""
+
+    tilt: state("columns")  # τ, rad
+    rate: state("columns")  # rad/s, at t − dt/2
+    before: state("columns")  # before the last kick
+    slope: state("2")  # b of the hub, rad
+    slope_rate: state("2")
+    slope_before: state("2")
+    pushed: room("columns")  # rad/s², by contacts where they are
+    slope_pushed: room("2")
+    furthest: state("3, lanes")  # by lane, the largest approaches of both rows' contacts, m, and misalignment, rad
+    inertia: float  # kg m², of a roller about an axis across its own
+    precession: float  # kg m², stiffness against tilt of rollers that go round, over the square of the shaft's speed
+    turning: float  # kg m², energy ½ I_t Ω² τ² of that, over ½ τ² and the square of the shaft's speed
+    hub_over: float  # 1/(kg m²), of the hub about an axis across; 0: its slope is held
+    hub_spin: float  # kg m², of the hub about its axis
+    hub_stiffness: float  # N m/rad, of the shaft
+    rest: tuple[float, float]  # rad, where that is slack
+    column: int  # of a sample's row
+
+
+class TiltedForces(NamedTuple):
+    """What tilted contacts have beside `ReducedForces`, by row and roller."""
+
+    moment: state("2, columns")  # N m, of the last kick
+    slope: state("2, columns", np.nan)  # rad, own misalignment then
+    energy: state("2, columns")  # J, then
+    guess: state("2, haloed")  # N m, moments expected of this step
+    gained: state("2, haloed")  # what they turn out beyond that
+    met: room("2, 4, columns")  # own misalignment, energy, moment; ∂Q/∂ψ
+    stiffness: room("2, columns")  # −∂M/∂ψ, N m/rad
+    taken: state("2, 2, columns")  # m, of approaches by other contacts' forces: now, at the last kick
+
+
+@part
+def drift_tilts(tilts, drive):
+    """Turn the axes; None: they stay parallel. A hub that spins turns its slope's rate round (gyroscopic moment)."""
+    if tilts is not None:
+        dt = drive.dt
+        for group in range(0, tilts.tilt.size, WIDTH):
+            store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
+        if tilts.hub_over > 0.0:
+            angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.course, drive) * dt
+            c, s, half = cos(angle), sin(angle), 0.5 * dt
+            x, y = tilts.slope_rate[0], tilts.slope_rate[1]
+            u, v = c * x - s * y, c * y + s * x
+            tilts.slope[0] += half * (x + u)
+            tilts.slope[1] += half * (y + v)
+            tilts.slope_rate[0], tilts.slope_rate[1] = u, v
+
+
+@part
+def push_axes(tilts, drive, moments):
+    """Keep the hub's angular acceleration by moments on it, N m, x and y."""
+    spin = tilts.hub_spin * speed_of(drive.course, drive)
+    x = moments[0] - tilts.hub_stiffness * (tilts.slope[0] - tilts.rest[0]) - spin * tilts.slope_rate[1]
+    y = moments[1] - tilts.hub_stiffness * (tilts.slope[1] - tilts.rest[1]) + spin * tilts.slope_rate[0]
+    tilts.slope_pushed[0], tilts.slope_pushed[1] = tilts.hub_over * x, tilts.hub_over * y
+
+
+@part
+def kick_hub_axis(tilts, drive, moments):
+    """The hub's kick by moments on it, N m, the shaft's ahead as these are."""
+    ahead, over = TWELFTH * drive.dt * drive.dt, drive.dt * tilts.hub_over
+    for k in range(2):
+        tilts.slope_before[k] = tilts.slope_rate[k]
+        bent = tilts.slope[k] + ahead * tilts.slope_pushed[k] - tilts.rest[k]
+        tilts.slope_rate[k] += over * (moments[k] - tilts.hub_stiffness * bent)
+
+
+@part
+def kick_axes(tilts, drive, group, moments):
+    """The kick of eight rollers by moments that tilt them outwards, N m."""
+    rate, speed = load(tilts.rate, group), speed_of(drive.course, drive)
+    back = tilts.precession * speed * speed * load(tilts.tilt, group)
+    store(tilts.before, group, rate)
+    store(tilts.rate, group, rate + (moments - back) * (drive.dt / tilts.inertia))
+
+
+@part
+def write_tilts(tilts, bodies, forces, drive, out):
+    """A sample's columns, and what tilts add to energies and to the drive's work, J."""
+    if tilts is not None:
+        _write(tilts, bodies, forces, drive, out)
+
+
+@part
+def _write(tilts, bodies, forces, drive, out):
+    n, at, ahead, speed = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt, speed_of(drive.course, drive)
+    moment = forces.tilted.moment
+    moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
+    for group in range(0, n, WIDTH):
+        there, tilt = count_from(group) < n, load(tilts.tilt, group)
+        moving += select(there, load(tilts.before, group) * load(tilts.rate, group), 0.0)
+        pushed += select(there, load(tilts.pushed, group) * load(tilts.pushed, group), 0.0)
+        aslant += select(there, tilt * tilt, 0.0)
+    for j in range(n):
+        out[at + j] = tilts.tilt[j] + ahead * tilts.pushed[j]
+        out[at + n + j] = 0.0
+        out[at + 2 * n + j], out[at + 3 * n + j] = moment[INNER, j], moment[OUTER, j]
+    stored, turning = 0.0, 0.5 * tilts.turning * speed * speed * total(aslant)
+    kinetic, more = tilts.inertia * total(moving), tilts.inertia * total(pushed)
+    for k in range(2):
+        place = tilts.slope[k] + ahead * tilts.slope_pushed[k]
+        out[at + 4 * n + k] = place
+        stored += 0.5 * tilts.hub_stiffness * (place - tilts.rest[k]) * (place - tilts.rest[k])
+        if tilts.hub_over > 0.0:
+            kinetic += tilts.slope_before[k] * tilts.slope_rate[k] / tilts.hub_over
+            more += tilts.slope_pushed[k] * tilts.slope_pushed[k] / tilts.hub_over
+    out[KINETIC] += 0.5 * kinetic + turning
+    out[CONTACT] += stored + drive.dt * drive.dt / 24.0 * more
+    # guides and cage give what going round with a tilt takes, beside contacts
+    out[WORK_DRIVE] += turning - 0.5 * tilts.precession * speed * speed * total(aslant)

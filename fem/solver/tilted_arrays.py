@@ -1,0 +1,69 @@
+"""Arrays of rollers and hubs that tilt in the time loop of rigid bodies, and how far their contacts' tables must go."""
+
+import numpy as np
+
+from fem.kernels.fields import filled
+from fem.kernels.lanes import WIDTH
+from fem.kernels.reduced_state import Compliance, ReducedForces, RigidBodies
+from fem.kernels.tilted_contact import TiltedLaw
+from fem.kernels.tilted_contacts import Tilted
+from fem.kernels.tilts import TiltedForces
+from fem.kernels.tilts import Tilts as TiltArrays
+from fem.solver.samples import row_width
+from lagrange import Bearing, Operation, kinematics
+from lagrange.axial import ContactTable
+from lagrange.axial.facts import Axial
+from lagrange.bearing import Cage
+from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
+
+
+def with_tilts(
+    bodies: RigidBodies, bearing: Bearing, operation: Operation, axial: Axial, cage: Cage | None, start: Tilts
+) -> RigidBodies:
+    """Bodies whose axes tilt, from the slopes and rates of a start on."""
+    n, columns, hub = bearing.n_rollers, bodies.columns, hub_tilt(operation, axial)
+    (across, along), turn = roller_inertias(bearing), kinematics(bearing, 1.0)
+    tilts = filled(
+        TiltArrays,
+        {"columns": columns, "lanes": WIDTH},
+        slope=np.array([start.slope_x, start.slope_y], dtype=float),
+        slope_rate=np.array([start.slope_x_rate, start.slope_y_rate], dtype=float),
+        inertia=float(across),
+        precession=float(along * turn.roller * turn.cage - across * turn.cage**2),
+        turning=float(across * turn.cage**2),
+        hub_over=1.0 / hub.inertia if hub.is_free else 0.0,
+        hub_spin=float(hub_axial_inertia(bearing, operation)),
+        hub_stiffness=float(hub.stiffness),
+        rest=(float(hub.slope_x), float(hub.slope_y)),
+        column=row_width(n, cage, operation.mounting),
+    )
+    tilts.tilt[:n], tilts.rate[:n] = start.tilt, start.tilt_rate
+    return bodies._replace(tilts=tilts)
+
+
+def tilted(compliance: Compliance, tables: tuple[ContactTable, ContactTable], bearing: Bearing) -> Tilted:
+    """Contacts of rollers that tilt, which give way by their tables and otherwise as those of parallel axes."""
+    laws, length = tuple(TiltedLaw.of(table) for table in tables), float(bearing.roller_length)
+    return Tilted(*compliance, tables=laws, share=12.0 / length**2, length=length)
+
+
+def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray) -> ReducedForces:
+    """Forces with moments, of a start (n_rollers,), N m."""
+    columns, halo, n = forces.force.shape[1], forces.halo, inner.size
+    found = filled(TiltedForces, {"columns": columns, "haloed": forces.guess.shape[1]})
+    for row, moment in enumerate((inner, outer)):
+        found.moment[row, :n] = moment
+        if found.guess.shape[1]:
+            found.guess[row, : n + 2 * halo] = moment[np.arange(-halo, n + halo) % n]
+    return forces._replace(tilted=found)
+
+
+def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
+    """Of rigid bodies, whose contacts do not know each other."""
+    nothing, none = np.zeros((2, 0)), np.zeros(2, dtype=np.intp)
+    return Compliance(
+        inner=None, outer=None, between=None, reach=float(reach), track=float(track), sag=(0.0, 0.0), across=0.0,
+        relaxation_factor=1.0, distance=none[:0], felt=np.zeros((2, 2), dtype=np.intp), along=nothing, steep=nothing,
+        bent=np.zeros((2, 4, 0)), strays=0.0, crossed=nothing, crossing=none, apart=np.zeros((2, columns)),
+        tangential=np.zeros(3), ring_profiles=(None, None), roller_profiles=(None, None),
+    )  # fmt: skip

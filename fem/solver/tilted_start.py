@@ -1,0 +1,89 @@
+"""Where a run of the reduced model with rollers that tilt begins: tables of its contacts, equilibrium, velocities."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+from fem.contacts.tilted import tilted_tables
+from fem.solver.reduced_start import LOOK_AHEAD, ReducedStart
+from fem.statics.contact_balance import NotFound
+from fem.statics.reduced_bearing import ReducedBearing
+from lagrange import Operation
+from lagrange.axial import ContactTable
+from lagrange.axial.facts import Axial
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed
+from lagrange.kinematics import roller_angles, turned
+from lagrange.load_history import LONGEST_LOOK, SLOWEST
+from lagrange.surface.deviation import UNTURNED
+from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
+from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
+
+
+def tables_of(
+    model: ReducedBearing, operation: Operation, axial: Axial, force: float
+) -> tuple[ContactTable, ContactTable]:
+    """Tables of both contacts, for forces at rest of so many N."""
+    laws = model.inner_law, model.outer_law
+    return tilted_tables(model.bearing, axial, laws, force, operation.misalignment)
+
+
+def tilted_start(
+    model: ReducedBearing,
+    operation: Operation,
+    axial: Axial,
+    tables: tuple[ContactTable, ContactTable],
+    plane: ReducedStart,
+) -> ReducedStart:
+    """Static equilibrium near that of parallel axes, with the velocities of passing through those before and after.
+
+    A start from rest is that without the load, and stands.
+
+    Errors
+    ------
+    NotFound: no equilibrium.
+    """
+    bearing, share, n = model.bearing, 12.0 / model.bearing.roller_length**2, model.bearing.n_rollers
+    hub, laws, ring = hub_tilt(operation, axial), TiltedLaws(*tables), plane.ring
+    first = roller_angles(bearing, operation.first_roller_angle)
+    if not plane.steady:
+        operation = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None)
+
+    def balanced(time: float) -> TiltedStatics:
+        angle = first + turned(bearing, operation, time).cage
+        contacts = model.at(angle, UNTURNED)
+        elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
+        acting, start = operation.at(time), (plane.hub, plane.rho)
+        try:
+            return tilted_equilibrium(bearing, acting, laws, hub, angle, start, elastic=elastic, ring=ring)
+        except RuntimeError as error:
+            raise NotFound(str(error)) from None
+
+    now, rates, caution = balanced(0.0), np.zeros(4 + 2 * n), None
+    speed = abs(operation.speed) * bearing.inner_raceway_radius
+    if speed > SLOWEST and plane.steady:
+        if followed(now.stiffness, bearing, operation)[0].size < 2:
+            caution = SOFT
+        else:
+            ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.course is None else LONGEST_LOOK)
+            found = (balanced(ahead).moved - balanced(-ahead).moved) / (2.0 * ahead)
+            rates, caution = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
+    zero = np.zeros(n)
+    return replace(
+        plane,
+        hub=now.place[:2], rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
+        inner_force=now.inner_force, outer_force=now.outer_force, caution=caution,
+        inner_moment=now.inner_moment, outer_moment=now.outer_moment,
+        tilts=Tilts(
+            tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,
+            slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
+        ),
+    )  # fmt: skip
+
+
+def _along(compliance: np.ndarray) -> np.ndarray:
+    """Of the rings alone, (2 n, 2 n), m/N: rollers' own squeezing by moments is in their contacts' tables."""
+    n = compliance.shape[0] // 2
+    found = compliance.copy()
+    found[range(n), range(n, 2 * n)] = found[range(n, 2 * n), range(n)] = 0.0
+    return found

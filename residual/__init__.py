@@ -9,6 +9,7 @@ vibration                       vibration of sensor, housing or hub as bearing e
 roller_motion, fault_finding    spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
 tables, vibration_tables, run_comparison, interpretation, formatting   rows and sentences of the numbers
+ratings                         ratings by a run's own loads
 summary, store, report, printing, figures   summary.json, the report's folder, its page, the terminal, the figures
 
     from residual import evaluate, read_result, write_report

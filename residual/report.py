@@ -21,6 +21,7 @@ from residual.figures.saved import LINE_COLOURS, SavedFigure, family
 from residual.formatting import text
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import QuasiStatic
+from residual.ratings import rating_rows
 from residual.record import Record, varies
 from residual.run_comparison import difference_rows, headings, paper_rows, same_run
 from residual.spectrum import Spectrum, power_spectrum
@@ -92,6 +93,7 @@ def render_report(
         player_script=as_it_is(TEMPLATES / "player.js"),
         elsewhere=not t.attributes,
         equations=options.equations,
+        ratings=rating_rows(evaluation),
         spectrum_of="the error forces" if options.equations else "the hub's acceleration",
         scene=t.scene.to_toml(),
     )

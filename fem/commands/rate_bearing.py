@@ -22,6 +22,7 @@ null with its reason.
 
 Example: rate-bearing --bearing NU206 --set operation.radial_load_N=3000 --output rated
          rate-bearing motor.toml --viscosity 20 --ross coefficients.csv
+         rate-bearing runs/motor.nc
 
 Exit codes: 0 done; 2 unusable input; 130 interrupted; 143 terminated.
 """,
@@ -30,7 +31,9 @@ Exit codes: 0 done; 2 unusable input; 130 interrupted; 143 terminated.
 
 @rate_app.default
 def _rate(
-    scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
+    scene: Annotated[
+        Path | None, Parameter(help="scene file (TOML), or result file of run-fem; default: the paper's bearing")
+    ] = None,
     /,
     *,
     bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
@@ -65,7 +68,13 @@ def _rate(
         raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
     settings = settings_of(set)
     overrides = settings if bearing is None else [f'bearing={{designation="{bearing}"}}', *settings]
-    chosen = read_scene(scene, tuple(overrides))
+    run = None
+    if scene is not None and scene.suffix == ".nc":
+        if overrides or cycle is not None:
+            raise UsageError(f"{scene}: a run has its own scene and loads; leave --bearing, --set and --cycle out")
+        chosen, run = _run(scene)
+    else:
+        chosen = read_scene(scene, tuple(overrides))
     from fem.rating.answers import Options, rating
     from fem.rating.report import print_rating, write_json
     from lagrange.rating.sources import Unavailable
@@ -77,6 +86,7 @@ def _rate(
         roughness=roughness,
         width=width,
         cycle=None if cycle is None else _cycle(cycle),
+        run=run,
     )
     rated = rating(chosen, options)
     folder = Path() if output is None else output
@@ -103,6 +113,19 @@ def _rate(
             for path in written:
                 print(f"wrote {shown(path)}")
     return Outcome.COMPLETE.code
+
+
+def _run(path: Path):
+    """Scene and loads of a result file."""
+    from fem.pictures.stored_values import StoredValues
+    from lagrange.rating.run_loads import COLUMNS, run_loads
+    from lagrange.scene.scene import parse_scene_text
+
+    values = StoredValues(path)
+    scene = parse_scene_text(values.scene_text, str(path), values.scene_files)
+    bearing = scene.perfect_bearing()
+    values.check(bearing, scene.cage is not None)
+    return scene, run_loads(bearing, scene.ideal_operation(), {name: values.column(name) for name in COLUMNS})
 
 
 def _cycle(path: Path):

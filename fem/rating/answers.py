@@ -31,6 +31,7 @@ from lagrange.rating.life import (
     reliability_factor,
 )
 from lagrange.rating.reference_life import LAMINAE, LaminaLoads, positions, reference_life, rigid_loads, shared_out
+from lagrange.rating.run_loads import RunLoads
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
 from lagrange.scene.scene import Scene
@@ -46,6 +47,7 @@ INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 TILTS = "with [axial] only the damping of rollers whose axes stay parallel is at hand"
 PLANE = "the bearing's section is plane: the scene has no [axial], and rollers don't tilt"
+NO_RUN = "no run: give a result file of run-fem in place of the scene"
 NO_FIT = "the scene has no [fit]: interference and temperatures are taken to be in its clearance"
 
 
@@ -60,6 +62,7 @@ class Options:
     roughness: float | None = None  # µm, rms of roller and raceway together
     width: float | None = None  # mm, of the bearing; None: that of its designation
     cycle: DutyCycle | None = None
+    run: RunLoads | None = None  # of the same scene: its loads in place of the scene's
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +166,8 @@ class Case:
     @cached_property
     def cycle(self) -> DutyCycle | None:
         """Given, or of a load or speed that changes with time."""
+        if self.options.run is not None:
+            return self.options.run.cycle
         if self.options.cycle is not None or self.course is None or self.course.is_steady:
             return self.options.cycle
         time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
@@ -400,6 +405,18 @@ class Case:
             "film": 1e6 * self.scene.film_loss(),
         }
 
+    @property
+    def run(self) -> RunLoads:
+        return self.options.run or _refuse(NO_RUN)
+
+    def at_hub(self) -> np.ndarray:
+        """Of the hub against the ground, N/m: bearing and housing behind each other, beside the shaft's springs."""
+        mounting, factor = self.scene.mounting(), stiffness_factor(self.bearing)
+        if mounting.housing is None and mounting.shaft is None:
+            raise Unavailable("the scene has neither a housing nor a shaft on springs")
+        found = self.pitch.mean if mounting.housing is None else self.with_housing()
+        return found + (0.0 if mounting.shaft is None else factor * mounting.shaft.stiffness) * np.eye(2)
+
     def with_housing(self) -> np.ndarray:
         housing = self.scene.mounting().housing
         if housing is None:
@@ -468,6 +485,7 @@ DECLARED: tuple[_Declared, ...] = (
      lambda c: reference_life(c.row, dynamic_capacity(c.row), c.rigid_pitch)),
     ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING,
      lambda c: c.elastic_life()),
+    ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN, lambda c: c.run.life(c.row)),
     ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
      lambda c: _refuse("the dynamic equivalent load of a lamina is not at hand from a source")),
     ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ,
@@ -497,6 +515,8 @@ DECLARED: tuple[_Declared, ...] = (
      lambda c: 1e3 * c.tilted.slope),
     ("tilting_moment_N_m", "N m", "moment that holds that slope, mean over a pitch", s.TILTED,
      lambda c: c.tilted.moment),
+    ("hub_stiffness_N_per_m", "N/m", "stiffness of the hub with springs of housing and shaft", s.LINEARISED,
+     lambda c: c.at_hub()),
     ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting at constant load, mean over a pitch",
      s.TILTED, lambda c: c.tilted.tilt_stiffness),
     ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
@@ -515,6 +535,9 @@ DECLARED: tuple[_Declared, ...] = (
      lambda c: {name: torque.total for name, torque in c.torques.items()}),
     ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's parts of speed and of load", s.PALMGREN,
      lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
+    ("friction_torque_run_N_mm", "N mm", "torque of the run's dissipation, friction and damping of its contacts alone",
+     s.OF_RUN, lambda c: 1e3 * c.run.torque),
+    ("dissipated_run_W", "W", "the run's dissipation", s.OF_RUN, lambda c: c.run.dissipated),
     ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
     ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
      lambda c: {name: loss / c.conductance for name, loss in c.losses.items()}),

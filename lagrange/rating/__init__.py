@@ -7,6 +7,7 @@ contact_stress      Hertz's pressure and the stresses below it
 film                film thickness, λ
 friction            torque by SKF's and Palmgren's models, heat, temperature
 stiffness           2 × 2 matrices of the hub over a pitch of the rollers, damping, springs in series
+run_loads           load, roller loads and dissipation of a run
 sources             where each formula comes from, and which constants are second hand
 
 Needs numpy only. Units are those of the standards, mm, N, MPa and 1/min, unless said.

@@ -56,4 +56,7 @@ CLEARANCE = Source("scene, Lamé", "the scene's clearance; fits and temperatures
 FITS = Source(
     "Lamé", "Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3: rings in plane stress", "book not read"
 )
+OF_RUN = Source(
+    "run", "normal forces and dissipated work of a result file; life by ISO/TS 16281 (58) to (65)", _PROGRAMS
+)
 LINEARISED = Source("balance", "of hub and rollers, linearised at the operating point (implicit function theorem)")

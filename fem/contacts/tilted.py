@@ -16,6 +16,7 @@ from lagrange.contact.raceway_laws import LogarithmicLaw
 
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
+ROUND_OFF = 1e-9
 SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
 
 
@@ -66,6 +67,17 @@ def tilted_slices(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, Contac
 def coupled_width(bearing: Bearing, axial: Axial) -> float | None:
     """Of slices that know each other, m; None: each is alone."""
     return bearing.roller_length / axial.slices if axial.coupling else None
+
+
+def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
+    """Why coupled slices can't carry a contact of a half-width, m, with the number that can; None: they do."""
+    if half_width * WIDTHS <= bearing.roller_length / axial.slices * (1.0 + ROUND_OFF):
+        return None
+    return (
+        f"axial.slices = {axial.slices} are {1e3 * bearing.roller_length / axial.slices:.3g} mm wide, less than "
+        f"{WIDTHS:g} half-widths of the contact, {1e3 * half_width:.3g} mm, below which coupled slices have no sure "
+        f"equilibrium; take at most {int(bearing.roller_length / (WIDTHS * half_width))}, or axial.coupling = false"
+    )
 
 
 def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:

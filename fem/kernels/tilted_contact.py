@@ -41,7 +41,7 @@ def energy_force_moment(law, approach, slope):
 
     Errors
     ------
-    Outside the table the outermost cubic goes on; callers keep within it.
+    Outside the table u goes on straight; callers keep within it.
     """
     u, d, p, _, _, _ = _surface(law, approach, slope)
     u = _closed(law, approach, u)
@@ -69,9 +69,10 @@ def _surface(law, approach, slope):
     """u and its derivatives u_δ, u_ψ, u_δδ, u_δψ, u_ψψ."""
     x, y = (approach - law.first_approach) * law.per_approach, (slope - law.first_slope) * law.per_slope
     # an open contact may be far from the table, a place that is not known NaN
-    row = to_int(minimum(maximum(x, 0.0), law.rows))
-    column = to_int(minimum(maximum(y, 0.0), law.columns))
-    s, t = x - to_float(row), y - to_float(column)
+    inside, straight = minimum(maximum(x, 0.0), law.rows + 1.0), minimum(maximum(y, 0.0), law.columns + 1.0)
+    beyond, aside = x - inside, y - straight
+    row, column = to_int(minimum(inside, law.rows)), to_int(minimum(straight, law.columns))
+    s, t = inside - to_float(row), straight - to_float(column)
     at = row * law.width + column
     first = _spline(t, gather_quads(law.coefficients, at))
     second = _spline(t, gather_quads(law.coefficients, at + law.width))
@@ -80,6 +81,8 @@ def _surface(law, approach, slope):
     u, d, dd = _spline(s, (first[0], second[0], third[0], fourth[0]))
     p, dp, _ = _spline(s, (first[1], second[1], third[1], fourth[1]))
     pp, _, _ = _spline(s, (first[2], second[2], third[2], fourth[2]))
+    u += d * beyond + p * aside + dp * beyond * aside
+    d, p = d + dp * aside, p + dp * beyond
     over, along = law.per_approach, law.per_slope
     return u, d * over, p * along, dd * over * over, dp * over * along, pp * along * along
 

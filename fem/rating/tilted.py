@@ -7,20 +7,19 @@ from typing import cast
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import tilted_slices, tilted_tables
+from fem.contacts.tilted import tilted_slices, too_narrow
 from fem.statics.contact_balance import NotFound
-from fem.statics.exact_statics import exact_contacts, exact_statics
-from lagrange.axial import Axial, ContactTable, contact_tables
+from fem.statics.exact_statics import exact_contacts
+from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, sharp_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.statics import TiltedBearing, TiltedStatics
-from lagrange.axial.tabulate import contact_slices, steepest_slope
+from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.raceway_laws import ContactLaws, contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch, Point, over_pitch
-from lagrange.statics import static_equilibrium
 
 SAMPLES = 16  # cage angles in a pitch
 
@@ -110,11 +109,11 @@ def tilted_pitch(
     stiffness = axial.shaft_tilt_stiffness if axial.has_free_slope else None
     found: list[TiltedStatics] = []
     try:
-        tables, slices, compliance = _contacts(bearing, axial, operation, laws, first)
+        slices, compliance = _contacts(bearing, axial, laws, first)
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
             standing = TiltedBearing(
-                bearing=bearing, angle=angles, tables=tables, load=load, shaft_tilt_stiffness=stiffness,
+                bearing=bearing, angle=angles, slices=slices, load=load, shaft_tilt_stiffness=stiffness,
                 compliance=compliance,
             )  # fmt: skip
             still = standing.equilibrium((0.0, -misalignment))
@@ -127,7 +126,13 @@ def tilted_pitch(
         pitch = over_pitch(bearing, operation.first_roller_angle, solve, samples)
     except (RuntimeError, NotFound) as error:
         raise Unavailable(str(error)) from None
-    return TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
+    answer = TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
+    if laws is None and axial.coupling:
+        for pair, loads in zip(contact_pairs(bearing), answer.loads, strict=False):
+            half_width = pair.half_width(axial.slices * float(loads.max()))
+            if (reason := too_narrow(bearing, axial, half_width)) is not None:
+                raise Unavailable(f"{pair.kind} raceway: {reason}")
+    return answer
 
 
 def _hub(whole: np.ndarray, shaft: float | None) -> np.ndarray:
@@ -138,24 +143,13 @@ def _hub(whole: np.ndarray, shaft: float | None) -> np.ndarray:
 
 
 def _contacts(
-    bearing: Bearing, axial: Axial, operation: Operation, laws: ContactLaws | None, angle: np.ndarray
-) -> tuple[tuple[ContactTable, ContactTable], tuple[Slices, Slices], np.ndarray | None]:
-    """Tables, the slices that they stand for, and elastic couplings."""
+    bearing: Bearing, axial: Axial, laws: ContactLaws | None, angle: np.ndarray
+) -> tuple[tuple[Slices, Slices], np.ndarray | None]:
+    """Slices of both contacts, and elastic couplings."""
     if laws is not None:
-        alone = replace(axial, coupling=False)
-        force = float(static_equilibrium(bearing, operation, laws).inner_force.max())
-        slope = steepest_slope(bearing, alone, operation.misalignment, float(laws.inner.approach(force)))
-        return contact_tables(bearing, alone, laws, force, slope), contact_slices(bearing, alone, laws), None
+        return contact_slices(bearing, replace(axial, coupling=False), laws), None
     if any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring)):
         raise Unavailable("[bodies]: a body is rigid, and elastic rings take elastic bodies")
-    down = float(operation.radial_load) + operation.inner_mass * operation.gravity
-    size = float(np.hypot(down, operation.side_load))
     contacts = exact_contacts(bearing, angle)
     curves = cast(tuple[ContactLaw, ContactLaw], (contacts.inner_law, contacts.outer_law))
-    force = float(exact_statics(bearing, size, operation.first_roller_angle).inner_force.max())
-    slope = steepest_slope(bearing, axial, operation.misalignment, float(curves[0].approach(force)))
-    return (
-        tilted_tables(bearing, axial, curves, force, slope),
-        tilted_slices(bearing, axial, curves),
-        contacts.compliance,
-    )
+    return tilted_slices(bearing, axial, curves), contacts.compliance

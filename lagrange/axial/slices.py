@@ -96,10 +96,20 @@ class Slices:
         return Sums(energy, forces.sum(axis=-1), forces @ self.place)
 
     def at(self, approach, slope) -> TiltedContact:
-        """The same with derivatives, as a table has them, of slices that stand alone."""
-        found, one = self.sums(approach, slope), self.law.slope(self.approaches(approach, slope)) / self.count
+        """The same with derivatives, as a table has them."""
+        approach, slope = np.asarray(approach, dtype=float), np.asarray(slope, dtype=float)
+        own = deep = self.approaches(approach, slope)
+        if self.coupling is not None:
+            own = deep - self.forces(approach, slope) @ self.coupling
+        stiff = self.law.slope(own)[..., None] / self.count * np.eye(self.count)
+        if self.coupling is not None:  # K (1 + C K)⁻¹, symmetric
+            stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)
+        by_slope = stiff @ self.place
         return TiltedContact(
-            *found, stiffness=one.sum(axis=-1), cross=-(one @ self.place), tilt_stiffness=one @ self.place**2
+            *self.sums(approach, slope),
+            stiffness=stiff.sum(axis=(-2, -1)),
+            cross=-by_slope.sum(axis=-1),
+            tilt_stiffness=by_slope @ self.place,
         )
 
 

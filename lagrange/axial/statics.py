@@ -1,7 +1,7 @@
 """Equilibrium of a bearing whose rollers tilt: hub, slope of the shaft, radii and tilts of the rollers.
 
-Rollers stand at given angles and are guided: they move along the radius and tilt in the plane of axis and radius. A
-contact's energy is a table of approach and slope; elastic bodies' couplings are linear in the contacts' forces.
+Rollers stand at given angles and are guided: they move along the radius and tilt in the plane of axis and radius.
+Contacts are slices; elastic bodies' couplings are linear in the contacts' forces.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.axial.table import ContactTable, TiltedContact
+from lagrange.axial.slices import Slices
+from lagrange.axial.table import TiltedContact
 from lagrange.bearing import Bearing
 
 STEPS, COUPLED_STEPS = 200, 50  # of Newton's method; 10 to 20, and 3 to 5, are usual
@@ -36,6 +37,9 @@ class TiltedStatics:
     stiffness: np.ndarray  # (4, 4), by hub and slope, rollers in equilibrium again: N/m, N/rad, N m/rad
 
 
+Springs = tuple[np.ndarray, np.ndarray]
+
+
 class _State(NamedTuple):
     """Of hub, slope, radii and tilts, (4 + 2 n,)."""
 
@@ -55,7 +59,7 @@ class TiltedBearing:
 
     bearing: Bearing
     angle: np.ndarray  # (n_rollers,), rad from +x
-    tables: tuple[ContactTable, ContactTable]
+    slices: tuple[Slices, Slices]  # of the inner and the outer contact
     load: tuple[float, float]  # N, on the hub
     shaft_tilt_stiffness: float | None = None  # N m/rad, against a slope that is free; None: it is prescribed
     compliance: np.ndarray | None = None  # (2 n, 2 n), m/N, of contacts by each other's forces; None: rigid bodies
@@ -70,25 +74,25 @@ class TiltedBearing:
 
         Errors
         ------
-        RuntimeError: no equilibrium is found, or it lies outside the tables.
+        RuntimeError: no equilibrium is found.
         """
-        x = self._first(slope) if start is None else start.copy()
+        x, rest = self._first(slope) if start is None else start.copy(), self._springs(slope)
         x[2:4] = slope
         free = np.ones(x.size, dtype=bool)
         free[2:4] = self.shaft_tilt_stiffness is not None
         size, damping = max(float(np.hypot(*self.load)), 1e-3), 0.0
-        state = self._state(x, np.zeros(2 * self.angle.size))
+        state = self._state(x, np.zeros(2 * self.angle.size), rest)
         for _ in range(STEPS):
             left = np.abs(state.gradient / self._units)[free].max()
             if left <= BALANCED * size:
-                return self._answer(x, state)
-            hessian = self._hessian(x, state)[np.ix_(free, free)]
+                return self._answer(x, state, rest)
+            hessian = self._hessian(x, state, rest)[np.ix_(free, free)]
             scale = np.diag(self._units[free] ** 2) * float(state.contact.stiffness.max() + LOOSE_SPRING)
             step = np.zeros(x.size)
             step[free] = -np.linalg.solve(hessian + damping * scale, state.gradient[free])
             length = 1.0 if step @ state.gradient < 0.0 else 0.0
             while length >= SHORTEST:
-                new = self._state(x + length * step, state.force)
+                new = self._state(x + length * step, state.force, rest)
                 if new.energy <= state.energy + 1e-13 * (abs(state.energy) + size * 1e-6):
                     break
                 length *= SHORTER
@@ -109,10 +113,7 @@ class TiltedBearing:
         """The hub pushed so that one roller carries the load, rollers midway and half as steep as the shaft."""
         load, b = np.array(self.load), np.array(slope)
         size = max(float(np.hypot(*load)), 1e-3)
-        table = self.tables[0]
-        depth = np.linspace(0.0, table.last_approach, 400)
-        force = table.at(depth, 0.0).force
-        deep = float(depth[min(int(np.searchsorted(force, 0.5 * size)), depth.size - 1)])
+        deep = max(self.slices[0].straight_approach(0.5 * size), 0.0)
         hub = (max(self.bearing.radial_clearance, 0.0) + 2.0 * deep) * load / size
         radial = np.column_stack([np.cos(self.angle), np.sin(self.angle)])
         return np.concatenate([hub, b, self.bearing.pitch_radius + 0.5 * radial @ hub, 0.5 * radial @ b])
@@ -142,18 +143,18 @@ class TiltedBearing:
 
     def _contacts(self, approach: np.ndarray, slope: np.ndarray) -> TiltedContact:
         n = self.angle.size
-        both = [table.at(approach[k], slope[k])
-                for table, k in zip(self.tables, (slice(0, n), slice(n, None)), strict=True)]  # fmt: skip
+        both = [slices.at(approach[k], slope[k])
+                for slices, k in zip(self.slices, (slice(0, n), slice(n, None)), strict=True)]  # fmt: skip
         return TiltedContact(*(np.concatenate(pair) for pair in zip(*both, strict=True)))
 
-    def _state(self, x: np.ndarray, near: np.ndarray) -> _State:
+    def _state(self, x: np.ndarray, near: np.ndarray, rest: Springs) -> _State:
         rigid, slope, by_approach, by_slope, _, _ = self._geometry(x)
         approach, contact = rigid, self._contacts(rigid, slope)
         energy = 0.0
         if self.compliance is not None:
             approach, contact = self._coupled(rigid, slope, near)
             energy = 0.5 * float(contact.force @ self.compliance @ contact.force)
-        springs, middle = self._springs()
+        springs, middle = rest
         energy += float(contact.energy.sum() + 0.5 * np.sum(springs * (x - middle) ** 2) - np.dot(self.load, x[:2]))
         gradient = by_approach.T @ contact.force - by_slope.T @ contact.moment + springs * (x - middle)
         gradient[:2] -= self.load
@@ -172,15 +173,15 @@ class TiltedBearing:
             force = force + np.linalg.solve(one + contact.stiffness[:, None] * self.compliance, missing)
         raise RuntimeError("forces of tilted contacts and the approaches that they leave do not agree")
 
-    def _springs(self) -> tuple[np.ndarray, np.ndarray]:
+    def _springs(self, slope: tuple[float, float]) -> Springs:
         """On every coordinate, and where they rest, (4 + 2 n,)."""
         springs, middle, n = LOOSE_SPRING * self._units**2, np.zeros(self._units.size), self.angle.size
-        middle[4 : 4 + n] = self.bearing.pitch_radius
+        middle[2:4], middle[4 : 4 + n] = slope, self.bearing.pitch_radius
         if self.shaft_tilt_stiffness is not None:
             springs[2:4] += self.shaft_tilt_stiffness
         return springs, middle
 
-    def _hessian(self, x: np.ndarray, state: _State) -> np.ndarray:
+    def _hessian(self, x: np.ndarray, state: _State, rest: Springs) -> np.ndarray:
         contact, B, P = state.contact, state.by_approach, state.by_slope
         stiffness, cross, tilt = (part[:, None] for part in (contact.stiffness, contact.cross, contact.tilt_stiffness))
         by_force, closing = stiffness * B + cross * P, B
@@ -190,22 +191,13 @@ class TiltedBearing:
         _, _, _, _, across, apart = self._geometry(x)
         n = self.angle.size
         turning = across.T @ ((state.force[:n] / apart)[:, None] * across)
-        return B.T @ by_force + P.T @ (cross * closing + tilt * P) - turning + np.diag(self._springs()[0])
+        return B.T @ by_force + P.T @ (cross * closing + tilt * P) - turning + np.diag(rest[0])
 
-    def _answer(self, x: np.ndarray, state: _State) -> TiltedStatics:
+    def _answer(self, x: np.ndarray, state: _State, rest: Springs) -> TiltedStatics:
         n = self.angle.size
-        for k, (table, name) in enumerate(zip(self.tables, ("inner", "outer"), strict=True)):
-            part = slice(k * n, (k + 1) * n)
-            if not np.all(table.holds(state.approach[part], state.slope[part])):
-                raise RuntimeError(
-                    f"the {name} contacts reach an approach of {1e6 * state.approach[part].max():.4g} µm and a slope "
-                    f"of {1e3 * np.abs(state.slope[part]).max():.4g} mrad, beyond their table, which ends at "
-                    f"{1e6 * table.last_approach:.4g} µm and {1e3 * table.last_slope:.4g} mrad; lower the load or "
-                    "operation.misalignment_mrad"
-                )
-        hessian = self._hessian(x, state)
+        hessian = self._hessian(x, state, rest)
         follow = np.linalg.solve(hessian[4:, 4:], hessian[4:, :4])
-        gradient = state.gradient - self._springs()[0] * (x - self._springs()[1])
+        gradient = state.gradient - rest[0] * (x - rest[1])
         return TiltedStatics(
             hub=x[:2],
             hub_slope=x[2:4],

@@ -56,21 +56,24 @@ class ContactTable:
     def at(self, approach, slope) -> TiltedContact:
         """Energy, force, moment and their derivatives at approaches, m, and slopes, rad, of any shape.
 
-        Outside the table the outermost cubic goes on.
+        Outside the table u goes on straight, so that an iteration may pass there.
         """
         approach, slope = np.broadcast_arrays(np.asarray(approach, dtype=float), np.asarray(slope, dtype=float))
-        rows, by_row = _weights(approach, self.first_approach, self.approach_step, self.coefficients.shape[0])
-        columns, by_column = _weights(slope, self.first_slope, self.slope_step, self.coefficients.shape[1])
+        within = np.clip(approach, self.first_approach, self.last_approach)
+        straight = np.clip(slope, self.first_slope, self.last_slope)
+        rows, by_row = _weights(within, self.first_approach, self.approach_step, self.coefficients.shape[0])
+        columns, by_column = _weights(straight, self.first_slope, self.slope_step, self.coefficients.shape[1])
         near = self.coefficients[rows[..., :, None], columns[..., None, :]]
 
         def summed(i: int, j: int) -> np.ndarray:
             return np.einsum("...ij,...i,...j->...", near, by_row[i], by_column[j])
 
-        u = summed(0, 0)
+        u, d, p, dd, dp, pp = (summed(*which) for which in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)))
+        beyond, aside = approach - within, slope - straight
+        u = u + d * beyond + p * aside + dp * beyond * aside
+        d, p = d + dp * aside, p + dp * beyond
         closed = (u > 0.0) & (approach > self.first_approach)
-        u = np.where(closed, u, 0.0)
-        d, p = (np.where(closed, summed(*which), 0.0) for which in ((1, 0), (0, 1)))
-        dd, dp, pp = (np.where(closed, summed(*which), 0.0) for which in ((2, 0), (1, 1), (0, 2)))
+        u, d, p, dd, dp, pp = (np.where(closed, each, 0.0) for each in (u, d, p, dd, dp, pp))
         return TiltedContact(
             u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp)
         )

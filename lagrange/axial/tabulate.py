@@ -10,7 +10,7 @@ from lagrange.axial.table import ContactTable, fitted
 from lagrange.bearing import Bearing
 
 KNOTS = 72  # between the opening and the largest approach of a straight contact
-COARSER = 2.5  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
+COARSER = 2.0  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
 MOST_SLOPES = 300  # steps of slope either way
 BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
 MORE = 3.0  # times the largest force: what moves carries more than what stands

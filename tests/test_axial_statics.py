@@ -1,0 +1,121 @@
+"""The whole bearing with tilted rollers at rest: elastic bodies, and the method of ISO/TS 16281."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fem.rating.tilted import TiltedPitch, tilted_pitch
+from fem.statics.exact_statics import exact_statics
+from lagrange.axial import Axial
+from lagrange.axial.profile import Profile
+from lagrange.axial.statics import TiltedBearing
+from lagrange.axial.tabulate import contact_slices
+from lagrange.contact.raceway_laws import contact_laws, contact_pairs
+from lagrange.kinematics import roller_angles
+from lagrange.rating.capacity import Dimensions
+from lagrange.rating.reference_life import rigid_loads
+from lagrange.rating.sources import Unavailable
+from tests.reference.bearings import LOAD, ON_A_ROLLER, operation, paper
+
+PAPER = paper()
+
+
+def axial(profile: str, slices: int, coupling: bool) -> Axial:
+    return Axial(
+        roller=Profile(kind=profile), inner_raceway=Profile(), outer_raceway=Profile(), slices=slices,
+        coupling=coupling, ring_width=0.02, skew="guided",
+    )  # fmt: skip
+
+
+@cache
+def stands(profile: str, slices: int, coupling: bool, mrad: float) -> TiltedPitch:
+    """At one angle, a roller in the load's direction."""
+    acting = operation(speed=0.0, gravity=0.0, radial_load=LOAD, misalignment=1e-3 * mrad)
+    return tilted_pitch(PAPER, axial(profile, slices, coupling), acting, samples=1)
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_straight_rollers_without_tilt_are_those_of_the_plane_series(coupling):
+    """Coupled slices between rings as wide as rollers, under even loads, add what a roller grows along its axis."""
+    exact = exact_statics(PAPER, LOAD, ON_A_ROLLER)
+    found = stands("none", 21, False, 0.0).statics[0]
+    assert -1e6 * found.hub[1] == pytest.approx(3.6146, rel=2e-4)
+    assert found.hub[1] == pytest.approx(exact.hub[1], rel=2e-4)
+    assert found.force[0] == pytest.approx(exact.inner_force, rel=2e-4, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "coupling, slices, mrad, hub, moment, pressure, within",
+    [
+        (False, 41, 0.0, 6.568, 0.0, 1064, 0.005),
+        (False, 41, 1.0, 6.205, 1914, 1108, 0.005),
+        (False, 41, 2.0, 5.156, 3455, 1202, 0.005),
+        (True, 31, 0.0, 6.409, 0.0, 1076, 0.01),
+        (True, 31, 1.0, 6.029, 1980, 1126, 0.01),
+        (True, 31, 2.0, 4.928, 3571, 1236, 0.01),
+    ],
+)
+def test_profiled_rollers_under_a_slope_of_the_shaft(coupling, slices, mrad, hub, moment, pressure, within):
+    """Against an independent prototype: µm, N mm, MPa."""
+    found = stands("logarithmic", slices, coupling, mrad)
+    assert -1e6 * found.statics[0].hub[1] == pytest.approx(hub, rel=within)
+    assert 1e3 * found.moment == pytest.approx(moment, rel=within, abs=0.1)
+    assert 1e-6 * contact_pairs(PAPER)[0].peak_pressure(found.peaks["inner"]) == pytest.approx(pressure, rel=within)
+
+
+def test_a_loaded_edge_has_no_peak_pressure():
+    with pytest.raises(Unavailable, match="edge"):
+        _ = stands("none", 21, False, 0.0).peaks
+
+
+def test_hub_and_slope_have_the_stiffness_that_a_small_slope_shows():
+    found, near = stands("logarithmic", 41, False, 1.0), stands("logarithmic", 41, False, 1.2)
+    moved = [near.statics[0].hub_moment[1] - found.statics[0].hub_moment[1],
+             near.statics[0].hub_slope[1] - found.statics[0].hub_slope[1]]  # fmt: skip
+    mean = 0.5 * (found.tilt_stiffness + near.tilt_stiffness)
+    assert moved[0] / moved[1] == pytest.approx(mean, rel=0.02)
+
+
+def rigid_rings(profile: str) -> TiltedBearing:
+    slices = contact_slices(PAPER, axial(profile, 40, False), contact_laws("iso16281", PAPER))
+    angle = roller_angles(PAPER, ON_A_ROLLER)
+    return TiltedBearing(bearing=PAPER, angle=angle, load=(0.0, -LOAD), slices=slices)
+
+
+@pytest.mark.parametrize("profile", ["none", "logarithmic"])
+@pytest.mark.parametrize("mrad", [0.0, 1.0, 2.0, 4.0])
+def test_rigid_rings_on_slices_are_the_method_of_the_standard(profile, mrad):
+    """Its laminae spring with both contacts at once; here a roller finds its own tilt between them."""
+    standard = rigid_loads(Dimensions.of(PAPER), LOAD, 0.0, 1e-3 * mrad, profile=profile != "none")
+    found = rigid_rings(profile).equilibrium((0.0, -1e-3 * mrad))
+    assert -1e3 * found.hub[1] == pytest.approx(standard.displacement, rel=6e-4)
+    assert found.force[0] == pytest.approx(standard.of_rollers, rel=1e-3, abs=0.2)
+    assert -1e3 * found.hub_moment[1] == pytest.approx(standard.moment, rel=1e-3, abs=1e-3)
+    half = 0.5 * found.hub_slope[1] * np.sin(roller_angles(PAPER, ON_A_ROLLER))
+    loaded = found.force[0] > 1.0
+    assert 1e3 * found.tilt[loaded] == pytest.approx(1e3 * half[loaded], abs=2e-3)
+
+
+@pytest.mark.parametrize("profile, stiffness", [(False, 4448), (True, 1926)])
+def test_the_standards_spring_against_tilt(profile, stiffness):
+    """N m/rad at no slope, the load kept."""
+    small = 1e-6
+    moment = rigid_loads(Dimensions.of(PAPER), LOAD, 0.0, small, profile=profile).moment
+    assert 1e-3 * moment / small == pytest.approx(stiffness, rel=1e-3)
+
+
+def test_a_shaft_on_a_tilt_spring_finds_the_slope_that_balances_it():
+    slack = (0.0, -1e-3)
+    free = TiltedBearing(**(vars(rigid_rings("logarithmic")) | {"shaft_tilt_stiffness": 2000.0}))
+    found = free.equilibrium(slack)
+    assert -1e-3 < found.hub_slope[1] < 0.0
+    held = rigid_rings("logarithmic").equilibrium((0.0, float(found.hub_slope[1])))
+    assert held.hub_moment[1] == pytest.approx(2000.0 * (slack[1] - found.hub_slope[1]), rel=1e-3)
+
+
+def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
+    acting = operation(speed=0.0, gravity=0.0, radial_load=20_000.0, misalignment=2e-3)
+    with pytest.raises(Unavailable, match=r"axial.slices = 61 are .* take at most 24"):
+        tilted_pitch(PAPER, axial("logarithmic", 61, True), acting, samples=1)
+    tilted_pitch(PAPER, axial("logarithmic", 24, True), acting, samples=1)

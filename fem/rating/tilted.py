@@ -128,10 +128,10 @@ def tilted_pitch(
         raise Unavailable(str(error)) from None
     answer = TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
     if laws is None and axial.coupling:
-        for pair, loads in zip(contact_pairs(bearing), answer.loads, strict=False):
-            half_width = pair.half_width(axial.slices * float(loads.max()))
-            if (reason := too_narrow(bearing, axial, half_width)) is not None:
-                raise Unavailable(f"{pair.kind} raceway: {reason}")
+        pairs = zip(contact_pairs(bearing), answer.loads, strict=False)
+        widest = max(pair.half_width(axial.slices * float(loads.max())) for pair, loads in pairs)
+        if (reason := too_narrow(bearing, axial, widest)) is not None:
+            raise Unavailable(reason)
     return answer
 
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from fem.interface import simulate as run
+from fem.runner import RunOptions, run_scene
 from lagrange import contact_laws, kinematics, simulate, static_equilibrium
 from lagrange.kinematics import OUTER_RING, turned
 from lagrange.scene.operation import RPM
@@ -16,7 +17,7 @@ from lagrange.surface.deviation import Turns
 from residual.evaluation import evaluate
 from residual.fault_finding import find_faults
 from residual.measured.diagnosis import Geometry
-from tests.reference.operation_tables import record_of
+from residual.sources import read_result
 
 SPALL = {"width_mm": 1.0, "depth_um": 20.0}
 
@@ -181,23 +182,28 @@ def test_energy_balances_while_rings_turn_against_each_other(model):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["reduced", "fem"])
-def test_a_bearing_that_turns_as_a_whole_is_at_rest_in_itself(model):
-    scene = turning(3000.0, 3000.0, 0.0, 2000.0, model=model, mu=0.1)
+@pytest.mark.parametrize(("model", "error"), [("lagrange", 2e-4), ("reduced", 1e-3), ("fem", 1e-6)])
+def test_in_a_bearing_that_turns_as_a_whole_rollers_are_pressed_outwards_alone(model, error):
+    """Reduced model: its start is 8e-4 off, as with the inner ring alone."""
+    scene = turning(6000.0, 6000.0, model=model)
     bearing, found = scene.ideal_bearing(), run(scene).values
     pressed = bearing.roller_mass * found["roller_rho"] * scene.ideal_operation().speed ** 2
-    np.testing.assert_allclose(found["outer_force"][0] - found["inner_force"][0], pressed[0], rtol=2e-4)
-    assert np.ptp(found["inner_force"], axis=0).max() < 1e-3 * found["inner_force"].max()  # the hub's own inertia
+    np.testing.assert_allclose(found["outer_force"], pressed, rtol=error)
+    assert not found["inner_force"].any()
 
 
 @pytest.mark.slow
 def test_a_planet_wheels_spall_is_found_and_its_line_modulated_by_the_rings_turning(tmp_path):
     spall = [SPALL | {"body": "outer_ring", "angle_deg": 40.0, "depth_um": 50.0}]
-    scene = turning(0.0, 600.0, 2000.0, spall=spall, damping={"contact_time_us": 1.0})
-    record = record_of(scene, solved(scene, 0.3))
+    with_clearance = {"bearing": {"designation": "NU206"}}  # without, the unloaded side rattles as hard
+    scene = turning(0.0, 600.0, 2000.0, spall=spall, damping={"contact_time_us": 1.0}, **with_clearance)
+    path = tmp_path / "planet.nc"
+    longer = {"numerics.duration_ms": 300.0, "numerics.output_interval_us": 20.0}
+    assert run_scene(scene.varied(longer), path, RunOptions(quiet=True)).code == 0
+    record = read_result(path)
     found = find_faults(record).found
     assert [spall.place.body for spall in found] == ["outer_ring"]
-    assert np.degrees(found[0].angle) + 90.0 == pytest.approx(40.0, abs=1.0)
+    assert (np.degrees(found[0].angle) + 90.0) % 360.0 == pytest.approx(40.0, abs=1.0)
     assert found[0].width == pytest.approx(1e-3, rel=0.1)
     lines = {line.name: line.amplitude for line in evaluate(record, "harris").y.vibration.lines}
     for side in ("BPFO−outer ring", "BPFO+outer ring"):

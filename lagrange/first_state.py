@@ -51,7 +51,7 @@ def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> t
     stiffness : (2, 2), N/m, of the hub in its static equilibrium
     """
     values, vectors = np.linalg.eigh(stiffness)
-    passage = bearing.n_rollers * np.abs(kinematics_met(bearing, operation).cage).max()
+    passage = bearing.pockets * np.abs(kinematics_met(bearing, operation).cage).max()
     stiff = values > max(operation.inner_mass * passage**2, 0.0)
     return values[stiff], vectors[:, stiff]
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.interface import rating
+from fem.rating.answers import Case, Options
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import law_names
 from lagrange.scene.faults import SceneError
@@ -83,11 +83,9 @@ def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypat
     assert summary["law"] == "power" and summary["error_y"]["rms_N"] < 1.0
     assert "power (in use)" in capsys.readouterr().out
     (tmp_path / "law.csv").write_text(table(), encoding="utf-8")
-    rated = rating(read_scene("209.toml", ("operation.gravity_m_s2=0",)))
-    assert "power" in rated["stiffness_contacts"]
-    lowest, _ = rated[
-        "stiffness_range_N_per_m"
-    ]  # with a roller under the load, where the rollers' own weight adds little
+    rated = Case(read_scene("209.toml", ("operation.gravity_m_s2=0",)), Options())
+    assert "power" in rated.contacts
+    lowest, _ = rated.pitch.range  # with a roller under the load, where the rollers' own weight adds little
     assert np.diag(lowest) == pytest.approx([67.0e6, 473.0e6], rel=3e-3)
 
 

@@ -57,7 +57,7 @@ class Geometry:
         """
         inner, outer = speeds
         return cls(
-            elements=bearing.n_rollers, element_diameter=2.0 * bearing.element_radius,
+            elements=bearing.pockets, element_diameter=2.0 * bearing.element_radius,
             pitch_diameter=2.0 * bearing.pitch_radius, contact_angle=bearing.contact_angle,
             rings=(1.0, outer / inner) if inner else (0.0, 1.0),
         )  # fmt: skip

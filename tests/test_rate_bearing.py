@@ -84,10 +84,34 @@ def test_what_can_not_be_computed_has_a_reason(overrides, missing, word):
     assert found.value is None and word in found.reason
 
 
-def test_ratings_of_ball_bearings_are_refused_and_their_stiffness_is_not():
-    found = rating(read_scene(None, ("bearing.type=ball", "model=lagrange")))
-    assert found["C_N"] is None and "balls" in found.answer("C_N").reason
+@pytest.mark.parametrize(
+    ("designation", "dynamic", "static"), [("6205", 14000, 7850), ("6306", 26700, 15000), ("6008", 16800, 11500)]
+)
+def test_ball_bearings_have_the_makers_ratings_and_the_life_of_balls(designation, dynamic, static):
+    found = rating(
+        read_scene(None, (f'bearing={{designation="{designation}"}}', "operation.radial_load_N=1500")),
+        Options(viscosity=20.0),
+    )
+    assert found["C_N"] == pytest.approx(dynamic, rel=0.01) and found["C0_N"] == pytest.approx(static, rel=0.01)
+    assert found["Cu_N"] == pytest.approx(found["C0_N"] / 22.0)
+    assert found["L10_Mrev"] == pytest.approx((found["C_N"] / found["P_N"]) ** 3)
+    assert found["Lnm_h"] == pytest.approx(found["a_ISO"] * found["L10_h"])
     assert found["stiffness_N_per_m"][1, 1] > 0.0
+    for name in ("L10r_Mrev", "friction_torque_N_mm"):
+        assert found[name] is None and "balls" in found.answer(name).reason
+
+
+def test_two_rows_of_angular_balls_by_the_standards_exponents():
+    keys = ('bearing={designation="6205"}', "bearing.contact_angle_deg=40")
+    one, two = (rating(read_scene(None, (*keys, f"bearing.rows={rows}"))) for rows in (1, 2))
+    assert two["C_N"] == pytest.approx(2.0**0.7 * one["C_N"]) and two["C0_N"] == pytest.approx(2.0 * one["C0_N"])
+    flat = rating(read_scene(None, (keys[0], "bearing.rows=2")))
+    assert flat["C_N"] == pytest.approx(2.0**0.7 * 0.90 / 0.95 * rating(read_scene(None, keys[:1]))["C_N"])
+
+
+def test_grooves_wider_than_the_standard_rates_have_no_ratings():
+    found = rating(read_scene(None, ('bearing={designation="6205"}', "bearing.inner_conformity=0.54")))
+    assert found["C_N"] is None and "inner groove radius up to 0.52" in found.answer("C_N").reason
 
 
 def test_a_housing_in_series_and_a_shaft_beside():

@@ -151,6 +151,15 @@ def test_life_modification(kappa, row):
     assert found == pytest.approx(row, rel=2e-3, abs=5.1e-4)
 
 
+def test_life_modification_of_balls_has_no_steps_and_grows():
+    for kappa in (0.4, 1.0):
+        below, above = (life_modification(kappa + side, 0.3, balls=True) for side in (-1e-9, 1e-9))
+        assert below == pytest.approx(above, rel=2e-3)
+    found = [life_modification(kappa, 0.2, balls=True) for kappa in (0.1, 0.3, 0.7, 1.0, 2.0, 4.0, 9.0)]
+    assert found == sorted(found) and found[-1] == found[-2] < 50.0
+    assert life_modification(1.0, 1e-9, balls=True) == pytest.approx(0.1, rel=0.01)
+
+
 def test_what_has_no_rating_is_told():
     for refused in (
         lambda: life_modification(0.05, 1.0),
@@ -184,6 +193,7 @@ def test_duty_cycle():
     cycle = DutyCycle(loads=np.array([1000.0, 2000.0]), speeds=np.array([600.0, -1200.0]), shares=np.array([2.0, 1.0]))
     damage = 0.5 * (1.0 / basic_life(1e4, 1000.0) + 1.0 / basic_life(1e4, 2000.0))
     assert basic_life(1e4, cycle.load) == pytest.approx(1.0 / damage)
+    assert cycle.load_by(3.0) == pytest.approx((0.5 * (1.0 + 2.0**3)) ** (1 / 3) * 1000.0)
     assert cycle.speed == pytest.approx(800.0) and cycle.largest_load == 2000.0
 
 

@@ -17,11 +17,14 @@ from lagrange.fits import OperatingClearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating import sources
-from lagrange.rating.capacity import Dimensions, dynamic_capacity, fatigue_load_limit, static_capacity
+from lagrange.rating.basic import Basic
+from lagrange.rating.capacity import Dimensions, dynamic_capacity
 from lagrange.rating.contact_stress import FATIGUE, PERMITTED, LineContact, line_contact
 from lagrange.rating.film import Films, films
 from lagrange.rating.friction import Torque, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
+    EXPONENT,
+    OF_BALLS,
     DutyCycle,
     basic_life,
     contamination_factor,
@@ -137,6 +140,22 @@ class Case:
         return Dimensions.of(self.scene.unmounted_bearing())
 
     @cached_property
+    def basic(self) -> Basic:
+        return Basic.of(self.scene.unmounted_bearing())
+
+    @property
+    def balls(self) -> bool:
+        return isinstance(self.bearing, BallBearing)
+
+    @property
+    def exponent(self) -> float:
+        """Of life over load."""
+        return OF_BALLS if self.balls else EXPONENT
+
+    def basic_life(self) -> float:
+        return basic_life(self.basic.dynamic, self.load, self.exponent)
+
+    @cached_property
     def laws(self):
         return contact_laws(self.scene.lagrange.law, self.bearing)
 
@@ -185,7 +204,7 @@ class Case:
     @cached_property
     def load(self) -> float:
         """P, N."""
-        return self.static_load if self.cycle is None else self.cycle.load
+        return self.static_load if self.cycle is None else self.cycle.load_by(self.exponent)
 
     @cached_property
     def largest_load(self) -> float:
@@ -213,16 +232,17 @@ class Case:
 
     @cached_property
     def kappa(self) -> float:
-        return self.viscosity / reference_viscosity(self.rpm, self.row.pitch)
+        return self.viscosity / reference_viscosity(self.rpm, self.basic.pitch)
 
     @cached_property
     def contamination(self) -> float:
         given = self.options.contamination
-        return contamination_factor(self.kappa, self.row.pitch) if given is None else given
+        return contamination_factor(self.kappa, self.basic.pitch) if given is None else given
 
     @cached_property
     def a_iso(self) -> float:
-        return life_modification(self.kappa, self.contamination * fatigue_load_limit(self.row) / self.some_load)
+        ratio = self.contamination * self.basic.fatigue / self.some_load
+        return life_modification(self.kappa, ratio, self.balls)
 
     @cached_property
     def axial(self) -> Axial | None:
@@ -450,8 +470,7 @@ class Case:
         return reference_life(self.row, capacity, inner, outer)
 
     def modified_life(self) -> float:
-        life = basic_life(dynamic_capacity(self.row), self.load)
-        return in_hours(reliability_factor(self.options.reliability) * self.a_iso * life, self.rpm)
+        return in_hours(reliability_factor(self.options.reliability) * self.a_iso * self.basic_life(), self.rpm)
 
 
 def _refuse(reason: str) -> Any:
@@ -461,20 +480,20 @@ def _refuse(reason: str) -> Any:
 _Declared = tuple[str, str, str, Source, Callable[[Case], Any]]
 s = sources
 DECLARED: tuple[_Declared, ...] = (
-    ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: dynamic_capacity(c.row)),
-    ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: static_capacity(c.row)),
-    ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: fatigue_load_limit(c.row)),
+    ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
+    ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
+    ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
     ("P_N", "N", "equivalent dynamic load P, weight included", s.LOAD, lambda c: c.load),
     ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
     ("s0", "1", "static safety factor", s.STATIC,
-     lambda c: static_capacity(c.row) / positive(c.largest_load, "it is infinite")),
+     lambda c: c.basic.static / positive(c.largest_load, "it is infinite")),
     ("speed_rpm", "1/min", "relative speed of the rings, of a duty cycle its mean", s.LOAD, lambda c: c.rpm),
-    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: basic_life(dynamic_capacity(c.row), c.load)),
+    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life()),
     ("L10_h", "h", "basic rating life L10", s.LIFE,
-     lambda c: in_hours(basic_life(dynamic_capacity(c.row), c.load), c.rpm)),
+     lambda c: in_hours(c.basic_life(), c.rpm)),
     ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
     ("nu_mm2_s", "mm²/s", "kinematic viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
-    ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY, lambda c: reference_viscosity(c.rpm, c.row.pitch)),
+    ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY, lambda c: reference_viscosity(c.rpm, c.basic.pitch)),
     ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
     ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
     ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),

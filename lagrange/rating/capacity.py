@@ -29,16 +29,10 @@ class Dimensions:
 
     @classmethod
     def of(cls, bearing: Bearing) -> "Dimensions":
-        """Of a bearing. Unavailable: it has balls, or is not of steel."""
+        """Of a bearing. Unavailable: it has balls, lacks rollers, or is not of steel."""
         if isinstance(bearing, BallBearing):
-            raise Unavailable("ratings are those of roller bearings; this one has balls")
-        if bearing.missing:
-            raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
-        for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
-            if not STEEL[0] <= material.youngs_modulus <= STEEL[1]:
-                raise Unavailable(
-                    f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa"
-                )
+            raise Unavailable("computed for rollers; this one has balls")
+        complete_and_of_steel(bearing)
         return cls(
             rollers=bearing.n_rollers,
             diameter=2e3 * bearing.element_radius,
@@ -47,6 +41,17 @@ class Dimensions:
             cosine=bearing.cosine,
             rows=bearing.rows,
         )
+
+
+def complete_and_of_steel(bearing: Bearing) -> None:
+    """Unavailable: it is not."""
+    if bearing.missing:
+        raise Unavailable("ratings are those of complete bearings; rollers of this one are missing")
+    for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
+        if not STEEL[0] <= material.youngs_modulus <= STEEL[1]:
+            raise Unavailable(
+                f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa"
+            )
 
 
 def capacity_factor(gamma: float) -> float:
@@ -80,6 +85,7 @@ def fatigue_load_limit(row: Dimensions) -> float:
 
 OF_BALLS = 1.3  # b_m of deep-groove ball bearings, ISO 281 table 1
 BALL_REDUCTION = 0.95  # λ, of them
+TWO_DEEP_ROWS = 0.90 / 0.95  # λ of two rows of deep grooves over that
 GROOVE = 0.52  # of the ball's diameter, the groove's radius to which both standards rate
 LARGE_BALL = 25.4  # mm, beyond which C grows by D_w^1.4
 # f_0 of ISO 76 table 1 by hundredths of γ, from 0
@@ -104,10 +110,12 @@ def ball_capacity_factor(gamma: float) -> float:
     return 98.0665 * 0.41 * BALL_REDUCTION * groove * geometry * (1.0 + (1.04 * ratio**1.72) ** (10 / 3)) ** -0.3
 
 
-def ball_dynamic_capacity(balls: int, diameter: float, pitch: float) -> float:
-    """C_r of ISO 281 of a deep-groove ball bearing, N; mm."""
+def ball_dynamic_capacity(balls: int, diameter: float, pitch: float, cosine: float = 1.0, rows: int = 1) -> float:
+    """C_r of ISO 281 of a deep-groove or angular-contact ball bearing, N; mm."""
     size = diameter**1.8 if diameter <= LARGE_BALL else 3.647 * diameter**1.4
-    return OF_BALLS * ball_capacity_factor(diameter / pitch) * balls ** (2 / 3) * size
+    reduction = TWO_DEEP_ROWS if rows > 1 and cosine == 1.0 else 1.0
+    factor = reduction * OF_BALLS * ball_capacity_factor(diameter * cosine / pitch)
+    return factor * (rows * cosine) ** 0.7 * balls ** (2 / 3) * size
 
 
 def static_factor(gamma: float) -> float:
@@ -117,6 +125,6 @@ def static_factor(gamma: float) -> float:
     return STATIC_FACTORS[low] + (STATIC_FACTORS[low + 1] - STATIC_FACTORS[low]) * (place - low)
 
 
-def ball_static_capacity(balls: int, diameter: float, pitch: float) -> float:
-    """C_0r of ISO 76 of a deep-groove ball bearing, N; mm: the largest contact stress is then 4200 MPa."""
-    return static_factor(diameter / pitch) * balls * diameter**2
+def ball_static_capacity(balls: int, diameter: float, pitch: float, cosine: float = 1.0, rows: int = 1) -> float:
+    """C_0r of ISO 76, N; mm: the largest contact stress is then 4200 MPa."""
+    return static_factor(diameter * cosine / pitch) * rows * balls * diameter**2 * cosine

@@ -7,17 +7,18 @@ import numpy as np
 from lagrange.rating.sources import Unavailable
 
 EXPONENT = 10.0 / 3.0  # of roller bearings
+OF_BALLS = 3.0
 RELIABILITY = {90.0: 1.0, 95.0: 0.64, 96.0: 0.55, 97.0: 0.47, 98.0: 0.37, 99.0: 0.25, 99.5: 0.175, 99.9: 0.093}
 KAPPA = 0.1, 4.0  # a_ISO is given between; beyond the upper one it stays
 LARGEST = 50.0  # a_ISO
 MINUTES = 1e6 / 60.0  # hours of a million revolutions at 1/min
 
 
-def basic_life(capacity: float, load: float) -> float:
-    """L10 = (C/P)^(10/3), 10⁶ revolutions. Unavailable: there is no load."""
+def basic_life(capacity: float, load: float, exponent: float = EXPONENT) -> float:
+    """L10 = (C/P)^(10/3), of balls (C/P)³, 10⁶ revolutions. Unavailable: there is no load."""
     if not load > 0.0:
         raise Unavailable("without load the rating life is infinite")
-    return (capacity / load) ** EXPONENT
+    return (capacity / load) ** exponent
 
 
 def in_hours(life: float, speed: float) -> float:
@@ -42,19 +43,23 @@ def reference_viscosity(speed: float, pitch: float) -> float:
     return (45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5) * pitch**-0.5
 
 
-def life_modification(kappa: float, ratio: float) -> float:
-    """a_ISO of radial roller bearings by κ and e_C C_u/P, at most 50.
+def life_modification(kappa: float, ratio: float, balls: bool = False) -> float:
+    """a_ISO of radial roller bearings, or radial ball bearings, by κ and e_C C_u/P, at most 50.
 
     a_ISO = 0.1 [1 − (1.5859 − c/κ^m) (e_C C_u/P)^0.4]^−9.185
+    of balls 0.1 [1 − (2.5671 − c/κ^m)^0.83 (e_C C_u/P)^(1/3)]^−9.3
 
-    Source: ISO 281:2007, (34) to (36). Unavailable: κ below 0.1.
+    Source: ISO 281:2007, (34) to (36), of balls (31) to (33). Unavailable: κ below 0.1.
     """
     if kappa < KAPPA[0]:
         raise Unavailable(f"κ = {kappa:.3g}: a_ISO is not given below {KAPPA[0]:g}")
     kappa = min(kappa, KAPPA[1])
-    c, m = (1.3993, 0.054381) if kappa < 0.4 else (1.2348, 0.19087 if kappa < 1.0 else 0.071739)
-    left = 1.0 - (1.5859 - c / kappa**m) * ratio**0.4
-    return min(0.1 * left**-9.185, LARGEST) if left > 0.0 else LARGEST
+    m = 0.054381 if kappa < 0.4 else 0.19087 if kappa < 1.0 else 0.071739
+    if balls:
+        left = 1.0 - (2.5671 - (2.2649 if kappa < 0.4 else 1.9987) / kappa**m) ** 0.83 * ratio ** (1 / 3)
+    else:
+        left = 1.0 - (1.5859 - (1.3993 if kappa < 0.4 else 1.2348) / kappa**m) * ratio**0.4
+    return min(0.1 * left ** (-9.3 if balls else -9.185), LARGEST) if left > 0.0 else LARGEST
 
 
 def contamination_factor(kappa: float, pitch: float) -> float:
@@ -94,8 +99,12 @@ class DutyCycle:
 
     @property
     def load(self) -> float:
-        """P, N: the constant load of the same life, by Palmgren and Miner's sum of damage."""
-        return float((np.sum(self._turns * self.loads**EXPONENT) / np.sum(self._turns)) ** (1.0 / EXPONENT))
+        """P of rollers, N: the constant load of the same life, by Palmgren and Miner's sum of damage."""
+        return self.load_by(EXPONENT)
+
+    def load_by(self, exponent: float) -> float:
+        """The same by another exponent of life."""
+        return float((np.sum(self._turns * self.loads**exponent) / np.sum(self._turns)) ** (1.0 / exponent))
 
     @property
     def largest_load(self) -> float:

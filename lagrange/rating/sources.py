@@ -27,16 +27,31 @@ _RECALLED = "constants not compared with the source"
 
 DYNAMIC = Source(
     "ISO 281",
-    "2007, C = b_m f_c (i L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34)",
+    "2007, C = b_m f_c (i L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34); of balls "
+    "1.3 f_c (i cos α)^0.7 Z^(2/3) D_w^1.8",
     f"{_ONE}; b_m not compared with the source",
 )
-STATIC = Source("ISO 76", "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; s0 = C0/P0, P0 = F_r", _RECALLED)
-LOAD = Source("ISO 281", "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10)")
-LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3)")
+STATIC = Source(
+    "ISO 76",
+    "2006, C0 = 44 (1 − D_we cos α/D_pw) i Z L_we D_we cos α; of balls f_0 i Z D_w² cos α; s0 = C0/P0, P0 = F_r",
+    _RECALLED,
+)
+LOAD = Source(
+    "ISO 281", "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10); of balls 3 for 10/3"
+)
+LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3); of balls (C/P)³")
 RELIABILITY = Source("ISO 281", "2007 table 12", _RECALLED)
 VISCOSITY = Source("ISO 281", "2007, κ = ν/ν1; ν1 = 45000 n^−0.83 D_pw^−½, from 1000 1/min 4500 (n D_pw)^−½", _PROGRAMS)
-FATIGUE = Source("ISO 281", "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3", _RECALLED)
-A_ISO = Source("ISO 281", "2007 (34) to (36), radial roller bearings", _PROGRAMS)
+FATIGUE = Source(
+    "ISO 281",
+    "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3; of balls C0/22 and (100/D_pw)^0.5",
+    _RECALLED,
+)
+A_ISO = Source(
+    "ISO 281",
+    "2007 (34) to (36), radial roller bearings; (31) to (33), radial ball bearings",
+    f"{_PROGRAMS}; those of balls not compared with the source",
+)
 CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200", _RECALLED)
 REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)

@@ -58,6 +58,9 @@ def _command(
     output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
     resample: Annotated[bool, Parameter(negative="", help="bring a table's irregular samples to equal steps")] = False,
+    kinematic_rollers: Annotated[
+        bool, Parameter(negative="", help="of a table of the hub's orbit alone: its rollers roll without slip")
+    ] = False,
     law: Annotated[
         str | None,
         Parameter(
@@ -113,7 +116,7 @@ def _command(
     seconds = None if start is None else 1e-3 * start
     limits = None if band is None else _band(band)
     path = run if run is not None else _newest()
-    record = _read(path, scene, resample)
+    record = _read(path, scene, resample, kinematic_rollers)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
     _check_law(law, record.bearing)
     check_replaceable(folder)
@@ -123,7 +126,7 @@ def _command(
         say(f"warning: {path}: {note}")
     other = None
     if against is not None:
-        compared, its_law = _compared(against, record, law, (scene, resample))
+        compared, its_law = _compared(against, record, law, (scene, resample, kinematic_rollers))
         other = evaluate(compared, its_law, seconds, order, band=limits)
     if no_equations and other is not None and other.record.source == record.source:
         raise InputError(
@@ -193,7 +196,7 @@ def _newest() -> Path:
     return found[-1]
 
 
-def _read(path: Path, scene_path: Path | None, resample: bool):
+def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):
     """Read a record from a result file, or from a table and its scene."""
     from lagrange.scene.scene import read_scene
     from residual.sources import is_result, read_result
@@ -202,6 +205,8 @@ def _read(path: Path, scene_path: Path | None, resample: bool):
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):
         record = read_result(path)
+        if kinematic:
+            raise InputError(f"--kinematic-rollers: only for tables; {path} is a result file")
         if resample:
             raise InputError(f"--resample: only for tables; {path} is a result file")
         if scene is not None and ((scene.bearing, scene.operation) != (record.scene.bearing, record.scene.operation)):
@@ -212,7 +217,7 @@ def _read(path: Path, scene_path: Path | None, resample: bool):
         return record
     if scene is None:
         raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
-    return read_table(path, scene, resample)
+    return read_table(path, scene, resample, kinematic)
 
 
 def _signals(how: str) -> None:

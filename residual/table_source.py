@@ -10,10 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from lagrange.contact.raceway_laws import contact_laws
 from lagrange.files.input import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, not_text, row_fault
+from lagrange.kinematics import roller_angles, turned
 from lagrange.messages import shown
 from lagrange.scene.columns import Columns, per_roller
 from lagrange.scene.scene import Scene
+from lagrange.statics import held_hub
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, TIME_JITTER, Record, checked, relative
 from residual.sources import LARGEST_READ, OPTIONAL, check_readable
@@ -31,7 +34,7 @@ ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit o
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
-def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record:
+def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic: bool = False) -> Record:
     """Read a trajectory table with one header line, or a MATLAB file (.mat) whose variables are its columns.
 
     Parameters
@@ -40,6 +43,7 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record
         roller_<j>_y or roller_<j>_rho, roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has
         them
     resample : bring irregular samples to equal steps instead of refusing them
+    kinematic : of a table of the hub's orbit alone: rollers roll without slip, in radial balance by the scene's law
 
     Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab,
     semicolon or blanks) is taken from the header. A MATLAB file may hold a matrix, roller_x with a column for each
@@ -52,12 +56,12 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record
     """
     path = Path(path)
     if path.suffix.lower() == ".mat" and path.is_file():
-        return _record(path, scene, _matlab_columns(path, scene), resample)
+        return _record(path, scene, _matlab_columns(path, scene, kinematic), resample)
     check_readable(path)
-    return _record(path, scene, _read_columns(path, scene), resample)
+    return _record(path, scene, _read_columns(path, scene, kinematic), resample)
 
 
-def _matlab_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
+def _matlab_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
     """Read every quantity that a MATLAB file has, SI."""
     from residual.measured.formats import read_channels
 
@@ -70,7 +74,7 @@ def _matlab_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
         raise InputError(f"{path}: {error}{hint}") from None
     named = {_matlab_name(name, scene.table): values for name, values in channels.values.items()}
     header, arrays = list(named), {}
-    for quantity, (indices, factor) in _columns_found(path, header, scene).items():
+    for quantity, (indices, factor) in _columns_found(path, header, scene, kinematic).items():
         values = factor * np.column_stack([named[header[index]] for index in indices])
         arrays[quantity] = values if per_roller(quantity) else values[:, 0]
     return arrays
@@ -84,7 +88,7 @@ def _matlab_name(name: str, columns: Columns) -> str:
     return bare
 
 
-def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
+def _read_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
     """Read every quantity that the table has, SI."""
     columns = scene.table
     try:
@@ -94,7 +98,7 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
             delimiter = delimiter_of(first)
             header = names_of(first, delimiter)
             try:
-                found = _columns_found(path, header, scene)
+                found = _columns_found(path, header, scene, kinematic)
             except InputError as error:
                 names = [columns.header(quantity)[0][0] for quantity in MOTION[:2]]
                 head = [first, *islice(lines, MOST_BEFORE)]
@@ -199,18 +203,47 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
+    if "roller_x" not in arrays:
+        arrays["roller_x"], arrays["roller_y"] = kinematic_rollers(path, scene, arrays)
+        notes.append(
+            "the table tells no places of rollers: they roll without slip from operation.first_roller_deg on, and "
+            f"balance by {scene.lagrange.law} contacts without inertia"
+        )
     columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names
     return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
-def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:
+def kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Places, m, (n_times, n_rollers), of rollers that roll without slip, each in radial balance between its contacts.
+
+    Errors
+    ------
+    InputError: the outer ring moves, or surfaces are no perfect circles.
+    """
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    if scene.mounting().centre or bearing.faults or operation.course is not None:
+        raise InputError(
+            f"{path}: --kinematic-rollers: only of perfect rings at one speed and load, the outer one held by the "
+            "ground; leave [support], faults and tables out of the scene"
+        )
+    laws = contact_laws(scene.lagrange.law, bearing)
+    first = roller_angles(bearing, operation.first_roller_angle)
+    theta = first + np.multiply.outer(arrays["time"], np.ones(first.size)) * turned(bearing, operation, 1.0).cage
+    hub = np.column_stack([arrays["inner_x"], arrays["inner_y"]])
+    if not np.all(np.abs(hub) < 0.5 * bearing.roller_radius):
+        raise InputError(f"{path}: --kinematic-rollers: the hub leaves the bearing, or a place of it is no number")
+    rho = np.array([held_hub(bearing, operation, laws, at, angles=on)[1] for at, on in zip(hub, theta, strict=True)])
+    return rho * np.cos(theta), rho * np.sin(theta)
+
+
+def _columns_found(path: Path, header: list[str], scene: Scene, kinematic: bool) -> dict[str, tuple[list[int], float]]:
     """Find column numbers and factor to SI of each quantity that the table has."""
     columns, n_rollers = scene.table, scene.bearing.present
     centre = scene.mounting().centre
     polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
         _at(path, header, columns, "roller_rho", n_rollers)[0]
     )
-    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN), *centre[:2]]
+    wanted = [*MOTION, *(() if kinematic else POLAR if polar_only else CARTESIAN), *centre[:2]]
     found, missing = {}, []
     for quantity in (*wanted, *OPTIONAL, *centre[2:]):
         indices, factor, absent = _at(path, header, columns, quantity, n_rollers)
@@ -218,6 +251,8 @@ def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tup
             missing += absent
         if indices:
             found[quantity] = indices, factor
+    if kinematic and any(_at(path, header, columns, name, n_rollers)[0] for name in (*CARTESIAN, *POLAR)):
+        raise InputError(f"{path}: --kinematic-rollers: the table holds places of rollers; leave the option out")
     if not {"time", "inner_x"} & set(found):
         raise InputError(
             f"{path}: neither an HDF5 result file nor a trajectory table: missing column {', '.join(missing[:2])}; "
@@ -230,7 +265,10 @@ def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tup
         if "inner_x" not in found and {"inner_ax", "inner_ay"} & set(found):
             more += " (accelerations alone do not do: the check needs positions of hub and rollers)"
         elif not {*CARTESIAN, *POLAR} & set(found):
-            more += " (the hub's orbit alone does not do: contact forces follow from the rollers' positions)"
+            more += (
+                " (the hub's orbit alone does not do: contact forces follow from the rollers' positions; "
+                "--kinematic-rollers takes rollers that roll without slip)"
+            )
         raise InputError(
             f"{path}: missing column {', '.join(missing[:4])}{more}; where it has another name, [table] in the scene "
             "file tells it"

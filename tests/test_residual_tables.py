@@ -309,3 +309,26 @@ def test_unusable_matlab_file_is_refused(run, tmp_path, content, words):
         savemat(tmp_path / "a.mat", content)
     with pytest.raises(InputError, match=words):
         read_table(tmp_path / "a.mat", run.scene)
+
+
+def test_orbit_alone_is_checked_with_rollers_that_roll_without_slip(tmp_path, capsys):
+    """Of a run of the checker's own model with held angles nothing is left but the rollers' inertia."""
+    settings = ("--set", "numerics.duration_ms=4", "--set", "lagrange.angles=kinematic")
+    assert run_main(["--model", "lagrange", *settings, "--output", str(tmp_path / "run.nc"), "--quiet"]) == 0
+    with h5py.File(tmp_path / "run.nc") as file:
+        columns = {name: file[name][:] for name in ("time", "inner_x", "inner_y", "roller_x")}
+    rollers = columns.pop("roller_x")
+    rows = "\n".join(",".join(f"{v:.17g}" for v in row) for row in np.column_stack(list(columns.values())))
+    (tmp_path / "orbit.csv").write_text(f"{','.join(columns)}\n{rows}\n", encoding="utf-8")
+    scene = read_scene(None, ("model=lagrange",))
+    found = read_table(tmp_path / "orbit.csv", scene, kinematic=True)
+    np.testing.assert_allclose(found.roller_x, rollers, rtol=0.0, atol=5e-9)  # of some 4 µm of approach
+    errors = evaluate(found).y.error
+    assert errors.rms < 1e-3 * 2000.0
+    (tmp_path / "scene.toml").write_text('model = "lagrange"\n', encoding="utf-8")
+    words = [str(tmp_path / "orbit.csv"), "--scene", str(tmp_path / "scene.toml"), "--no-figures", "--quiet"]
+    assert main(words) == 2 and "--kinematic-rollers takes rollers" in capsys.readouterr().err
+    assert main([*words, "--kinematic-rollers"]) == 0
+    assert main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
+    (tmp_path / "scene.toml").write_text("[[spall]]\nwidth_mm = 1.0\n", encoding="utf-8")
+    assert main([*words, "--kinematic-rollers"]) == 2 and "only of perfect rings" in capsys.readouterr().err

@@ -268,8 +268,8 @@ def kick_tilted(compliance, bodies, forces, drive, before):
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         ahead_i, ahead_o, turn_i, turn_o = _ahead(bodies, forces, drive, before, group)
         _move_both(compliance.between, compliance, forces, columns, group, (ahead_i, ahead_o), (turn_i, turn_o))
-        P_i, M_i = _kicked(compliance, forces, tilts, INNER, columns, group, ahead_i, there)
-        P_o, M_o = _kicked(compliance, forces, tilts, OUTER, columns, group, ahead_o, there)
+        P_i, M_i = _kicked(compliance.tables[0], compliance, forces, tilts, INNER, columns, group, ahead_i, there)
+        P_o, M_o = _kicked(compliance.tables[1], compliance, forces, tilts, OUTER, columns, group, ahead_o, there)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, at)
         grow(drive.course, drive, P_i, P_o)
         T_i, T_o = _rubbed(compliance.between, bodies, compliance, forces, drive, before, group, (Q_i, Q_o), (P_i, P_o))
@@ -354,7 +354,7 @@ def _would(forces, row, columns, group, further, turned):
 
 
 @part
-def _kicked(compliance, forces, tilts, row, columns, group, ahead, there):
+def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there):
     """What a kick gives of eight contacts' forces, N, and their moments, N m."""
     met, own, at = forces.tilted.met, forces.tilted, row * columns + group
     Q, approach = load(forces.estimate, at), load(forces.first, at)
@@ -385,9 +385,8 @@ def _kicked(compliance, forces, tilts, row, columns, group, ahead, there):
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
-    _note_furthest(
-        tilts, row, select(there & (Q > 0.0), approach, 0.0), select(there & (Q > 0.0), absolute(slope), 0.0)
-    )
+    reached = there & (approach > table.first_approach)
+    _note_furthest(tilts, row, select(reached, approach, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
 
 

@@ -18,6 +18,7 @@ from fem.solver.tilted_arrays import rigid_compliance, tilted, with_moments, wit
 from lagrange import kinematics
 from lagrange.axial import ContactTable, contact_tables
 from lagrange.axial.facts import Axial
+from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.equations import touching_distances
@@ -100,8 +101,9 @@ def contact_laws_of(problem: Problem) -> Isolated | Tilted:
 
 def _tables(problem: Problem, axial: Axial) -> tuple[ContactTable, ContactTable]:
     """Tables up to a few times the largest static force, made of the slices that the reference has."""
-    laws = problem.laws.inner, problem.laws.outer
-    return contact_tables(problem.bearing, axial, laws, expected_force(problem), problem.operation.misalignment)
+    bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), expected_force(problem)
+    slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))
+    return contact_tables(bearing, axial, laws, force, slope)
 
 
 def _constants(law) -> PowerConstants | Law:

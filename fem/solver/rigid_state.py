@@ -14,6 +14,7 @@ from fem.solver.row_state import RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers, Progress, Samples
+from fem.solver.tilted_arrays import beyond_tables
 
 
 class RigidState(RowState):
@@ -40,6 +41,12 @@ class RigidState(RowState):
         self.bodies, self.compliance, self.forces, self.drive = self.arrays_of(plan)
         self.drives, self.paces = paces_of(plan, self.drive)
         self._before = filled(Before, {"columns": self.bodies.columns})
+
+    def advance(self, most: int) -> Block:
+        block = super().advance(most)
+        if block.trouble is None and (trouble := beyond_tables(self.bodies, self.compliance)) is not None:
+            return replace(block, trouble=trouble)
+        return block
 
     @property
     def may_begin_again(self) -> bool:

@@ -67,3 +67,25 @@ def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
         bent=np.zeros((2, 4, 0)), strays=0.0, crossed=nothing, crossing=none, apart=np.zeros((2, columns)),
         tangential=np.zeros(3), ring_profiles=(None, None), roller_profiles=(None, None),
     )  # fmt: skip
+
+
+def beyond_tables(bodies: RigidBodies, contacts: tuple) -> str | None:
+    """A sentence where closed contacts have been further than their tables go; None: they have not, or have none."""
+    if bodies.tilts is None or not isinstance(contacts, Tilted):
+        return None
+    *approaches, slope = bodies.tilts.furthest.max(axis=1)
+    for law, approach, side in zip(contacts.tables, approaches, ("inner", "outer"), strict=True):
+        deepest = law.first_approach + (law.rows + 1.0) / law.per_approach
+        if approach > deepest:
+            return (
+                f"a roller and the {side} raceway approached by {1e6 * approach:.3g} µm, and contacts that tilt are "
+                f"tabulated up to {1e6 * deepest:.3g} µm, three times the largest force at rest; lower what makes "
+                "rollers strike, or leave [axial] out"
+            )
+        steepest = law.first_slope + (law.columns + 1.0) / law.per_slope
+        if slope > steepest:
+            return (
+                f"a roller and a raceway were misaligned by {1e3 * slope:.3g} mrad, and contacts that tilt are "
+                f"tabulated up to {1e3 * steepest:.3g} mrad; lower clearance or operation.misalignment_mrad"
+            )
+    return None

@@ -12,6 +12,7 @@ from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Operation
 from lagrange.axial import ContactTable
 from lagrange.axial.facts import Axial
+from lagrange.axial.tabulate import steepest_slope
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
@@ -19,13 +20,16 @@ from lagrange.surface.deviation import UNTURNED
 from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
 from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
 
+MOVING = 2.0  # times the force at rest: rollers that move tilt further
+
 
 def tables_of(
     model: ReducedBearing, operation: Operation, axial: Axial, force: float
 ) -> tuple[ContactTable, ContactTable]:
     """Tables of both contacts, for forces at rest of so many N."""
-    laws = model.inner_law, model.outer_law
-    return tilted_tables(model.bearing, axial, laws, force, operation.misalignment)
+    bearing, laws = model.bearing, (model.inner_law, model.outer_law)
+    slope = steepest_slope(bearing, axial, operation.misalignment, float(laws[0].approach(MOVING * force)))
+    return tilted_tables(bearing, axial, laws, force, slope)
 
 
 def tilted_start(

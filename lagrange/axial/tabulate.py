@@ -85,9 +85,6 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
     wanted = known & (slope >= 0.0) if slices.is_symmetric else known
     at, energy = np.nonzero(wanted), np.zeros(signed.shape)
     energy[at] = slices.sums(opening[at[1]] + np.abs(signed[at]), slope[at[1]]).energy
-    # further below it stays as it is there: a jump back to 0 would ring, and open contacts would push
-    last = np.argmax(wanted, axis=0)
-    energy = np.where(np.arange(approach.size)[:, None] < last, energy[last, range(slope.size)], energy)
     if slices.is_symmetric:
         energy[:, :half] = energy[:, :half:-1]
     u = np.sign(signed) * np.sqrt(energy)

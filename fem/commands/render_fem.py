@@ -40,7 +40,9 @@ def _render(
     *,
     output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
     time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
-    view: Annotated[Literal["bearing", "close-up"], Parameter(help="what is seen")] = "bearing",
+    view: Annotated[
+        Literal["bearing", "close-up", "axial"], Parameter(help="what is seen; axial: pressures along the rollers")
+    ] = "bearing",
     field: Annotated[
         Literal["von-mises", "max-shear", "displacement", "photoelastic"] | None,
         Parameter(help="what is coloured; default: von-mises, of a close-up max-shear"),
@@ -101,6 +103,8 @@ def _render(
     samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
     if export is not None:
         return _export(stored, export, samples, quiet)
+    if view == "axial":
+        return _axial(stored, target, animation, samples[0])
     from fem.pictures.look import Request
 
     request = Request(
@@ -116,6 +120,15 @@ def _render(
     from fem.pictures.render import draw
 
     draw(stored, target, request, samples[0])
+    return _done(f"Picture: {target}")
+
+
+def _axial(stored, target: Path, animation: Path | None, sample: int) -> int:
+    if animation is not None:
+        raise UsageError("--view axial: a picture of one instant; leave --animation out")
+    from fem.pictures.axial import draw_axial
+
+    draw_axial(stored, target, sample)
     return _done(f"Picture: {target}")
 
 

@@ -109,7 +109,7 @@ def tilted_pitch(
     stiffness = axial.shaft_tilt_stiffness if axial.has_free_slope else None
     found: list[TiltedStatics] = []
     try:
-        slices, compliance = _contacts(bearing, axial, laws, first)
+        slices, compliance = contacts_of(bearing, axial, laws, first)
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
             standing = TiltedBearing(
@@ -142,7 +142,7 @@ def _hub(whole: np.ndarray, shaft: float | None) -> np.ndarray:
     return whole[:2, :2] - whole[:2, 2:] @ np.linalg.solve(whole[2:, 2:], whole[2:, :2])
 
 
-def _contacts(
+def contacts_of(
     bearing: Bearing, axial: Axial, laws: ContactLaws | None, angle: np.ndarray
 ) -> tuple[tuple[Slices, Slices], np.ndarray | None]:
     """Slices of both contacts, and elastic couplings."""

@@ -8,6 +8,8 @@ from lagrange.bearing import Bearing
 from lagrange.contact.raceway_laws import Pair
 
 SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
+STEPS, HALVINGS = 100, 30  # of Newton's method
+SETTLED = 1e-6  # of a force: it comes from a table
 FAINTEST = 1e-6  # N, of a slice at a roller's end
 
 
@@ -45,3 +47,36 @@ def peak_pressures(slices: Slices, pair: Pair, sharp: bool, approach, slope) -> 
     forces = slices.forces(approach, slope)
     peak = _hertz(pair, slices.count * forces.max(axis=-1))
     return np.where(sharp & (forces[..., [0, -1]].max(axis=-1) > FAINTEST), np.nan, peak)
+
+
+def placed(slices: Slices, force: float, moment: float) -> tuple[float, float]:
+    """Approach, m, and slope, rad, of a contact that bears a force, N, > 0, and a moment, N m.
+
+    Errors
+    ------
+    ValueError: the moment is more than the force at a roller's end, or nothing is found.
+    """
+    arm = float(slices.place[-1])
+    if not abs(moment) < arm * force:
+        raise ValueError(f"a moment of {moment:.4g} N m is beyond what {force:.4g} N within {arm:.4g} m exert")
+    at = np.array([slices.straight_approach(force), 0.0])
+    weight = np.array([1.0, 1.0 / arm])
+
+    def left(at):
+        found = slices.at(at[0], at[1])
+        return found, np.array([force - found.force, found.moment - moment])
+
+    found, missing = left(at)
+    for _ in range(STEPS):
+        size = np.abs(missing * weight).max()
+        if size <= SETTLED * force:
+            return float(at[0]), float(at[1])
+        matrix = np.array([[found.stiffness, found.cross], [found.cross, found.tilt_stiffness]])
+        step = np.linalg.solve(matrix + 1e-9 * np.diag(np.diag(matrix)), missing)
+        for _ in range(HALVINGS):
+            near = left(at + step)
+            if np.abs(near[1] * weight).max() < size:
+                break
+            step = 0.5 * step
+        at, (found, missing) = at + step, near
+    raise ValueError(f"no place of a roller is found at which its slices bear {force:.4g} N and {moment:.4g} N m")

@@ -1,0 +1,114 @@
+"""The third dimension of a run: pressure over the unrolled raceways, and the most loaded roller from its side."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.pictures.recover import StoredRun
+from fem.rating.tilted import contacts_of
+from lagrange import contact_laws
+from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.files.output import replaced
+
+SIDES = ("inner", "outer")
+ROOM = 0.8  # of the pitch, that a roller takes up in the picture
+FAINT = 1e-3  # of the largest force: contacts drawn as open
+INCHES, DOTS = 9.0, 160  # width of the picture, and per inch
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxialPressures:
+    """Pressures along rollers at an instant; SI."""
+
+    time: float
+    place: np.ndarray  # (n_slices,), m, along the axis from the middle
+    angle: np.ndarray  # (n_rollers,), rad from the load's direction, counter-clockwise, in (−π, π]
+    pressure: np.ndarray  # (2, n_rollers, n_slices), Pa, inner and outer raceway
+    drop: np.ndarray  # (2, n_slices), m, of roller and raceway together
+    slope: np.ndarray  # (2, n_rollers), rad, of roller and ring to each other
+    sharp: np.ndarray  # (2,), whether a loaded edge has no peak pressure
+
+
+def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
+    """From stored forces and moments, by the slices of the scene's contacts.
+
+    Errors
+    ------
+    UsageError: the scene has no [axial].
+    """
+    scene = stored.scene
+    axial, bearing = scene.ideal_axial(), scene.perfect_bearing()
+    if axial is None:
+        raise UsageError(f"{stored.path}: the scene has no [axial]; --view axial is of rollers that tilt")
+    laws = contact_laws(scene.lagrange.law, bearing) if scene.model == "lagrange" else None
+    x, y = stored.column("roller_x")[sample], stored.column("roller_y")[sample]
+    angle = np.angle(1j * (x + 1j * y))
+    slices, _ = contacts_of(bearing, axial, laws, np.arctan2(y, x))
+    pressure, slope = np.zeros((2, angle.size, axial.slices)), np.zeros((2, angle.size))
+    for k, (side, pair) in enumerate(zip(SIDES, contact_pairs(bearing), strict=False)):
+        forces, moments = (stored.column(f"{side}_{name}")[sample] for name in ("force", "moment"))
+        for j in np.flatnonzero(forces > FAINT * forces.max()):
+            try:
+                approach, slope[k, j] = placed(slices[k], float(forces[j]), float(moments[j]))
+            except ValueError as error:
+                raise UsageError(f"{stored.path}: roller {j} at {1e3 * stored.times[sample]:.4g} ms: {error}") from None
+            pressure[k, j] = pressures(slices[k], pair, approach, slope[k, j])
+    ends = pressure[:, :, [0, -1]].max(axis=(1, 2)) > 0.0
+    return AxialPressures(
+        time=float(stored.times[sample]), place=axial.centres(bearing), angle=angle, pressure=pressure,
+        drop=axial.drops(bearing), slope=slope, sharp=sharp_ends(bearing, axial) & ends,
+    )  # fmt: skip
+
+
+def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
+    """Write a PNG of the pressures at a sample."""
+    import matplotlib.pyplot as plt
+
+    found = axial_pressures(stored, sample)
+    figure = axial_figure(found)
+    figure.suptitle(f"{stored.scene.name}, {1e3 * found.time:.4g} ms, {stored.scene.method}", fontsize=10)
+    with replaced(target) as file:
+        figure.savefig(file, dpi=DOTS, format="png")
+    plt.close(figure)
+
+
+def axial_figure(found: AxialPressures):
+    """Both raceways unrolled, and the most loaded roller from its side with its profile and pressures."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(2, 2, figsize=(INCHES, 0.62 * INCHES), width_ratios=(2.2, 1.0), layout="constrained")
+    z, half = 1e3 * found.place, 0.5 * ROOM * 360.0 / found.angle.size
+    edges = np.append(z - 0.5 * (z[1] - z[0]), z[-1] + 0.5 * (z[1] - z[0]))
+    largest = 1e-6 * float(found.pressure.max())
+    most = int(found.pressure[0].max(axis=1).argmax())
+    for k, (side, (raceway, roller)) in enumerate(zip(SIDES, axes, strict=True)):
+        for j, middle in enumerate(np.degrees(found.angle)):
+            shown = raceway.pcolormesh(
+                [middle - half, middle + half], edges, 1e-6 * found.pressure[k, j][:, None],
+                vmin=0.0, vmax=max(largest, 1.0), cmap="inferno_r",
+            )  # fmt: skip
+        raceway.set(xlim=(-180, 180), ylabel="along the axis, mm", title=f"{side} raceway")
+        raceway.set_xticks([-180, -90, 0, 90, 180])
+        _side(roller, found, k, most)
+    axes[1, 0].set_xlabel("angle from the load, °")
+    axes[0, 1].set_title(f"roller {most}")
+    axes[1, 1].set_xlabel("along the axis, mm")
+    figure.colorbar(shown, ax=axes[:, 0], label="pressure, MPa", shrink=0.8)
+    return figure
+
+
+def _side(axis, found: AxialPressures, k: int, roller: int) -> None:
+    """Pressure along a roller, and below it how far its profile and tilt take it from the raceway."""
+    z, gap = found.place, found.drop[k] + found.slope[k, roller] * found.place
+    below = axis.twinx()
+    below.plot(1e3 * z, 1e6 * (gap - gap.min()), color="0.5", linewidth=0.9)
+    below.set_ylabel("gap, undeformed, µm", color="0.4")
+    below.set_ylim(0.0, 3.0 * max(1e6 * float(np.ptp(gap)), 1.0))
+    axis.fill_between(1e3 * z, 1e-6 * found.pressure[k, roller], color="C3", alpha=0.6, step="mid")
+    axis.set(ylabel="pressure, MPa", ylim=(0.0, None), xlim=(1e3 * z[0], 1e3 * z[-1]))
+    peak = SHARP.partition(",")[0] if found.sharp[k] else f"{1e-6 * found.pressure[k, roller].max():.0f} MPa"
+    axis.text(0.5, 0.97, f"{peak}\n{1e3 * found.slope[k, roller]:.2f} mrad", transform=axis.transAxes, ha="center",
+              va="top", fontsize=8)  # fmt: skip

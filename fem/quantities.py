@@ -130,12 +130,14 @@ def _of_record(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str,
 
 
 def _pressures(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """Largest pressures and half-widths of both raceways; NaN of balls."""
+    """Largest pressures and half-widths of both raceways; NaN of balls, and of rollers that tilt."""
     from lagrange.rating.contact_stress import hertz_columns
     from lagrange.rating.sources import Unavailable
 
     largest = {f"{side}_force": samples[f"{side}_force"].max() for side in ("inner", "outer")}
     try:
+        if "roller_tilt" in samples:
+            raise Unavailable("rollers tilt")
         found = hertz_columns(bearing, largest)
     except Unavailable:
         found = dict.fromkeys(DERIVED, np.array(nan))

@@ -155,9 +155,10 @@ def run_summary(
 
     `ideal` : mean motion without slip; None: a ring turns both ways, and no slip or passing frequency has a meaning
     """
-    seen, caged = RunStatistics(), CageStatistics()
+    seen, caged, tilts = RunStatistics(), CageStatistics(), False
     for block in blocks:
         seen.add(block)
+        tilts = tilts or "roller_tilt" in block
         if "cage_x" in block:
             caged.add(block)
     found = {"hub": str(seen.hub)}
@@ -167,7 +168,7 @@ def run_summary(
         found["outer ring"] = f"{seen.outer_ring}, from its bore's"
     if seen.housing.samples:
         found["housing"] = str(seen.housing)
-    found["largest loads"] = largest_loads(bearing, *seen.largest)
+    found["largest loads"] = largest_loads(bearing, *seen.largest, tilts=tilts)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
     whose = "rollers' orbit" if caged.samples else "cage"
@@ -188,12 +189,12 @@ def passes(ideal: Kinematics, cage_speed: float) -> str:
     return f"outer ring (BPFO) {lines['BPFO']:.4g} Hz, inner ring (BPFI) {lines['BPFI']:.4g} Hz"
 
 
-def largest_loads(bearing: Bearing, inner: float, outer: float) -> str:
-    """The largest force at each raceway, N, in words; of rollers each with its own Hertz pressure."""
+def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool = False) -> str:
+    """The largest force at each raceway, N, in words; of rollers that do not tilt each with its Hertz pressure."""
     parts = []
     for row, (raceway, force) in enumerate((("inner", float(inner)), ("outer", float(outer)))):
         pressure = ""
-        if not isinstance(bearing, BallBearing):
+        if not tilts and not isinstance(bearing, BallBearing):
             pressure = f" ({1e-6 * contact_pairs(bearing)[row].peak_pressure(force):.0f} MPa)"
         parts.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
     return ", ".join(parts)

@@ -87,7 +87,7 @@ def axial_figure(found: AxialPressures):
     for k, (side, (raceway, roller)) in enumerate(zip(SIDES, axes, strict=True)):
         for j, middle in enumerate(np.degrees(found.angle)):
             shown = raceway.pcolormesh(
-                [middle - half, middle + half], edges, 1e-6 * found.pressure[k, j][:, None],
+                [middle - half, middle + half], edges, np.ma.masked_equal(1e-6 * found.pressure[k, j][:, None], 0.0),
                 vmin=0.0, vmax=max(largest, 1.0), cmap="inferno_r",
             )  # fmt: skip
         raceway.set(xlim=(-180, 180), ylabel="along the axis, mm", title=f"{side} raceway")

@@ -64,7 +64,7 @@ def variables_of(scene: Scene) -> Variables:
 
 def readable(scene: Scene) -> Variables:
     """What a run of this scene can be asked for: its columns, and what is computed from them when it is read."""
-    return {**variables_of(scene), **({} if scene.bearing.type == "ball" else DERIVED)}
+    return {**variables_of(scene), **(DERIVED if scene.bearing.type == "roller" and scene.axial is None else {})}
 
 
 @dataclass(frozen=True, kw_only=True)

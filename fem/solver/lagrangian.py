@@ -174,7 +174,7 @@ class LagrangianPlan(CompiledPlan):
             **step_rows(self, ", halved where contacts rattle"),
             "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
-            "largest static forces": largest_loads(problem.bearing, *largest),
+            "largest static forces": largest_loads(problem.bearing, *largest, tilts=problem.axial is not None),
         }
 
 

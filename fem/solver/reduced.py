@@ -131,7 +131,10 @@ class ReducedPlan(CompiledPlan):
             **step_rows(self),
             "expected time": in_words("reduced", self.expected_seconds),
             "largest static forces": largest_loads(
-                self.model.bearing, start.inner_force.max(), start.outer_force.max()
+                self.model.bearing,
+                start.inner_force.max(),
+                start.outer_force.max(),
+                tilts=self.scene.axial is not None,
             ),
         }
 

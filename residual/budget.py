@@ -30,6 +30,7 @@ from lagrange.load_history import load_share
 from residual.fitted_laws import Identification, Law, inner_law, law_force, spring_and_damper
 from residual.record import CageMotion, Record
 from residual.spectrum import Statistics, rms
+from residual.tilt import SlicedLaw, moment_resultant
 
 # terms that the run's own forces account for: without them the error is the momentum balance
 ACCOUNTED = ("contact_law", "damping", "friction", "cage", "load_and_weight")
@@ -70,6 +71,7 @@ class Budget:
     x: DirectionBudget
     y: DirectionBudget
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
+    law_resultant: tuple[np.ndarray, np.ndarray]  # (n_times,), N, of these on the hub, x and y
     contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
@@ -98,20 +100,41 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     if shaft is not None:
         x, y = (shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
         held = x, y
-    errors = error_forces(record.acting, *accelerations.whole, *contact_resultant(contacts, force), held)
+    pushed = resultant_by(law, record, contacts, force)
+    errors = error_forces(record.acting, *accelerations.whole, *pushed, held)
     if record.inner_force is None:
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
         inertia = (_inertia_terms(record, accelerations, i) for i in range(2))
         forces = _force_terms(record, contacts, spring, damper)
+        forces["contact_law"] = _with_moments(law, record, contacts, forces["contact_law"])
         rest = "ring_flexibility" if record.attributes else "other_forces"
         x, y = (
             _split(error, known | {name: pair[i] for name, pair in forces.items()}, rest)
             for i, (error, known) in enumerate(zip(errors, inertia, strict=True))
         )
         loaded = record.inner_force > 0.0
-    return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
+    return Budget(
+        x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded, law_resultant=pushed
+    )
+
+
+def resultant_by(law: Law, record: Record, contacts: Overlaps, force) -> tuple[np.ndarray, np.ndarray]:
+    """Sum of a law's forces, N, (n_times, n_rollers), on the hub, with what moments of tilted contacts push aside."""
+    x, y = contact_resultant(contacts, force)
+    if not isinstance(law, SlicedLaw):
+        return x, y
+    aside_x, aside_y = moment_resultant(record, contacts, law.moment(contacts.inner))
+    return x + aside_x, y + aside_y
+
+
+def _with_moments(law: Law, record: Record, contacts: Overlaps, term) -> tuple[np.ndarray, np.ndarray]:
+    """The term of the law with what its moments of tilted contacts, less the run's, push aside."""
+    if not isinstance(law, SlicedLaw) or record.inner_moment is None:
+        return term
+    x, y = moment_resultant(record, contacts, record.inner_moment - law.moment(contacts.inner))
+    return term[0] + x, term[1] + y
 
 
 def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict[str, np.ndarray]:
@@ -218,13 +241,13 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     laws |= {name: found.law for name, found in identified.items()}
     late = slice(max((found.samples for found in identified.values()), default=0), None)
     contacts = budget.contacts
-    resultant = contact_resultant(contacts, budget.law_force)
+    resultant = budget.law_resultant
     inertia_and_load = [d.error + push for d, push in zip((budget.x, budget.y), resultant, strict=True)]
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
     closed, scores = run_force > 0.0, []
     for name, law in laws.items():
         force = law_force(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
-        pushes = contact_resultant(contacts, force)
+        pushes = resultant_by(law, record, contacts, force)
         contact_rms = rms((run_force - force[late])[closed]) if closed.any() else None
         error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))
         scores.append(LawScore(name=name, errors=(error_x, error_y), contact_rms=contact_rms))

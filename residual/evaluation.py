@@ -44,6 +44,7 @@ from residual.spectrum import (
     kinematic_lines,
     power_spectrum,
 )
+from residual.tilt import TiltErrors, has_tilts, tilt_errors
 from residual.vibration import Vibration, measured, vibration
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
@@ -92,6 +93,7 @@ class Evaluation:
     reference: tuple[float, str]  # N, what errors are compared with, and its name, see `reference_force`
     too_coarse: TooCoarse | None  # of a run of ours that vibrates beyond its samples
     position_noise: PositionNoise | None  # of a table
+    tilt: TiltErrors | None  # of rollers that tilt
     notes: tuple[str, ...]
 
     @property
@@ -201,7 +203,6 @@ def evaluate(
     notes = list(record.notes)
     if isinstance(law, str) and law not in FITTED:
         notes += filter(None, [caution(law, record.bearing)])
-        law = inner_law(law, record)
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
@@ -215,6 +216,8 @@ def evaluate(
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
+    if isinstance(law, str) and law not in FITTED:
+        law = inner_law(law, used)
     chatter = chatter_gap(used)
     identified, unfitted = _identify(used, approach[first:], closing_speed, chatter, law)
     if isinstance(law, str):
@@ -267,7 +270,8 @@ def evaluate(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=coarse,
-        reference=reference, position_noise=position_noise(used, law, budget, order), notes=(),
+        reference=reference, position_noise=position_noise(used, law, budget, order),
+        tilt=tilt_errors(used, law.name, order) if has_tilts(used) else None, notes=(),
     )  # fmt: skip
     errs = found.position_noise
     if errs is not None and hypot(*errs.error) > max(SOUND * reference[0], found.noise):

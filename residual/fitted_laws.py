@@ -22,6 +22,7 @@ from residual.errors import InputError
 from residual.load_zone import load_zones
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import rms
+from residual.tilt import SlicedLaw, has_tilts, sliced
 
 FIXED_POINT_STEPS = 60  # gain 0.5: round-off
 FIT_SHARE = 0.5  # of the record
@@ -84,7 +85,7 @@ class DampedLaw:
         return self.spring.slope(approach)
 
 
-Law = PowerLaw | LogarithmicLaw | DampedLaw
+Law = PowerLaw | LogarithmicLaw | DampedLaw | SlicedLaw
 
 
 def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
@@ -95,6 +96,8 @@ def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
 
 def spring_and_damper(law: Law, approach, closing_speed, compliance=0.0) -> tuple[np.ndarray, np.ndarray | float]:
     """The same, springs' and dampers' apart."""
+    if isinstance(law, SlicedLaw):
+        return law.force(approach), 0.0
     spring = softened(law.spring if isinstance(law, DampedLaw) else law, compliance)
     force = spring.force(approach)
     if not isinstance(law, DampedLaw):
@@ -294,6 +297,8 @@ def _law(found: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
 def inner_law(name: str, record: Record) -> Law:
     """Named law of the inner contact, with the scene's damping of contacts."""
     law = contact_laws(name, record.bearing).inner
+    if has_tilts(record):
+        return sliced(record, law)
     damping = record.scene.damping.contacts
     return DampedLaw(spring=law, damping=damping) if damping.acts else law
 
@@ -305,6 +310,8 @@ def identify(record: Record, approach, closing_speed, bridge: int, name: str) ->
     ------
     InputError: the source holds no forces, or they fix no law.
     """
+    if has_tilts(record):
+        raise InputError(f"{record.source}: no law is fitted to rollers that tilt; choose a named law")
     if record.inner_force is None:
         raise InputError(
             f"{record.source}: the law {name} is fitted to the run's own contact forces, which this source does "

@@ -101,6 +101,12 @@ class Record:
     outer_traction: np.ndarray | None = None
     inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
     outer_damping_force: np.ndarray | None = None
+    roller_tilt: np.ndarray | None = None  # (n_times, n_rollers), rad, of rollers that tilt, as the columns below
+    roller_skew: np.ndarray | None = None
+    inner_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, of contacts
+    outer_moment: np.ndarray | None = None
+    inner_slope_x: np.ndarray | None = None  # (n_times,), rad, of the hub's axis
+    inner_slope_y: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage

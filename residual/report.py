@@ -26,6 +26,7 @@ from residual.record import Record, varies
 from residual.run_comparison import difference_rows, headings, paper_rows, same_run
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
+from residual.tilt import TiltErrors, tilt_summary
 
 TEMPLATES = Path(__file__).parent / "templates"
 GROUPS = ("against", "motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by places on the page
@@ -122,10 +123,24 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
     ]
     if t.inner_force is not None:
         facts.append(("Largest roller load in the run", f"{text(float(t.inner_force.max()))} N"))
+    if evaluation.tilt is not None:
+        facts += _tilts(evaluation.tilt)
     for key, label in (("degrees_of_freedom", "Degrees of freedom"), ("status", "Status of the run")):
         if key in t.attributes:
             facts.append((label, str(t.attributes[key])))
     return facts
+
+
+def _tilts(found: TiltErrors) -> list[tuple[str, str]]:
+    """Rows of tilts, error moments and the moment on the shaft."""
+    numbers = tilt_summary(found)
+    moment, balance = numbers["error_moment"]["rms_N_m"], numbers["budget"]["balance"]["rms_N_m"]
+    x, y = (numbers[f"hub_moment_{axis}"]["mean_N_m"] for axis in "xy")
+    return [
+        ("Largest tilt of a roller", f"{text(1e3 * found.largest_tilt)} mrad"),
+        ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m with the run's own moments"),
+        ("Moment on the shaft beside contacts, mean", f"{text(x)} N m along x, {text(y)} N m along y"),
+    ]
 
 
 def _operation(record: Record) -> str:

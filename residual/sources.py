@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.columns import columns_of
 from lagrange.files.hdf5 import (
     SIGNATURE,
     Damaged,
@@ -133,6 +134,7 @@ def _variables(scene: Scene) -> tuple[list[str], list[str]]:
     held = [*OPTIONAL, *(name for name in mounting.columns if name.endswith(("_ax", "_ay")))]
     held += [OF_SUPPORT] if mounting.housing is not None else []
     held += SHAFT if mounting.shaft is not None else ()
+    held += columns_of("axial") if scene.axial is not None else ()
     held += [*ENERGIES, *(DAMPERS if scene.damping.acts else ())]
     return [*MOTION, *mounting.centre[:2]], held
 

@@ -18,6 +18,7 @@ from residual.record import CageMotion, Record
 from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
+from residual.tilt import tilt_summary
 from residual.vibration import BandLevel, FaultLine, Vibration
 from residual.vibration_tables import told_angle, unseen
 
@@ -160,6 +161,7 @@ def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> d
         "notes": list(evaluation.notes),
         "laws": numbers(evaluation.laws),
         "identification": _identification(evaluation),
+        **({} if evaluation.tilt is None else {"tilt": tilt_summary(evaluation.tilt)}),
     }
     for d in directions:
         terms = d.budget.terms

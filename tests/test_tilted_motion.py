@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from fem.errors import UsageError
+from fem.runner import RunOptions, run_scene
 from fem.solver.simulate import make_plan, run
 from lagrange import contact_laws, simulate
 from lagrange.scene.scene import Scene, SceneError
+from residual.evaluation import evaluate
+from residual.sources import read_result
 
 
 def scene(model, axial=(), **changes):
@@ -82,3 +85,20 @@ def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, re
 def test_meshes_are_plane_sections():
     with pytest.raises(UsageError, match='take model = "reduced"'):
         make_plan(scene("fem"))
+
+
+def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
+    path = tmp_path / "tilted.nc"
+    found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0, lagrange__law="johnson")
+    run_scene(found, path, RunOptions(quiet=True))
+    checked = evaluate(read_result(path))
+    force, tilt = float(checked.force.max()), checked.tilt
+    for direction in checked.directions:  # but for what differentiation of samples misses
+        terms = direction.budget.terms
+        assert np.abs(terms["contact_law"]).max() < 1e-9 * force
+        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * force
+    assert np.abs(tilt.contact_law).max() < 1e-9
+    assert tilt.error == pytest.approx(tilt.contact_law + tilt.balance, abs=1e-12)
+    assert tilt.hub[1].mean() < -1.5  # N m: the shaft is held against the load's side
+    soft = evaluate(read_result(path), law="harris")
+    assert np.abs(soft.tilt.contact_law).max() > 1e-3  # another law is found out

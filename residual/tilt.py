@@ -1,0 +1,160 @@
+"""Rollers that tilt: laws in slices along the run's own tilts, error moments of rollers, the moment on the shaft."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+
+from lagrange.axial.slices import Slices
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw, contact_laws
+from lagrange.equations import Overlaps
+from lagrange.motion import State
+from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
+from residual.differentiate import derivative
+from residual.record import Record
+
+BLOCK = 4096  # samples whose slices are held in memory at a time
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlicedLaw:
+    """A contact's law in slices at a record's misalignments; force and slope of approaches of the record's shape."""
+
+    whole: PowerLaw | LogarithmicLaw  # of the whole length
+    slices: Slices
+    misalignment: np.ndarray  # (n_times, n_rollers), rad
+
+    @property
+    def name(self) -> str:
+        return self.whole.name
+
+    @property
+    def source(self) -> str:
+        return f"{self.whole.source}, in {self.slices.count} slices"
+
+    def force(self, approach) -> np.ndarray:
+        """N, >= 0."""
+        return self._of("force", approach)
+
+    def slope(self, approach) -> np.ndarray:
+        """dQ/dδ, N/m."""
+        return self._of("stiffness", approach)
+
+    def moment(self, approach) -> np.ndarray:
+        """Force times z, N m."""
+        return self._of("moment", approach)
+
+    def _of(self, name: str, approach) -> np.ndarray:
+        found = np.empty_like(self.misalignment)
+        for first in range(0, len(found), BLOCK):
+            part = slice(first, first + BLOCK)
+            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part]), name)
+        return found
+
+
+def has_tilts(record: Record) -> bool:
+    """Whether the source holds the slopes of rollers that tilt."""
+    return record.scene.axial is not None and record.roller_tilt is not None and record.inner_slope_x is not None
+
+
+def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False) -> SlicedLaw:
+    """A law of the whole length in slices, of inner or outer contacts at a record's slopes."""
+    axial, bearing = record.scene.ideal_axial(), record.bearing
+    if axial is None or record.roller_tilt is None:
+        raise ValueError("the record has no rollers that tilt")
+    slices = Slices(law=whole, place=axial.centres(bearing), drop=axial.drops(bearing)[int(outer)])
+    misalignment = -record.roller_tilt if outer else misaligned(record, record.contacts)[0]
+    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment)
+
+
+def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
+    """ψ of the inner contacts, and the slopes' part across their normals, rad, (n_times, n_rollers) each."""
+    angle = np.arctan2(record.roller_y, record.roller_x)
+    tilt, skew = np.asarray(record.roller_tilt), np.asarray(record.roller_skew)
+    x = tilt * np.cos(angle) + skew * np.sin(angle) - np.asarray(record.inner_slope_x)[:, None]
+    y = tilt * np.sin(angle) - skew * np.cos(angle) - np.asarray(record.inner_slope_y)[:, None]
+    nx, ny = -contacts.direction_x, -contacts.direction_y
+    return x * nx + y * ny, y * nx - x * ny
+
+
+def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.ndarray, np.ndarray]:
+    """Forces by which inner contacts' moments, N m, push the hub aside, x and y, (n_times,), N."""
+    push = moment * misaligned(record, contacts)[1] / contacts.distance
+    return np.sum(-push * contacts.direction_y, axis=1), np.sum(push * contacts.direction_x, axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltErrors:
+    """Error moments of equations of tilt; their terms, `contact_law` and `balance`, add up to them."""
+
+    error: np.ndarray  # (n_times, n_rollers), N m, of the rollers' tilt by the law
+    contact_law: np.ndarray  # moments of the law less the run's, with the sign that they have in the error
+    balance: np.ndarray  # the error with the run's own moments
+    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else than contacts must give the hub's slope
+    largest_tilt: float  # rad
+
+
+def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
+    """Put a record's tilts into the equations of τ and of the hub's slope; `law` : by name; `order` : of stencils."""
+    laws, bearing, contacts, interval = (
+        contact_laws(law, record.bearing),
+        record.bearing,
+        record.contacts,
+        record.interval,
+    )
+    inner = sliced(record, laws.inner).moment(contacts.inner)
+    outer = sliced(record, laws.outer, outer=True).moment(contacts.outer)
+    theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    columns = {
+        "tilt": np.asarray(record.roller_tilt), "skew": np.asarray(record.roller_skew),
+        "slope_x": np.asarray(record.inner_slope_x), "slope_y": np.asarray(record.inner_slope_y),
+    }  # fmt: skip
+    rates = {f"{name}_rate": derivative(value, interval, 1, order) for name, value in columns.items()}
+    gains = {name: derivative(value, interval, 2, order) for name, value in columns.items()}
+    state = State(
+        x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
+        x_rate=0.0, y_rate=0.0, rho_rate=np.zeros_like(theta), theta_rate=derivative(theta, interval, 1, order),
+        tilts=Tilts(**columns, **rates),
+    )  # fmt: skip
+    cos, sin = np.cos(theta), np.sin(theta)
+    nx, ny = -contacts.direction_x, -contacts.direction_y
+    normal = nx * cos + ny * sin, ny * cos - nx * sin
+    at = Misalignments(*misaligned(record, contacts)[:1], *(3 * (np.zeros_like(theta),)))
+
+    def left(moments):
+        more = TiltedContacts(
+            inner_moment=moments[0], outer_moment=moments[1], energy=np.zeros_like(theta), at=at, normal=normal
+        )
+        around, met = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
+        of_tilt, _ = tilt_equations(bearing, record.acting, state, met, gains["tilt"], gains["skew"], around)
+        axial = record.scene.ideal_axial()
+        hub = hub_tilt(record.operation, axial) if axial is not None else None
+        return of_tilt, hub_slope_equations(bearing, record.acting, hub, state, met, gains["slope_x"], gains["slope_y"])
+
+    own = tuple(
+        law if run is None else run for run, law in ((record.inner_moment, inner), (record.outer_moment, outer))
+    )
+    (error, hub), (balance, _) = left((inner, outer)), left(own)
+    return TiltErrors(
+        error=error, contact_law=error - balance, balance=balance, hub=hub,
+        largest_tilt=float(np.abs(np.asarray(record.roller_tilt)).max()),
+    )  # fmt: skip
+
+
+def tilt_summary(found: TiltErrors) -> dict:
+    """Numbers of error moments, N m, as JSON has them."""
+
+    def numbers(values: np.ndarray) -> dict[str, float]:
+        rms = float(np.sqrt(np.mean(np.square(values))))
+        return {
+            "mean_N_m": float(np.mean(values)), "rms_N_m": rms, "std_N_m": float(np.std(values)),
+            "max_abs_N_m": float(np.abs(values).max()),
+        }  # fmt: skip
+
+    return {
+        "error_moment": numbers(found.error),
+        "budget": {"contact_law": numbers(found.contact_law), "balance": numbers(found.balance)},
+        **{f"hub_moment_{axis}": numbers(values) for axis, values in zip("xy", found.hub, strict=True)},
+        "largest_tilt_rad": found.largest_tilt,
+    }

@@ -93,6 +93,6 @@ def test_contacts_that_waves_owe_energy_are_refused():
     plan = plan_of(*RATTLING)
     arrays, numbers = plan.first_state().to_keep()
     arrays = {name: array.copy() for name, array in arrays.items()}
-    arrays["radiation.owed"][0, 3] = -1e-6
+    arrays["forces.radiation.owed"][0, 3] = -1e-6
     with pytest.raises(ValueError, match="owed energy by waves"):
         plan.first_state().take_back(arrays, numbers)

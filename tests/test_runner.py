@@ -45,7 +45,7 @@ MODELS = ("finite elements", "reduced", "Lagrangian", "toy")
 @pytest.fixture(autouse=True)
 def strict(monkeypatch):
     """A run begins again for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
-    monkeypatch.setattr("fem.solver.lagrangian.ENERGY_TOLERANCE", 3e-4)
+    monkeypatch.setattr("fem.solver.lagrangian_judge.ENERGY_TOLERANCE", 3e-4)
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from lagrange.load_history import Course
+from lagrange.load_history import LoadHistory
 from lagrange.mounting import HELD, Mounting
 from lagrange.surface.faults import Fault
 
@@ -208,24 +208,24 @@ class Operation:
     mounting: Mounting = HELD
     side_load: float = 0.0  # N, along +x
     misalignment: float = 0.0  # slope of the shaft in the plane of the load, rad; > 0: its +z end towards the load
-    course: Course | None = None  # how speeds and loads, which are those at t = 0, go on; None: they stay
+    history: LoadHistory | None = None  # how speeds and loads, which are those at t = 0, go on; None: they stay
     outer_speed: float = 0.0  # of the outer ring, which turns about its fixed centre, rad/s
 
-    def going_on(self, **course) -> "Operation":
-        """With a `Course` of these entries."""
-        found = Course(**course)
+    def going_on(self, **history) -> "Operation":
+        """With a `LoadHistory` of these entries."""
+        found = LoadHistory(**history)
         x, y = found.force(0.0)
         speed, outer_speed = (float(each) for each in found.ring_speeds(0.0))
         return replace(
-            self, speed=speed, outer_speed=outer_speed, radial_load=-float(y), side_load=float(x), course=found
+            self, speed=speed, outer_speed=outer_speed, radial_load=-float(y), side_load=float(x), history=found
         )
 
     def at(self, time) -> "Operation":
-        """What acts at a time, s, without a course; at times, (n_times,), speed and loads are such arrays."""
-        if self.course is None:
+        """What acts at a time, s, without a history; at times, (n_times,), speed and loads are such arrays."""
+        if self.history is None:
             return self
-        (x, y), (speed, outer_speed) = self.course.force(time), self.course.ring_speeds(time)
-        return replace(self, speed=speed, outer_speed=outer_speed, radial_load=-y, side_load=x, course=None)
+        (x, y), (speed, outer_speed) = self.history.force(time), self.history.ring_speeds(time)
+        return replace(self, speed=speed, outer_speed=outer_speed, radial_load=-y, side_load=x, history=None)
 
     @property
     def ring_speeds(self) -> tuple[float, float]:
@@ -235,7 +235,7 @@ class Operation:
     @property
     def heaviest(self) -> float:
         """The largest load, N, or a bound of it."""
-        return self.radial_load if self.course is None else self.course.heaviest
+        return self.radial_load if self.history is None else self.history.heaviest
 
     @property
     def fastest(self) -> float:
@@ -245,18 +245,18 @@ class Operation:
     @property
     def ring_speeds_met(self) -> tuple[np.ndarray, np.ndarray]:
         """Speeds of both rings wherever one is highest or lowest, rad/s, (n,) each."""
-        if self.course is None:
+        if self.history is None:
             return np.array([self.speed]), np.array([self.outer_speed])
-        return self.course.ring_speeds_met
+        return self.history.ring_speeds_met
 
     @property
     def varies_speed(self) -> bool:
-        return self.course is not None and self.course.varies_speed
+        return self.history is not None and self.history.varies_speed
 
     @property
     def is_steady(self) -> bool:
         """Whether neither speeds nor loads change, in size or direction."""
-        return self.course is None or self.course.is_steady
+        return self.history is None or self.history.is_steady
 
 
 Guidance = Literal["rollers", "inner_ring", "outer_ring"]

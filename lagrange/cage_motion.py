@@ -145,11 +145,11 @@ def holding_cage(bearing: Bearing, operation: Operation, time, state: State, tou
 
     Parameters
     ----------
-    operation : that of the run's start; its course tells how the cage speeds up
+    operation : that of the run's start; its history tells how the cage speeds up
     """
     nothing, per_roller = np.zeros(len(time)), np.zeros(state.rho.shape)
-    course = operation.course
-    gain = 0.0 if course is None else kinematics(bearing, *course.ring_speeds(time[:, None], 1)).cage
+    history = operation.history
+    gain = 0.0 if history is None else kinematics(bearing, *history.ring_speeds(time[:, None], 1)).cage
     ring = housing_accelerations(bearing, operation, state, touch)
     *_, free = accelerations(bearing, operation, state, touch, ring)
     force = bearing.roller_mass * state.rho * (gain - free)

@@ -182,7 +182,7 @@ def _rates(
     largest = np.abs(rates).max()
     moves = 2.0 * DIFFERENCE * largest > NO_MOVE
     surface = surface_speed(bearing, operation)
-    too_fast = operation.course is None and np.hypot(rates[0], rates[1]) > JUMP * surface
+    too_fast = operation.history is None and np.hypot(rates[0], rates[1]) > JUMP * surface
     if moves and (too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest):
         return np.zeros_like(rates), JUMPS
     return rates, SOFT if values.size < 2 and operation.fastest > 0.0 else None
@@ -248,7 +248,7 @@ class Problem:
         if self.start == "rest" and self.axial is None:
             return rest_state(self.bearing, operation)
         if self.load_ramp > 0.0:
-            operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
+            operation = replace(operation, radial_load=0.0, side_load=0.0, history=None)
         if self.axial is not None:
             return tilted_state(self.bearing, operation, self.laws, self.axial)
         return equilibrium_state(self.bearing, operation, self.laws)

@@ -79,18 +79,18 @@ def mean_kinematics(bearing: Bearing, operation: Operation, time: float) -> Kine
 
     None where a ring turns both ways: a slip over the mean has no meaning.
     """
-    course = operation.course
-    if course is None or not course.varies_speed or time <= 0.0:
+    history = operation.history
+    if history is None or not history.varies_speed or time <= 0.0:
         return kinematics(bearing, *operation.ring_speeds)
-    if course.reverses(time):
+    if history.reverses(time):
         return None
-    return kinematics(bearing, *(float(turn) / time for turn in course.ring_turns(time)))
+    return kinematics(bearing, *(float(turn) / time for turn in history.ring_turns(time)))
 
 
 def turned(bearing: Bearing, operation: Operation, time) -> Kinematics:
     """How far rings, cage and rollers have turned since t = 0 by rolling without slip, rad; `time` in s, any shape."""
-    if operation.course is not None:
-        return kinematics(bearing, *operation.course.ring_turns(time))
+    if operation.history is not None:
+        return kinematics(bearing, *operation.history.ring_turns(time))
     ideal = kinematics(bearing, *operation.ring_speeds)
     way = {name: getattr(ideal, name) * time for name in ("shaft", "cage", "roller", "outer_ring")}
     return replace(ideal, **way)

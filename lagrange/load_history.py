@@ -39,7 +39,7 @@ STEEPEST = 1.25  # of the straight lines on either side; see above
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Course:
+class LoadHistory:
     """The rings' turns and the load as functions of time, s; SI."""
 
     turn: "PPoly"  # rad, of the shaft from t = 0 on

@@ -44,13 +44,13 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
     if is_plain(bearing):
         return operation
     load, stiffness = load_factor(bearing), stiffness_factor(bearing)
-    course = operation.course
-    if course is not None:
-        course = replace(
-            course,
-            load=type(course.load)(course.load.c / load, course.load.x),
-            unbalance=course.unbalance / load,
-            rotating_load=course.rotating_load / load,
+    history = operation.history
+    if history is not None:
+        history = replace(
+            history,
+            load=type(history.load)(history.load.c / load, history.load.x),
+            unbalance=history.unbalance / load,
+            rotating_load=history.rotating_load / load,
         )
     return replace(
         operation,
@@ -59,7 +59,7 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
         inner_mass=operation.inner_mass / stiffness,
         gravity=operation.gravity * bearing.cosine,
         mounting=section_mounting(bearing, operation.mounting),
-        course=course,
+        history=history,
     )
 
 

@@ -86,12 +86,12 @@ class Motion:
     def rate(self, time: float, unknowns: np.ndarray) -> np.ndarray:
         """Rates of the unknowns: equations (21)-(23), the θ equation, those of housing and sensor; powers, W."""
         problem, n, places = self.problem, self.n, 4 + 2 * self.n
-        bearing, course = problem.bearing, problem.operation.course
+        bearing, history = problem.bearing, problem.operation.history
         state, acting = self.state(time, unknowns), loaded(problem, time)
         touch = contact_state(bearing, problem.contacts, state, problem.damping)
         ring = housing_accelerations(bearing, acting, state, touch)
         x, y, rho, theta = accelerations(bearing, acting, state, touch, ring)
-        gain = 0.0 if course is None else float(kinematics(bearing, *course.ring_speeds(time, 1)).cage)
+        gain = 0.0 if history is None else float(kinematics(bearing, *history.ring_speeds(time, 1)).cage)
         vx, vy = state.x_rate + state.ring_x_rate, state.y_rate + state.ring_y_rate
         driven = np.sum(touch.inner_force * touch.inner_passing + touch.outer_force * touch.outer_passing)
         if self.held:

@@ -146,7 +146,7 @@ def _tilts(found: TiltErrors) -> list[tuple[str, str]]:
 def _operation(record: Record) -> str:
     """Speed and load in words; of what changes the range."""
     acting, rpm = record.acting, record.scene.operation.speed_rpm
-    if record.operation.course is None:
+    if record.operation.history is None:
         return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
     load, turning = np.hypot(acting.radial_load, acting.side_load), []
     for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):

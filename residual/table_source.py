@@ -221,7 +221,7 @@ def kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) -
     InputError: the outer ring moves, or surfaces are no perfect circles.
     """
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    if scene.mounting().centre or bearing.faults or operation.course is not None:
+    if scene.mounting().centre or bearing.faults or operation.history is not None:
         raise InputError(
             f"{path}: --kinematic-rollers: only of perfect rings at one speed and load, the outer one held by the "
             "ground; leave [support], faults and tables out of the scene"

@@ -55,8 +55,8 @@ def test_the_shaft_turns_by_the_integral_of_its_speed(tmp_path):
     scene = scene_with(tmp_path, "numerics.duration_ms=8", speeds=RAMP)
     operation, bearing = scene.ideal_operation(), scene.ideal_bearing()
     assert operation.speed == pytest.approx(1000 * RPM)
-    assert operation.course.speeds == pytest.approx((1000 * RPM, 6000 * RPM))
-    expected = sum(quad(operation.course.speed, a, b)[0] for a, b in ((0.0, 2e-3), (2e-3, 6e-3), (6e-3, 7e-3)))
+    assert operation.history.speeds == pytest.approx((1000 * RPM, 6000 * RPM))
+    expected = sum(quad(operation.history.speed, a, b)[0] for a, b in ((0.0, 2e-3), (2e-3, 6e-3), (6e-3, 7e-3)))
     way = turned(bearing, operation, 7e-3)
     assert way.shaft == pytest.approx(expected, rel=1e-10)
     assert way.cage / way.shaft == pytest.approx(9 / 23, rel=1e-12)  # 0.3913
@@ -65,22 +65,22 @@ def test_the_shaft_turns_by_the_integral_of_its_speed(tmp_path):
 def test_an_unbalance_is_a_mass_that_the_hub_must_accelerate(tmp_path):
     """Against differences of its own path; and rates of all loads against differences of the loads."""
     scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
-    course = scene.ideal_operation().course
-    alone = replace(course, rotating_load=0.0)
+    history = scene.ideal_operation().history
+    alone = replace(history, rotating_load=0.0)
     h, times = 2e-6, np.array([0.5e-3, 3e-3, 5.1e-3])
 
     def moment(time):  # mass times place, 50 g mm, 20° from −y
-        return 50e-6 * np.exp(1j * (course.turn(time) + np.radians(20.0 - 90.0)))
+        return 50e-6 * np.exp(1j * (history.turn(time) + np.radians(20.0 - 90.0)))
 
     acceleration = (moment(times + h) - 2.0 * moment(times) + moment(times - h)) / h**2
     x, y = alone.force(times)
-    load_x, load_y = np.moveaxis(course.load(times), -1, 0)
+    load_x, load_y = np.moveaxis(history.load(times), -1, 0)
     np.testing.assert_allclose(x - load_x + 1j * (y - load_y), -acceleration, rtol=1e-4)
 
 
 def test_a_table_s_points_are_the_load(tmp_path):
-    course = scene_with(tmp_path, "numerics.duration_ms=8", loads=LOADS).ideal_operation().course
-    np.testing.assert_allclose(np.array(course.force(4e-3)), (500.0, -2500.0), rtol=1e-12)
+    history = scene_with(tmp_path, "numerics.duration_ms=8", loads=LOADS).ideal_operation().history
+    np.testing.assert_allclose(np.array(history.force(4e-3)), (500.0, -2500.0), rtol=1e-12)
 
 
 STEP = "time_ms,x_N,y_N\n0,0,-1000\n1,400,-2000\n3,400,-2000\n"
@@ -137,12 +137,12 @@ def test_steps_and_ramps_keep_the_account_of_energy(tmp_path, model, shape, erro
 
 def test_ramps_are_straight_and_steps_hold(tmp_path):
     ramp = scene_with(tmp_path, "operation.speed_table_shape=linear", "numerics.duration_ms=8", speeds=RAMP)
-    course = ramp.ideal_operation().course
-    np.testing.assert_allclose(course.speed(np.array([1e-3, 4e-3, 7e-3])) / RPM, [1250.0, 3250.0, 5500.0])
-    assert course.turn(8e-3) == pytest.approx(RPM * 1e-3 * (2 * 1250 + 4 * 3250 + 2 * 5500))
+    history = ramp.ideal_operation().history
+    np.testing.assert_allclose(history.speed(np.array([1e-3, 4e-3, 7e-3])) / RPM, [1250.0, 3250.0, 5500.0])
+    assert history.turn(8e-3) == pytest.approx(RPM * 1e-3 * (2 * 1250 + 4 * 3250 + 2 * 5500))
     shape = ("operation.load_table_shape=steps", "numerics.duration_ms=3")
     held = scene_with(tmp_path, *shape, loads=STEP).ideal_operation()
-    np.testing.assert_array_equal(held.course.load([0.0, 0.999e-3, 1e-3, 2.9e-3])[:, 1], [-1e3, -1e3, -2e3, -2e3])
+    np.testing.assert_array_equal(held.history.load([0.0, 0.999e-3, 1e-3, 2.9e-3])[:, 1], [-1e3, -1e3, -2e3, -2e3])
     assert held.radial_load == 1000.0 and held.heaviest == pytest.approx(np.hypot(400.0, 2000.0))
     with pytest.raises(SceneError, match="speed_table_shape = 'steps': must be 'smooth' or 'linear'"):
         scene_with(tmp_path, "operation.speed_table_shape=steps", speeds=RAMP)
@@ -174,7 +174,7 @@ def test_loads_may_be_in_other_units(tmp_path, header, factors):
 def test_speeds_may_be_in_other_units(tmp_path, header, factor):
     scene = scene_with(tmp_path, speeds=f"{header}\n0,{1500.0 * factor:.12g}\n60,{3000.0 * factor:.12g}\n")
     assert scene.operation.speed_rpm == pytest.approx(1500.0, rel=1e-11)
-    assert scene.ideal_operation().course.speeds[1] == pytest.approx(3000.0 * RPM, rel=1e-11)
+    assert scene.ideal_operation().history.speeds[1] == pytest.approx(3000.0 * RPM, rel=1e-11)
 
 
 BAD = {
@@ -204,8 +204,8 @@ def test_decimal_commas_have_a_key_beside_each_table(tmp_path):
     commas = ('operation.speed_table_decimal=","', 'operation.load_table_decimal=","')
     scene = scene_with(tmp_path, *commas, "numerics.duration_ms=8", speeds=speeds, loads=loads)
     assert scene.operation.speed_rpm == 1000.5
-    assert scene.ideal_operation().course.load.c.shape[1] == 4
-    np.testing.assert_allclose(scene.ideal_operation().course.load(12e-3), (1.0, -1000.5))
+    assert scene.ideal_operation().history.load.c.shape[1] == 4
+    np.testing.assert_allclose(scene.ideal_operation().history.load(12e-3), (1.0, -1000.5))
     assert parse_scene_text(scene.to_toml(), "again", scene.files) == scene
     with pytest.raises(SceneError, match=r"load_table_decimal: of what\? give load_table, or leave it out"):
         scene_with(tmp_path, commas[1])

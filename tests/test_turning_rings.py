@@ -78,9 +78,9 @@ def test_the_outer_ring_turns_by_the_integral_of_its_table(tmp_path):
 def test_a_load_turns_with_either_ring():
     operation = turning(1000.0, -500.0, 0.0, 100.0).ideal_operation()
     quarter = 0.25 * 60.0 / 500.0  # s, of a turn clockwise, from −y to −x
-    assert operation.course.force(quarter) == pytest.approx((-100.0, 0.0), abs=1e-9)
+    assert operation.history.force(quarter) == pytest.approx((-100.0, 0.0), abs=1e-9)
     with_inner = turning(1000.0, -500.0, rotating=100.0).varied({"operation.rotating_load_with": "inner_ring"})
-    assert with_inner.ideal_operation().course.force(0.5 * quarter) == pytest.approx((100.0, 0.0), abs=1e-9)
+    assert with_inner.ideal_operation().history.force(0.5 * quarter) == pytest.approx((100.0, 0.0), abs=1e-9)
 
 
 @pytest.mark.parametrize(

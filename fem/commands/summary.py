@@ -88,7 +88,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     rows = {} if scene.fit else {"diametral clearance": f"{clearance:.3f} µm"}
     if not is_plain(bearing):
         rows["plane section"] = section_words(bearing)
-    if operation.course is not None:
+    if operation.history is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:
         inner, outer = operation.ring_speeds_met

@@ -60,7 +60,7 @@ def _damp_rollers(disc, rollers, damping, dt):
 @part(inlined=False)
 def _damp_inner(ring, drive, damping):
     c, s, half = drive.frame[1], drive.frame[2], 0.5 * drive.dt
-    speed = speed_of(drive.course, drive)
+    speed = speed_of(drive.history, drive)
     hub_x, hub_y = drive.hub[0] - half * drive.velocity[0], drive.hub[1] - half * drive.velocity[1]
     x, y = drive.velocity[0] + speed * hub_y, drive.velocity[1] - speed * hub_x
     back_x, back_y = _damp_ring(ring, damping, half, speed, c * x + s * y, c * y - s * x)

@@ -37,7 +37,7 @@ from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 @normal_forces.of(CagePair)
 def _press(pair, rollers, disc, contacts, drive):
-    meet(pair, speed_of(drive.course, drive), drive.dt)
+    meet(pair, speed_of(drive.history, drive), drive.dt)
 
 
 @part

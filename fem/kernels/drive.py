@@ -1,6 +1,6 @@
 """The hub: its kick and its motion; speed and load as a run goes on.
 
-Speed and load as a run goes on. Where they stay the course is None: then nothing of this is compiled.
+Speed and load as a run goes on. Where they stay the history is None: then nothing of this is compiled.
 
 `follow` looks a time up; all else reads what it has found: what belongs to the step in hand.
 """
@@ -14,19 +14,19 @@ from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lanes import total
 
-# entries of `Course.now`; the first ones of `OuterTurn.now` too
+# entries of `LoadHistory.now`; the first ones of `OuterTurn.now` too
 TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
 N_NOW = 9
 N_OUTER_NOW = 5
 
 
 @part
-def follow(course, time, dt):
+def follow(history, time, dt):
     """Look a time up, s, and how far the shaft turns in the step from there."""
-    if course is not None:
-        _follow_turn(course.now, course.turn_knots, course.turn, time, dt)
-        _follow_outer(course.outer, time, dt)
-        _find_force(course, time)
+    if history is not None:
+        _follow_turn(history.now, history.turn_knots, history.turn, time, dt)
+        _follow_outer(history.outer, time, dt)
+        _find_force(history, time)
 
 
 @part
@@ -64,24 +64,24 @@ def _piece(knots, time):
 
 
 @part
-def _find_force(course, time):
-    """`lagrange.load_history.Course.force` and its rate."""
-    now, c = course.now, course.load
-    k, t = _piece(course.load_knots, time)
+def _find_force(history, time):
+    """`lagrange.load_history.LoadHistory.force` and its rate."""
+    now, c = history.now, history.load
+    k, t = _piece(history.load_knots, time)
     speed, gain = now[SPEED], now[GAIN]
-    heavy, (with_ring, at_speed) = now[TURN] + course.unbalance_angle, _carrying_load(course.outer, now)
-    hc, hs, turning = cos(heavy), sin(heavy), with_ring + course.rotating_load_angle
-    rx, ry = course.rotating_load * cos(turning), course.rotating_load * sin(turning)
+    heavy, (with_ring, at_speed) = now[TURN] + history.unbalance_angle, _carrying_load(history.outer, now)
+    hc, hs, turning = cos(heavy), sin(heavy), with_ring + history.rotating_load_angle
+    rx, ry = history.rotating_load * cos(turning), history.rotating_load * sin(turning)
     for axis in range(2):
         force, rate = 0.0, 0.0
         for n in range(c.shape[1] - 1, -1, -1):
             rate = rate * t + force
             force = force * t + c[k, n, axis]
         now[FORCE_X + axis], now[RATE_X + axis] = force, rate
-    out, back = course.unbalance * speed * speed, course.unbalance * gain
+    out, back = history.unbalance * speed * speed, history.unbalance * gain
     now[FORCE_X] += out * hc + back * hs + rx
     now[FORCE_Y] += out * hs - back * hc + ry
-    out, ahead = 3.0 * course.unbalance * speed * gain, course.unbalance * (speed * speed * speed - now[JERK])
+    out, ahead = 3.0 * history.unbalance * speed * gain, history.unbalance * (speed * speed * speed - now[JERK])
     now[RATE_X] += out * hc - ahead * hs - at_speed * ry
     now[RATE_Y] += out * hs + ahead * hc + at_speed * rx
 
@@ -105,12 +105,12 @@ def radial_load_at(drive, time):
 
 
 @part
-def load_at(course, drive, time):
-    """Load along +x and along −y, N; without a course the first means nothing and is not to be used."""
-    if course is None:
+def load_at(history, drive, time):
+    """Load along +x and along −y, N; without a history the first means nothing and is not to be used."""
+    if history is None:
         return 0.0, radial_load_at(drive, time)
     share = share_at(drive, time)
-    return share * course.now[FORCE_X], -share * course.now[FORCE_Y]
+    return share * history.now[FORCE_X], -share * history.now[FORCE_Y]
 
 
 @part
@@ -122,51 +122,51 @@ def share_at(drive, time):
 
 
 @part
-def with_aside(course, value, aside):
+def with_side_load(history, value, more):
     """A value with what the load along x adds to it, where there can be one."""
-    if course is None:
+    if history is None:
         return value
-    return value + aside
+    return value + more
 
 
 @part
-def speed_of(course, drive):
+def speed_of(history, drive):
     """Of the shaft, rad/s."""
-    if course is None:
+    if history is None:
         return drive.speed
-    return course.now[SPEED]
+    return history.now[SPEED]
 
 
 @part
-def turn_at(course, drive, time):
+def turn_at(history, drive, time):
     """How far the shaft has turned, rad."""
-    if course is None:
+    if history is None:
         return drive.speed * time
-    return course.now[TURN]
+    return history.now[TURN]
 
 
 @part
-def step_of(course, drive):
+def step_of(history, drive):
     """How far it turns in this step, rad."""
-    if course is None:
+    if history is None:
         return drive.speed * drive.dt
-    return course.now[STEP]
+    return history.now[STEP]
 
 
 @part
-def is_turning(course, drive):
+def is_turning(history, drive):
     """Whether it turns at all."""
-    if course is None:
+    if history is None:
         return drive.speed != 0.0
     return True
 
 
 @part
-def outer_of(course):
+def outer_of(history):
     """The outer ring's turning; None where it stands still."""
-    if course is None:
+    if history is None:
         return None
-    return course.outer
+    return history.outer
 
 
 @part
@@ -253,7 +253,7 @@ def moment_on(outer, dt):
 
 
 @part
-def kick_hub(inner, drive, aside, radial_load, scratch):
+def kick_hub(inner, drive, side_load, radial_load, scratch):
     """The hub's kick by contacts, the reaction of the ring's held row, load along x and against y, and weight.
 
     Returns the moment about the origin of contacts and load on the hub, N m s.
@@ -264,8 +264,8 @@ def kick_hub(inner, drive, aside, radial_load, scratch):
     c, s = drive.frame[1], drive.frame[2]
     node_mass = inner.row_mass[inner.held]
     moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
-    moment = with_aside(drive.course, moment, -hub[1] * aside * dt)
-    pushed = with_aside(drive.course, node_mass * (c * x - s * y) + impulse[0], aside * dt)
+    moment = with_side_load(drive.history, moment, -hub[1] * side_load * dt)
+    pushed = with_side_load(drive.history, node_mass * (c * x - s * y) + impulse[0], side_load * dt)
     velocity[0] += pushed / drive.mass
     velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
     return moment
@@ -277,7 +277,7 @@ def move_hub(inner, drive, step):
     hub, frame = drive.hub, drive.frame
     hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
     hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]
-    if is_turning(drive.course, drive):
+    if is_turning(drive.history, drive):
         frame[0] += step
         frame[1], frame[2] = cosine_and_sine(frame[0])
     c, s = frame[1], frame[2]

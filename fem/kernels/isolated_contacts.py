@@ -112,7 +112,7 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
     """Forces of all contacts; their sums on hub and outer ring, N."""
     columns, n = bodies.columns, bodies.n
     ring_x, ring_y = ring_place(bodies.housing)
-    turn = turn_at(drive.course, drive, time)
+    turn = turn_at(drive.history, drive, time)
     on_hub_x, on_hub_y, on_ring_x, on_ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, columns + group
@@ -122,7 +122,7 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         depth_i, depth_o = compliance.reach - away, out - compliance.track
-        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn, outer_of(drive.course))
+        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn, outer_of(drive.history))
         ring, own, ring_o, own_o = met
         depth_i, depth_o = depth_i + ring[0] + own[0], depth_o + ring_o[0] + own_o[0]
         depth_i, depth_o = select(there, depth_i, -1.0), select(there, depth_o, -1.0)

@@ -18,7 +18,7 @@ def kick_nodes(bodies, drive, scratch):
         g = -drive.gravity * drive.dt
         c, s = drive.frame[1], drive.frame[2]
         ring_kernels.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, s * g, c * g)
-        c, s = outer_axes(outer_of(drive.course))
+        c, s = outer_axes(outer_of(drive.history))
         ring_kernels.set_rigid(scratch.line, 0, outer.cosines, outer.sines, s * g, c * g)
         ring_kernels.kick_and_add(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
         ring_kernels.kick_and_add(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
@@ -48,7 +48,7 @@ def make_ready(bodies, drive, scratch):
 @part
 def _calm_rings(bodies, drive, scratch):
     inner, outer = bodies.inner, bodies.outer
-    step = speed_of(drive.course, drive) * drive.dt
+    step = speed_of(drive.history, drive) * drive.dt
     # `grown` is that of γ dt², along a chord
     ahead = (1.0 - cosine_and_sine(step)[0]) / drive.dt * drive.calming / drive.slowing
     ring_kernels.calm(inner.calming, inner.w, inner.calmed, inner.grown, ahead, inner.first_row, inner.last_row)
@@ -87,8 +87,8 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
         turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
     )
     disc_kernels.drift(bodies.disc, turns, rollers.columns, dt, scratch.torque)
-    _drift_outer(outer_of(drive.course), outer, dt, slowing)
-    if is_turning(drive.course, drive):
+    _drift_outer(outer_of(drive.history), outer, dt, slowing)
+    if is_turning(drive.history, drive):
         first, end = inner.first_row, inner.last_row
         if slowing > 0.0:
             ring_kernels.slow_waves(inner.slowed, inner.u, inner.calmed, first, end, inner.raceway)
@@ -126,7 +126,7 @@ def _drift_still(ring, dt, slowing):
 def set_held_row(inner, drive, half):
     """Give the inner ring's held row the hub's velocity, `half` a step after a kick (−1: before it): along a chord."""
     c, s, vx, vy = drive.frame[1], drive.frame[2], drive.velocity[0], drive.velocity[1]
-    width, speed = inner.cosines.size, speed_of(drive.course, drive)
+    width, speed = inner.cosines.size, speed_of(drive.history, drive)
     at = 2 * inner.held * width
     ring_kernels.set_rigid(inner.w, at, inner.cosines, inner.sines, c * vx + s * vy, c * vy - s * vx)
     ahead, rim = 0.5 * half * drive.dt * speed, speed * inner.radii[inner.held]

@@ -37,9 +37,9 @@ class Prescribed(NamedTuple):
 def prescribe(prescribed, bodies, before, drive, time):
     """Turn the rollers as they roll, at the beginning of a step."""
     if prescribed is not None:
-        outer, more = outer_of(drive.course), prescribed.spin_by_outer
-        turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.course, drive, time), more, TURN))
-        spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.course, drive), more, SPEED))
+        outer, more = outer_of(drive.history), prescribed.spin_by_outer
+        turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.history, drive, time), more, TURN))
+        spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.history, drive), more, SPEED))
         for group in range(0, bodies.n, WIDTH):
             store(bodies.turn, group, turn)
             store(bodies.spin, group, spin)
@@ -51,8 +51,8 @@ def prescribe(prescribed, bodies, before, drive, time):
 def take_moment(prescribed, drive, moment):
     """The work of what keeps eight rollers' spin against a moment, N m, in a step."""
     if prescribed is not None:
-        spin = prescribed.spin * speed_of(drive.course, drive)
-        spin = with_outer(outer_of(drive.course), spin, prescribed.spin_by_outer, SPEED)
+        spin = prescribed.spin * speed_of(drive.history, drive)
+        spin = with_outer(outer_of(drive.history), spin, prescribed.spin_by_outer, SPEED)
         drive.sums[1] -= spin * drive.dt * total(moment)
 
 
@@ -83,9 +83,9 @@ def hold(prescribed, bodies, drive, time):
 def _hold(first, prescribed, bodies, drive, time):
     if first is None:
         return
-    columns, dt, outer, more = bodies.columns, drive.dt, outer_of(drive.course), prescribed.cage_by_outer
-    step = with_outer(outer, prescribed.cage * step_of(drive.course, drive), more, STEP)
-    angle = with_outer(outer, prescribed.cage * turn_at(drive.course, drive, time), more, TURN)
+    columns, dt, outer, more = bodies.columns, drive.dt, outer_of(drive.history), prescribed.cage_by_outer
+    step = with_outer(outer, prescribed.cage * step_of(drive.history, drive), more, STEP)
+    angle = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, time), more, TURN)
     c, s, c_step, s_step = cos(angle), sin(angle), cos(step), sin(step)
     ring_x, ring_y = ring_place(bodies.housing)
     ring_vx, ring_vy = ring_rates(bodies.housing)[1]
@@ -140,7 +140,7 @@ def hold_anew(prescribed, bodies, forces, drive, time):
 @part
 def _hold_anew(first, prescribed, bodies, forces, drive, time):
     if first is not None:
-        follow(drive.course, time, drive.dt)
+        follow(drive.history, time, drive.dt)
         _hold(first, prescribed, bodies, drive, time)
         prescribed.work[1] = 0.5 * drive.dt * _power(prescribed, bodies, forces, bodies.velocity)
 
@@ -154,8 +154,8 @@ def write_held(prescribed, bodies, drive, time, out):
     if prescribed.column >= 0:
         at = prescribed.column
         out[at], out[at + 1] = ring_place(bodies.housing)
-        outer, more = outer_of(drive.course), prescribed.cage_by_outer
-        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.course, drive, time), more, TURN)
-        out[at + 3] = with_outer(outer, prescribed.cage * speed_of(drive.course, drive), more, SPEED)
+        outer, more = outer_of(drive.history), prescribed.cage_by_outer
+        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, time), more, TURN)
+        out[at + 3] = with_outer(outer, prescribed.cage * speed_of(drive.history, drive), more, SPEED)
         for j in range(bodies.n):
             out[at + N_CAGE_SCALARS + j] = prescribed.force[j]

@@ -23,7 +23,7 @@ from fem.kernels.law import STEEPEST, distant_force
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
-from fem.kernels.state import Course
+from fem.kernels.state import LoadHistory
 from fem.kernels.surfaces import lowered_ring, lowered_rollers
 
 MORE_SWEEPS = 2  # where bodies vibrate
@@ -149,7 +149,7 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
-    reach, track = touching(drive.course, compliance, drive)
+    reach, track = touching(drive.history, compliance, drive)
     ring_x, ring_y = ring_place(bodies.housing)
     gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
@@ -179,7 +179,7 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
             compliance,
             forces,
             group,
-            (turn, drive.looks, outer_of(drive.course)),
+            (turn, drive.looks, outer_of(drive.history)),
             first_i,
             first_o,
             forces.slope,
@@ -205,26 +205,26 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
 
 
 @verb
-def touching(course, compliance, drive):
+def touching(history, compliance, drive):
     """Distances from hub and centre, m, at which rollers touch the rings, grown by their spin."""
     return compliance.reach, compliance.track
 
 
-@touching.of(Course)
-def _touching_now(course, compliance, drive):
-    more = course.now[SPEED] * course.now[SPEED] - drive.speed * drive.speed
-    reach, track = compliance.reach + course.growth * more, compliance.track - course.roller_growth * more
-    return _with_outer_growth(course.outer, course, drive, reach, track, more)
+@touching.of(LoadHistory)
+def _touching_now(history, compliance, drive):
+    more = history.now[SPEED] * history.now[SPEED] - drive.speed * drive.speed
+    reach, track = compliance.reach + history.growth * more, compliance.track - history.roller_growth * more
+    return _with_outer_growth(history.outer, history, drive, reach, track, more)
 
 
 @part
-def _with_outer_growth(outer, course, drive, reach, track, more):
+def _with_outer_growth(outer, history, drive, reach, track, more):
     """The same where the outer ring turns: rollers spin by the difference of both surfaces' speeds, and it grows."""
     if outer is None:
         return reach, track
     ratio = outer.radius / drive.inner_radius
-    now, first = course.now[SPEED] - ratio * outer.now[SPEED], drive.speed - ratio * outer.speed
-    spun = course.roller_growth * (now * now - first * first - more)  # beyond what the shaft alone makes of it
+    now, first = history.now[SPEED] - ratio * outer.now[SPEED], drive.speed - ratio * outer.speed
+    spun = history.roller_growth * (now * now - first * first - more)  # beyond what the shaft alone makes of it
     grown = outer.growth * (outer.now[SPEED] * outer.now[SPEED] - outer.speed * outer.speed)
     return reach + spun, track - spun + grown
 

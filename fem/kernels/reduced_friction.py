@@ -31,16 +31,16 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
-    slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
+    slip -= spin * bodies.radius + speed_of(drive.history, drive) * drive.inner_radius
     rolling = absolute(spin - along * (1.0 / compliance.reach)) * bodies.radius
     T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
     ring_x, ring_y = ring_velocity(bodies.housing)
     along = (vy - ring_y) * ox - (vx - ring_x) * oy
     rolling = absolute(spin - along * (1.0 / compliance.track)) * bodies.radius
-    slip = less_outer(outer_of(drive.course), along + spin * bodies.radius)
+    slip = less_outer(outer_of(drive.history), along + spin * bodies.radius)
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
-    drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
-    drive_outer(outer_of(drive.course), drive, T_o)
+    drive.sums[1] += speed_of(drive.history, drive) * drive.inner_radius * drive.dt * total(T_i)
+    drive_outer(outer_of(drive.history), drive, T_o)
     return T_i, T_o
 
 

@@ -16,7 +16,7 @@ from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_radiation import note_strikes
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.reduced_surfaces import push_along
-from fem.kernels.state import Course
+from fem.kernels.state import LoadHistory
 
 # of what contacts of surfaces that vibrate owe as they open: kicks drive their fastest modes, and with three tenths
 # rollers strike 6 % more often
@@ -24,24 +24,24 @@ PAID_BY_WAVES = 0.1
 
 
 @verb
-def grow(course, drive, P_i, P_o):
+def grow(history, drive, P_i, P_o):
     """The work of bodies that grow against eight rollers' forces, N, as the shaft speeds up."""
 
 
-@grow.of(Course)
-def _grow_now(course, drive, P_i, P_o):
-    more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
-    drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
-    _grow_outer(course.outer, course, drive, P_i, P_o)
+@grow.of(LoadHistory)
+def _grow_now(history, drive, P_i, P_o):
+    more = 2.0 * history.now[SPEED] * history.now[GAIN] * drive.dt
+    drive.sums[1] += more * total(history.growth * P_i + history.roller_growth * P_o)
+    _grow_outer(history.outer, history, drive, P_i, P_o)
 
 
 @part
-def _grow_outer(outer, course, drive, P_i, P_o):
+def _grow_outer(outer, history, drive, P_i, P_o):
     """What a turning outer ring changes of that: see `reduced_contacts`."""
     if outer is not None:
         ratio = outer.radius / drive.inner_radius
-        now, gain = course.now[SPEED] - ratio * outer.now[SPEED], course.now[GAIN] - ratio * outer.now[GAIN]
-        spun = course.roller_growth * (now * gain - course.now[SPEED] * course.now[GAIN])
+        now, gain = history.now[SPEED] - ratio * outer.now[SPEED], history.now[GAIN] - ratio * outer.now[GAIN]
+        spun = history.roller_growth * (now * gain - history.now[SPEED] * history.now[GAIN])
         grown = outer.growth * outer.now[SPEED] * outer.now[GAIN]
         drive.sums[1] += 2.0 * drive.dt * total(spun * P_i + (spun - grown) * P_o)
 
@@ -78,7 +78,7 @@ def kick(bodies, compliance, forces, drive, before):
         note_ahead(forces.ahead, forces, group, further_i, P_i)
         note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
-        grow(drive.course, drive, P_i, P_o)
+        grow(drive.history, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)

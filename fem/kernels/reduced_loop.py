@@ -14,7 +14,7 @@ from fem.kernels.drive import (
     share_at,
     speed_of,
     turn_at,
-    with_aside,
+    with_side_load,
 )
 from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damping, kick_isolated
 from fem.kernels.jit import kernel, part, verb
@@ -43,7 +43,7 @@ from fem.kernels.sample_kernels import (
     WORK_LOAD,
 )
 from fem.kernels.shaft import pull, settle
-from fem.kernels.state import Course
+from fem.kernels.state import LoadHistory
 from fem.kernels.tilted_contacts import Tilted, find_tilted, kick_tilted
 from fem.kernels.tilts import drift_tilts, write_tilts
 
@@ -65,20 +65,20 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
         while inside < count:
             time = (section * count + inside) * drive.dt
             _remember(bodies, before)
-            follow(drive.course, time, drive.dt)
+            follow(drive.history, time, drive.dt)
             prescribe(bodies.prescribed, bodies, before, drive, time)
             _meet_cage(bodies.cage, drive)
             hub_x, hub_y, ring_x, ring_y = _find_forces(compliance, bodies, forces, drive, time, inside)
-            aside, radial_load = load_at(drive.course, drive, time)
-            before.hub_acceleration[0] = with_aside(drive.course, hub_x, aside) / bodies.hub_mass
+            side_load, radial_load = load_at(drive.history, drive, time)
+            before.hub_acceleration[0] = with_side_load(drive.history, hub_x, side_load) / bodies.hub_mass
             before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
             _hold_hub(bodies.shaft, before.hub_acceleration)
             accelerate_ring(bodies.housing, before, ring_x, ring_y, drive.gravity)
             given = drive.sums[1]
             hub_x, hub_y, ring_x, ring_y = _kick_rollers(compliance, bodies, forces, drive, before)
-            kick_rings(bodies.vibrations, drive, aside, radial_load)
+            kick_rings(bodies.vibrations, drive, side_load, radial_load)
             over = drive.dt / bodies.hub_mass
-            bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
+            bodies.hub_velocity[0] += over * with_side_load(drive.history, hub_x, side_load)
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
             _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
             kick_ring(bodies.housing, before, drive, ring_x, ring_y)
@@ -91,10 +91,12 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             if inside == 0 and section % in_row == 0:
                 out = samples[place // in_row]
                 write_motion(bodies, forces, drive, before, out, time)
-                write_energies(bodies, compliance, forces, drive, before, out, (aside, radial_load))
+                write_energies(bodies, compliance, forces, drive, before, out, (side_load, radial_load))
                 half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
                 work = drive.sums[0] - half * radial_load * (before.hub_velocity[1] + carried[1])
-                out[WORK_LOAD] = with_aside(drive.course, work, half * aside * (before.hub_velocity[0] + carried[0]))
+                out[WORK_LOAD] = with_side_load(
+                    drive.history, work, half * side_load * (before.hub_velocity[0] + carried[0])
+                )
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
                 write_damping(forces.dampers, bodies.n, out)
@@ -106,15 +108,15 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
                 write_held(bodies.prescribed, bodies, drive, time, out)
                 write_tilts(bodies.tilts, bodies, forces, drive, out)
             if inside == 0:
-                take_pace(paces, bodies, compliance, forces, drives, before, time, (aside, radial_load), given)
+                take_pace(paces, bodies, compliance, forces, drives, before, time, (side_load, radial_load), given)
                 drive, count = drive_of(paces, drives), steps_of(paces, stride)
             past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += past[1] + next_[1]
             drive.sums[0] -= 0.5 * drive.dt * radial_load * work
             work = before.hub_velocity[0] + bodies.hub_velocity[0] + past[0] + next_[0]
-            drive.sums[0] = with_aside(drive.course, drive.sums[0], 0.5 * drive.dt * aside * work)
-            _change_ahead(drive.course, drive, before, time, radial_load)
+            drive.sums[0] = with_side_load(drive.history, drive.sums[0], 0.5 * drive.dt * side_load * work)
+            _change_ahead(drive.history, drive, before, time, radial_load)
             _drift(bodies, drive.dt)
             drift_tilts(bodies.tilts, drive)
             _drift_cage(bodies.cage, drive)
@@ -132,7 +134,7 @@ def _find_forces(compliance, bodies, forces, drive, time, inside):
     """Forces of all contacts of raceways; their sums on hub and outer ring, N."""
     if inside % AGAIN == 0:
         follow_angles(bodies, compliance, forces)
-    estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
+    estimate_forces(bodies, compliance, forces, drive, turn_at(drive.history, drive, time))
     gauss_seidel_sweeps(bodies.vibrations, bodies, compliance, forces)
     return corrected_forces(bodies, compliance, forces)
 
@@ -161,16 +163,16 @@ def _damp(dampers, bodies, compliance, forces, before, drive, time):
 
 
 @verb
-def _change_ahead(course, drive, before, time, radial_load):
+def _change_ahead(history, drive, before, time, radial_load):
     """The potential of forces taken ahead changes with the load."""
     if time < drive.ramp:
         grown = radial_load_at(drive, time + drive.dt) - radial_load
         drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
 
 
-@_change_ahead.of(Course)
-def _change_all_ahead(course, drive, before, time, radial_load):
-    now, more = course.now, share_at(drive, time + drive.dt)
+@_change_ahead.of(LoadHistory)
+def _change_all_ahead(history, drive, before, time, radial_load):
+    now, more = history.now, share_at(drive, time + drive.dt)
     grown = more - share_at(drive, time)
     x = grown * now[FORCE_X] + more * drive.dt * now[RATE_X]
     y = grown * now[FORCE_Y] + more * drive.dt * now[RATE_Y]
@@ -209,7 +211,7 @@ def _drift_shaft(shaft, drive):
 @part
 def _meet_cage(cage, drive):
     if cage is not None:
-        meet(cage, speed_of(drive.course, drive), drive.dt)
+        meet(cage, speed_of(drive.history, drive), drive.dt)
 
 
 @part

@@ -4,7 +4,7 @@ Modes stand in space: one goes round in some 10 µs, in which no body turns by a
 theirs has no place in a scene they are None and nothing is compiled.
 """
 
-from fem.kernels.drive import with_aside
+from fem.kernels.drive import with_side_load
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store, sums_of_rows
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
@@ -123,7 +123,7 @@ def _kick_rollers(roller, columns, group, pushes):
 
 
 @part
-def kick_rings(vibrations, drive, aside, radial_load):
+def kick_rings(vibrations, drive, side_load, radial_load):
     """Kick the rings' modes by all forces on them and by the load at the hub, along x and against y."""
     if vibrations is None:
         return
@@ -138,7 +138,7 @@ def kick_rings(vibrations, drive, aside, radial_load):
                     if twin == 1:
                         gained -= load(ring.carried, of) * radial_load
                     else:
-                        gained = with_aside(drive.course, gained, load(ring.carried, of) * aside)
+                        gained = with_side_load(drive.history, gained, load(ring.carried, of) * side_load)
                     rate = load(ring.rate, at)
                     store(ring.before, at, rate)
                     store(ring.rate, at, rate + load(ring.kick, of) * gained)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.drive import TURN, outer_of, turn_at, with_aside, with_outer
+from fem.kernels.drive import TURN, outer_of, turn_at, with_outer, with_side_load
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.isolated_contacts import Isolated
 from fem.kernels.jit import part, verb
@@ -91,8 +91,8 @@ def _take(paces, bodies, compliance, forces, drives, before, time, acting, given
     now = paces.now[0]
     drive = drives[now]
     pace = FAR
-    outer_turn = with_outer(outer_of(drive.course), 0.0, 1.0, TURN)
-    if _near_edges(paces, bodies, forces, turn_at(drive.course, drive, time), outer_turn):
+    outer_turn = with_outer(outer_of(drive.history), 0.0, 1.0, TURN)
+    if _near_edges(paces, bodies, forces, turn_at(drive.history, drive, time), outer_turn):
         pace = NEAR
     elif now == NEAR and _struck(forces.radiation):
         pace = NEAR
@@ -198,7 +198,7 @@ def _change(bodies, compliance, forces, before, old, new, acting, given, time):
         _turn_back(before.hub_velocity, bodies.hub_velocity, k, back)
         moved -= 0.5 * next_ * before.hub_velocity[k]  # what the new step's half will count beside
         if k == 0:
-            sums[0] = with_aside(old.course, sums[0], acting[0] * moved)
+            sums[0] = with_side_load(old.history, sums[0], acting[0] * moved)
         else:
             sums[0] -= acting[1] * moved
     for k in range(2):

@@ -7,7 +7,7 @@ descriptions about the stack, in every step, which takes as long as the step.
 from math import sqrt
 
 from fem.kernels.cage import given_beyond
-from fem.kernels.drive import with_aside
+from fem.kernels.drive import with_side_load
 from fem.kernels.isolated_contacts import Isolated, isolated_energy
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_memory import load, store
@@ -141,7 +141,7 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
 
     `acting`: load along x and against y, N.
     """
-    aside, radial_load = acting
+    side_load, radial_load = acting
     hub, n, columns = bodies.hub_velocity, bodies.n, bodies.columns
     moving, spinning, pushed, lifted, stored = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     _repeat_forces(compliance, forces, n, columns)
@@ -161,7 +161,7 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
     ax, ay = before.hub_acceleration[0], before.hub_acceleration[1]
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay + bodies.mass * total(pushed)
-    pulled = with_aside(drive.course, pulled, -2.0 * aside * ax)
+    pulled = with_side_load(drive.history, pulled, -2.0 * side_load * ax)
     vibrating, strained = vibration_energies(bodies.vibrations, columns)
     out[KINETIC] = 0.5 * kinetic + vibrating
     out[ELASTIC] = strained

@@ -13,7 +13,7 @@ from fem.kernels.fields import given, room, state
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
-from fem.kernels.state import Course, Law
+from fem.kernels.state import Law, LoadHistory
 from fem.kernels.tilts import TiltedForces, Tilts
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
@@ -198,7 +198,7 @@ class ReducedDrive(NamedTuple):
     ramp: float  # s, 0: full load at once
     friction: float
     inner_radius: float  # m, of the raceway
-    course: Course | None = None  # of speed and load; None: they stay
+    history: LoadHistory | None = None  # of speed and load; None: they stay
     looks: bool = True  # whether contacts look up surfaces that are not perfect circles
 
 

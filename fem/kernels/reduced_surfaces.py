@@ -102,8 +102,8 @@ def push_along(slope, bodies, forces, drive, group, P, Q):
     own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
-    drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
-    turn_against(outer_of(drive.course), drive, both_o - own_o)
+    drive.sums[1] -= speed_of(drive.history, drive) * drive.dt * total(both - own)
+    turn_against(outer_of(drive.history), drive, both_o - own_o)
     take_moment(bodies.prescribed, drive, own + own_o)
     store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
     return -both / away, -both_o / out
@@ -130,6 +130,6 @@ def passing_rates(slope, bodies, forces, drive, group, motion):
     around_o = ((vy - ring[1]) * ox - (vx - ring[0]) * oy) / out
     both, own = load(slope, group), load(slope, columns + group)
     both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
-    inner = both * around - own * turn - (both - own) * speed_of(drive.course, drive)
+    inner = both * around - own * turn - (both - own) * speed_of(drive.history, drive)
     outer = both_o * around_o - own_o * turn
-    return inner, with_outer(outer_of(drive.course), outer, own_o - both_o, SPEED)
+    return inner, with_outer(outer_of(drive.history), outer, own_o - both_o, SPEED)

@@ -37,7 +37,7 @@ def _grip_hub(hub, patches, side, group):
 
 @tangential_velocity.of(Hub)
 def _sideways_hub(hub, patches, side, group, column, nx, ny):
-    return hub.velocity[1] * nx - hub.velocity[0] * ny + speed_of(hub.course, hub) * hub.radius
+    return hub.velocity[1] * nx - hub.velocity[0] * ny + speed_of(hub.history, hub) * hub.radius
 
 
 @push_body.of(Hub)

@@ -7,7 +7,16 @@ from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.bodies import add_all_motion, prepare_others
-from fem.kernels.drive import is_turning, load_at, moment_on, outer_axes, outer_of, outer_speed_of, speed_of, with_aside
+from fem.kernels.drive import (
+    is_turning,
+    load_at,
+    moment_on,
+    outer_axes,
+    outer_of,
+    outer_speed_of,
+    speed_of,
+    with_side_load,
+)
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load
@@ -80,13 +89,13 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
     out[KINETIC] = kinetic_energy(bodies, drive, scratch)
     out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
-    out[WORK_DRIVE] += _outer_work(outer_of(drive.course), bodies.outer, drive, scratch, time)
+    out[WORK_DRIVE] += _outer_work(outer_of(drive.history), bodies.outer, drive, scratch, time)
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    aside, radial_load = load_at(drive.course, drive, time)
+    aside, radial_load = load_at(drive.history, drive, time)
     moved_x, moved_y = dt * before[0] + drive.slowed[0, 0], dt * before[1] + drive.slowed[0, 1]
-    work = with_aside(drive.course, drive.sums[0] - 0.5 * radial_load * moved_y, 0.5 * aside * moved_x)
+    work = with_side_load(drive.history, drive.sums[0] - 0.5 * radial_load * moved_y, 0.5 * aside * moved_x)
     out[WORK_LOAD] = work
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
@@ -148,7 +157,7 @@ def _drive_work(inner, drive, scratch, time, moment):
     That is the change of their angular momentum about the origin less the moment of all other forces; gravity's,
     a smooth one, is summed at samples only.
     """
-    if not is_turning(drive.course, drive):
+    if not is_turning(drive.history, drive):
         return 0.0
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
@@ -157,9 +166,9 @@ def _drive_work(inner, drive, scratch, time, moment):
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
-    speed = speed_of(drive.course, drive)
+    speed = speed_of(drive.history, drive)
     rate = sin(speed * drive.dt) / drive.dt
-    return _work_so_far(drive.course, rate, given, _rim(inner) * speed)
+    return _work_so_far(drive.history, rate, given, _rim(inner) * speed)
 
 
 @part
@@ -196,14 +205,14 @@ def _outer_work(outer, ring, drive, scratch, time):
 
 
 @part
-def _work_so_far(course, rate, given, held):
+def _work_so_far(history, rate, given, held):
     """Work of the drive, J, that turns at a rate, 1/s, and has given so much angular momentum, N m s.
 
     `held`: what the ring's held row has of that, which a steady speed leaves out.
     """
-    if course is None:
+    if history is None:
         return rate * given
-    return _trapezoid(course.drive_work, rate, given + held)
+    return _trapezoid(history.drive_work, rate, given + held)
 
 
 @part
@@ -245,7 +254,7 @@ def kinetic_energy(bodies, drive, scratch):
             after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
-    speed = speed_of(drive.course, drive)
+    speed = speed_of(drive.history, drive)
     total -= (1.0 - cos(speed * dt)) * _outward(inner, scratch.inner_w) / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
@@ -253,7 +262,7 @@ def kinetic_energy(bodies, drive, scratch):
         total += drive.slowing / dt * _strain_power(bodies, drive, scratch)
     rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
-    return 0.5 * (total + _by_turning(outer_of(drive.course), bodies.outer, scratch.outer_w, dt))
+    return 0.5 * (total + _by_turning(outer_of(drive.history), bodies.outer, scratch.outer_w, dt))
 
 
 @part
@@ -373,7 +382,7 @@ def weighted_height(bodies, drive):
     total, rollers = drive.mass * drive.hub[1], bodies.rollers
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[1, j]
-    c, s = outer_axes(outer_of(drive.course))
+    c, s = outer_axes(outer_of(drive.history))
     return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, c, s)[1]
 
 

@@ -121,7 +121,7 @@ class RigidDisc(NamedTuple):
 
 
 class OuterTurn(NamedTuple):
-    """An outer ring that turns about its fixed centre: how, as `Course` has it of the shaft, and what turns it."""
+    """An outer ring that turns about its fixed centre: how, as `LoadHistory` has it of the shaft, and what turns it."""
 
     turn_knots: given("n + 1")  # s
     turn: given("n, powers")  # rad
@@ -129,14 +129,14 @@ class OuterTurn(NamedTuple):
     frame: state("3")  # its turn, cosine and sine
     moment: state("2")  # of this step, by contacts: on the frame, N m; on nodes about the origin, N m s
     sums: state("4")  # N m s so far: of contacts, of gravity; that of gravity, N m, and at which time, s
-    drive_work: state("3")  # as `Course` has it
+    drive_work: state("3")  # as `LoadHistory` has it
     radius: float  # m, of the raceway
     speed: float  # rad/s, at t = 0
-    growth: float  # m s², of the raceway's radius by the square of its speed; see `Course`
+    growth: float  # m s², of the raceway's radius by the square of its speed; see `LoadHistory`
     carries_load: bool  # the load that turns turns with it
 
 
-class Course(NamedTuple):
+class LoadHistory(NamedTuple):
     """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
 
     turn_knots: given("n + 1")  # s
@@ -166,7 +166,7 @@ class Hub(NamedTuple):
     late_mass: float  # kg, see `shaft`
     speed: float
     radius: float
-    course: Course | None = None  # None: the speed stays
+    history: LoadHistory | None = None  # None: the speed stays
 
 
 class Ground(NamedTuple):
@@ -374,7 +374,7 @@ class Drive(NamedTuple):
     calming: float  # β dt, s
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
-    course: Course | None = None  # of speed and load; None: they stay
+    history: LoadHistory | None = None  # of speed and load; None: they stay
 
 
 class Bodies(NamedTuple):

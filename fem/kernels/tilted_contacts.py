@@ -68,7 +68,7 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
     _follow(compliance.between, bodies, compliance, forces, inside)
     columns, n, halo, tilts = bodies.columns, bodies.n, forces.halo, bodies.tilts
     width = columns + 2 * halo
-    reach, track = touching(drive.course, compliance, drive)
+    reach, track = touching(drive.history, compliance, drive)
     ring_x, ring_y = ring_place(bodies.housing)
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, halo + group
@@ -271,7 +271,7 @@ def kick_tilted(compliance, bodies, forces, drive, before):
         P_i, M_i = _kicked(compliance.tables[0], compliance, forces, tilts, INNER, columns, group, ahead_i, there)
         P_o, M_o = _kicked(compliance.tables[1], compliance, forces, tilts, OUTER, columns, group, ahead_o, there)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, at)
-        grow(drive.course, drive, P_i, P_o)
+        grow(drive.history, drive, P_i, P_o)
         T_i, T_o = _rubbed(compliance.between, bodies, compliance, forces, drive, before, group, (Q_i, Q_o), (P_i, P_o))
         # where slopes have a part across the normal, moments push aside; tilts turn with their rollers' angles
         tilt, facing, beside = load(tilts.tilt, group), ix * ox + iy * oy, oy * ix - ox * iy

@@ -61,7 +61,7 @@ def drift_tilts(tilts, drive):
         for group in range(0, tilts.tilt.size, WIDTH):
             store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
         if tilts.hub_over > 0.0:
-            angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.course, drive) * dt
+            angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
             c, s, half = cos(angle), sin(angle), 0.5 * dt
             x, y = tilts.slope_rate[0], tilts.slope_rate[1]
             u, v = c * x - s * y, c * y + s * x
@@ -73,7 +73,7 @@ def drift_tilts(tilts, drive):
 @part
 def push_axes(tilts, drive, moments):
     """Keep the hub's angular acceleration by moments on it, N m, x and y."""
-    spin = tilts.hub_spin * speed_of(drive.course, drive)
+    spin = tilts.hub_spin * speed_of(drive.history, drive)
     x = moments[0] - tilts.hub_stiffness * (tilts.slope[0] - tilts.rest[0]) - spin * tilts.slope_rate[1]
     y = moments[1] - tilts.hub_stiffness * (tilts.slope[1] - tilts.rest[1]) + spin * tilts.slope_rate[0]
     tilts.slope_pushed[0], tilts.slope_pushed[1] = tilts.hub_over * x, tilts.hub_over * y
@@ -92,7 +92,7 @@ def kick_hub_axis(tilts, drive, moments):
 @part
 def kick_axes(tilts, drive, group, moments):
     """The kick of eight rollers by moments that tilt them outwards, N m."""
-    rate, speed = load(tilts.rate, group), speed_of(drive.course, drive)
+    rate, speed = load(tilts.rate, group), speed_of(drive.history, drive)
     back = tilts.precession * speed * speed * load(tilts.tilt, group)
     store(tilts.before, group, rate)
     store(tilts.rate, group, rate + (moments - back) * (drive.dt / tilts.inertia))
@@ -107,7 +107,7 @@ def write_tilts(tilts, bodies, forces, drive, out):
 
 @part
 def _write(tilts, bodies, forces, drive, out):
-    n, at, ahead, speed = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt, speed_of(drive.course, drive)
+    n, at, ahead, speed = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt, speed_of(drive.history, drive)
     moment = forces.tilted.moment
     moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):

@@ -21,7 +21,7 @@ from fem.kernels.drive import (
     outer_of,
     step_of,
     turn_outer,
-    with_aside,
+    with_side_load,
 )
 from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_after, slips_before
 from fem.kernels.jit import every, kernel, part
@@ -70,7 +70,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     and gravity's, N m s.
     """
     rollers, surface = bodies.rollers, bodies.surface
-    follow(drive.course, time, drive.dt)
+    follow(drive.history, time, drive.dt)
     _clear(rollers, drive)
     damp_bodies(bodies, drive, bodies.damping)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
@@ -84,8 +84,8 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         push_surfaces(groups, bodies, contacts, drive, contacts.points)
     _kick_rollers(rollers, drive)
     before_x, before = drive.velocity[0], drive.velocity[1]
-    aside, radial_load = load_at(drive.course, drive, time)
-    moment = kick_hub(bodies.inner, drive, aside, radial_load, scratch)
+    side_load, radial_load = load_at(drive.history, drive, time)
+    moment = kick_hub(bodies.inner, drive, side_load, radial_load, scratch)
     kick_nodes(bodies, drive, scratch)
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
@@ -99,7 +99,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     moved_x = drive.dt * (before_x + drive.velocity[0]) + slowed[0, 0] + slowed[1, 0]
     moved_y = drive.dt * (before + drive.velocity[1]) + slowed[0, 1] + slowed[1, 1]
     work_load = -radial_load * 0.5 * moved_y  # friction may have moved a rigid hub
-    work_load = with_aside(drive.course, work_load, aside * 0.5 * moved_x)
+    work_load = with_side_load(drive.history, work_load, side_load * 0.5 * moved_x)
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt
 
 
@@ -110,7 +110,7 @@ def _clear(rollers, drive):
     rollers.turn_kick[:] = 0.0
     drive.impulse[:] = 0.0
     drive.moment[:] = 0.0
-    clear_outer(outer_of(drive.course))
+    clear_outer(outer_of(drive.history))
 
 
 @part
@@ -151,13 +151,13 @@ def drift(bodies, drive, scratch):
     """Advance all positions by one step."""
     dt, rollers = drive.dt, bodies.rollers
     _move_rollers(rollers, dt, scratch)
-    step = step_of(drive.course, drive)
+    step = step_of(drive.history, drive)
     cosine, sine = cosine_and_sine(step)
     drift_nodes(bodies, drive, scratch, cosine, sine)
     turn(bodies.surface, rollers, dt, scratch.torque)
     _turn_rollers(rollers, dt, scratch)
     move_hub(bodies.inner, drive, step)
-    turn_outer(outer_of(drive.course))
+    turn_outer(outer_of(drive.history))
     drift_others(bodies.others, drive)
 
 
@@ -214,7 +214,7 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
                 write_sample(bodies, groups, contacts, drive, scratch, samples[row], time, moment)
             drive.sums[0] += work
             drive.sums[1] += moment
-            note_outer(outer_of(drive.course), drive.dt)
+            note_outer(outer_of(drive.history), drive.dt)
             drive.sums[2] += slide(bodies, groups, contacts, drive, scratch)
             drift(bodies, drive, scratch)
             step += 1

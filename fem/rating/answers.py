@@ -133,7 +133,7 @@ class Case:
         self.scene, self.options = scene, options
         self.bearing: Bearing = scene.perfect_bearing()
         operation = scene.ideal_operation()
-        self.course, self.operation = operation.course, replace(operation, course=None)
+        self.history, self.operation = operation.history, replace(operation, history=None)
 
     @cached_property
     def row(self) -> Dimensions:
@@ -187,10 +187,10 @@ class Case:
         """Given, or of a load or speed that changes with time."""
         if self.options.run is not None:
             return self.options.run.cycle
-        if self.options.cycle is not None or self.course is None or self.course.is_steady:
+        if self.options.cycle is not None or self.history is None or self.history.is_steady:
             return self.options.cycle
         time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
-        (x, y), (inner, outer) = self.course.force(time), self.course.ring_speeds(time)
+        (x, y), (inner, outer) = self.history.force(time), self.history.ring_speeds(time)
         weight = self.operation.inner_mass * self.operation.gravity
         load = load_factor(self.bearing) * np.hypot(
             np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight
@@ -624,7 +624,7 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         yield "P is beyond C/2, where the life formula of ISO 281 does not hold"
     if values["C_N"] is not None and 0.0 < values["P_N"] < 0.02 * values["C_N"]:
         yield "P is below 2 % of C: rollers may skid, and rating lives say little"
-    if case.course is not None and not case.course.is_steady:
+    if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: boundary lubrication, wear is likely"

@@ -32,13 +32,13 @@ def elastic_pitch(
     motion = kinematics(bearing, *operation.ring_speeds)
     model = reduced_bearing(bearing, motion, None, operation.gravity)
     down = float(operation.radial_load) + operation.inner_mass * operation.gravity
-    aside = float(operation.side_load)
-    loads = Loads(down, operation.gravity, motion.cage, aside)
+    side_load = float(operation.side_load)
+    loads = Loads(down, operation.gravity, motion.cage, side_load)
 
     def solve(angles: np.ndarray, near: Point | None) -> Point:
         contacts = model.at(angles, UNTURNED)
         if near is None:
-            start, forces = first_guess(bearing, contacts.radial, down, aside), None
+            start, forces = first_guess(bearing, contacts.radial, down, side_load), None
         else:
             start = np.concatenate([near.place, near.rho])
             forces = np.concatenate([near.inner_force, near.outer_force])

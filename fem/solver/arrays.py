@@ -25,7 +25,7 @@ from fem.kernels.state import (
     Scratch,
 )
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
-from fem.solver.part_arrays import bore_body, course_arrays, housing_body, shaft_springs
+from fem.solver.part_arrays import bore_body, history_arrays, housing_body, shaft_springs
 from fem.solver.run_arrays import Arrays
 from fem.solver.start import Start
 from lagrange import Operation
@@ -63,7 +63,7 @@ def make_arrays(
         _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
         outer_momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
         _fill(outer.w, outer_momenta)
-        if operation.course is not None and operation.course.outer_turn is not None:
+        if operation.history is not None and operation.history.outer_turn is not None:
             places, rates = (start.equilibrium.outer_ring, np.zeros(2)), (start.outer_rate, np.zeros(2))
             chord = dt if start.steady else 0.0
             _place_turning(model.outer_ring, outer, places, rates, operation.outer_speed, chord, slowing)
@@ -241,7 +241,7 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         calming=slowing.velocities / float(dt),
         radial_load=float(operation.radial_load),
         ramp=float(ramp),
-        course=course_arrays(model.bearing, operation),
+        history=history_arrays(model.bearing, operation),
     )
 
 

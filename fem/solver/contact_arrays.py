@@ -56,12 +56,12 @@ def pair_groups(
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
     held_at = nowhere if housing is None else housing.place
-    turning = None if drive.course is None else drive.course.outer
+    turning = None if drive.history is None else drive.history.outer
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
     else:
         inner_surface = _moved_with(bearing, drive.hub, drive, hub.raceway_radius)._replace(
-            speed=drive.speed, course=drive.course
+            speed=drive.speed, history=drive.history
         )
     if not ground.material.rigid:
         outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])

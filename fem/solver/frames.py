@@ -47,7 +47,7 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         time=sample * interval,
         roller_turn=rollers.turn[: rollers.n].copy(),
         ring_turn=turn,
-        outer_turn=0.0 if drive.course is None or drive.course.outer is None else float(drive.course.outer.frame[0]),
+        outer_turn=0.0 if drive.history is None or drive.history.outer is None else float(drive.history.outer.frame[0]),
         rollers=np.moveaxis(bodies, -1, 0),
         inner_ring=inner,
         outer_ring=outside,

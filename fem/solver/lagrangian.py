@@ -135,7 +135,7 @@ class LagrangianPlan(CompiledPlan):
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem
-        alone = replace(problem.operation, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
+        alone = replace(problem.operation, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
         still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 

@@ -61,8 +61,8 @@ def beginning(problem: Problem) -> Beginning:
     outwards = -radial_equations(bearing, operation, state, touch, state.rho * state.theta_rate**2) / m
     aside = touch.inner_force * touch.tangential + touch.outer_force * touch.outer_slope
     along = aside / m - operation.gravity * np.cos(state.theta)
-    course = operation.course
-    gain = 0.0 if course is None else float(kinematics(bearing, *course.ring_speeds(0.0, 1)).cage)
+    history = operation.history
+    gain = 0.0 if history is None else float(kinematics(bearing, *history.ring_speeds(0.0, 1)).cage)
     if held:
         along = ring_acceleration @ around + 2.0 * state.rho_rate * state.theta_rate + state.rho * gain
     pushed = outwards * radial + (0.0 if held else 1.0) * along * around

@@ -13,7 +13,7 @@ from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import ReducedDampers
 from fem.kernels.shaft import Shaft, late_mass
-from fem.kernels.state import BodyDamping, Course, Dampers, Drive, OuterTurn, Ring, RingProfile, RollerProfiles
+from fem.kernels.state import BodyDamping, Dampers, Drive, LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_places
 from lagrange import Bearing, Kinematics, Operation, kinematics
@@ -129,7 +129,7 @@ def _resonator(sensor: Sensor, dt: float) -> Resonator:
     )
 
 
-def course_arrays(
+def history_arrays(
     bearing: Bearing,
     operation: Operation,
     *,
@@ -137,7 +137,7 @@ def course_arrays(
     growth: float = 0.0,
     roller_growth: float = 0.0,
     outer_growth: float = 0.0,
-) -> Course | None:
+) -> LoadHistory | None:
     """None where nothing changes.
 
     Parameters
@@ -147,12 +147,12 @@ def course_arrays(
         square of the shaft's speed
     outer_growth : m s², of the outer raceway's radius, by the square of the outer ring's
     """
-    found = operation.course
+    found = operation.history
     if found is None:
         return None
     ideal = kinematics(bearing, 1.0)
     return filled(
-        Course,
+        LoadHistory,
         {"n_now": N_NOW},
         turn_knots=found.turn.x.copy(),
         turn=np.ascontiguousarray(found.turn.c[::-1].T),
@@ -173,7 +173,7 @@ def course_arrays(
 
 def _outer_turn(bearing: Bearing, operation: Operation, growth: float) -> OuterTurn | None:
     """What turns an outer ring; None where it stands still."""
-    found = operation.course
+    found = operation.history
     if found is None or found.outer_turn is None:
         return None
     return filled(
@@ -200,7 +200,7 @@ def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
         around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
-        turning = None if arrays.drive.course is None else arrays.drive.course.outer
+        turning = None if arrays.drive.history is None else arrays.drive.history.outer
         damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else turning)
         bodies = bodies._replace(damping=damping)
     return replace(arrays, contacts=contacts, bodies=bodies)

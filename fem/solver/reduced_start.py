@@ -79,7 +79,7 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
         caution = SOFT
     elif speed > SLOWEST:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
-        if operation.course is not None:
+        if operation.history is not None:
             ahead = min(ahead, LONGEST_LOOK)
         try:
             before, after = (_balanced(model, operation, t, middle, ring)[0] for t in (-ahead, ahead))
@@ -108,7 +108,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     at_rest = replace(operation, mounting=alone)
     ring = standing_ring(at_rest, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
-        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
+        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
         place, forces = _balanced(model, unloaded, 0.0)
         return replace(_start(model, operation, place, np.zeros_like(place), forces), ring=ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
@@ -122,7 +122,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
-    alone = replace(operation, speed=0.0, outer_speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
+    alone = replace(operation, speed=0.0, outer_speed=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
     return _balanced(still, alone, 0.0)[0][:2]
 
@@ -148,11 +148,11 @@ def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.nda
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
-    load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start, near = (first_guess(bearing, contacts.radial, load, aside), None) if middle is None else middle
+    load, side_load = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
+    start, near = (first_guess(bearing, contacts.radial, load, side_load), None) if middle is None else middle
     cage = kinematics(bearing, *operation.ring_speeds).cage
     spring = hub_spring(operation, ring)
-    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start, near)
+    return balance(contacts, Loads(load, operation.gravity, cage, side_load, spring), start, near)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:

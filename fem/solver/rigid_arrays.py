@@ -8,7 +8,7 @@ from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import ReducedDrive, RigidBodies
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.part_arrays import course_arrays, housing_of, springs_on
+from fem.solver.part_arrays import history_arrays, housing_of, springs_on
 from fem.solver.samples import row_width
 from lagrange import Bearing, Operation, kinematics
 from lagrange.bearing import Cage
@@ -95,5 +95,5 @@ def outer_drive(
         ramp=float(ramp),
         friction=float(friction),
         inner_radius=float(bearing.inner_raceway_radius),
-        course=course_arrays(bearing, operation, growth=growth[0], roller_growth=growth[1], outer_growth=growth[2]),
+        history=history_arrays(bearing, operation, growth=growth[0], roller_growth=growth[1], outer_growth=growth[2]),
     )

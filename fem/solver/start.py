@@ -84,7 +84,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     if not _follows(model, operation, middle, motion, ring):
         return replace(_still(model, operation, middle, motion), caution=SOFT)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
-    if operation.course is not None:  # far beyond its table it is of no sense
+    if operation.history is not None:  # far beyond its table it is of no sense
         ahead = min(ahead, LONGEST_LOOK)
     try:
         before, after = at(-ahead, ring, middle), at(ahead, ring, middle)

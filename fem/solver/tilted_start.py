@@ -51,7 +51,7 @@ def tilted_start(
     hub, laws, ring = hub_tilt(operation, axial), TiltedLaws(*tables), plane.ring
     first = roller_angles(bearing, operation.first_roller_angle)
     if not plane.steady:
-        operation = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None)
+        operation = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
 
     def balanced(time: float) -> TiltedStatics:
         angle = first + turned(bearing, operation, time).cage
@@ -69,7 +69,7 @@ def tilted_start(
         if followed(now.stiffness, bearing, operation)[0].size < 2:
             caution = SOFT
         else:
-            ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.course is None else LONGEST_LOOK)
+            ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)
             found = (balanced(ahead).moved - balanced(-ahead).moved) / (2.0 * ahead)
             rates, caution = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
     zero = np.zeros(n)

@@ -34,7 +34,7 @@ def may_strike(scene: Scene, operation: Operation) -> bool:
     spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
     outwards = kinematics(bearing, *operation.ring_speeds).cage ** 2 * bearing.pitch_radius
     falling = 0.0 < outwards < HELD * operation.gravity
-    return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
+    return spalled or falling or scene.numerics.start == "rest" or operation.history is not None
 
 
 NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach

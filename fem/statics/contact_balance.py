@@ -48,7 +48,7 @@ class Loads(NamedTuple):
     hub: float  # N, downwards
     gravity: float  # m/s²
     cage_speed: float  # rad/s
-    aside: float = 0.0  # N, on the hub along +x
+    side_load: float = 0.0  # N, on the hub along +x
     spring: HubSpring | None = None
 
 
@@ -79,14 +79,14 @@ class Condensed:
     turns: Turns = UNTURNED  # of the bodies, which matter where their surfaces are not perfect
 
 
-def first_guess(bearing: Bearing, radial, load: float, aside: float = 0.0) -> np.ndarray:
+def first_guess(bearing: Bearing, radial, load: float, side_load: float = 0.0) -> np.ndarray:
     """Hub and radii, (n_rollers + 2,): the hub pushed until rigid rollers would touch, rollers midway.
 
-    `load`, `aside` : N, downwards and along +x
+    `load`, `side_load` : N, downwards and along +x
     """
-    size, hub = np.hypot(load, aside), np.zeros(2)
+    size, hub = np.hypot(load, side_load), np.zeros(2)
     if size > 0.0:
-        hub = (max(bearing.radial_clearance, 0.0) + 1e-7 * bearing.roller_radius) * np.array([aside, -load]) / size
+        hub = (max(bearing.radial_clearance, 0.0) + 1e-7 * bearing.roller_radius) * np.array([side_load, -load]) / size
     return np.concatenate([hub, bearing.pitch_radius + 0.5 * (radial @ hub)])
 
 
@@ -197,7 +197,7 @@ class _Held:
             overlap=overlap + contacts.closing,
             directions=directions,
             compliance=contacts.compliance + np.diag(soft),
-            applied=np.concatenate([[loads.aside, -loads.hub], on_rollers]),
+            applied=np.concatenate([[loads.side_load, -loads.hub], on_rollers]),
             springs=springs,
             middle=middle,
         )

@@ -104,7 +104,7 @@ def _solved(
         place = np.concatenate([start.hub, start.rho])
         forces = np.concatenate([start.inner_force, start.outer_force])
     else:
-        place = first_guess(bearing, radial, loads.hub, loads.aside)
+        place = first_guess(bearing, radial, loads.hub, loads.side_load)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
     free = unloaded(model, motion, gravity)

@@ -33,7 +33,7 @@ def balance_pressures(
     n = bearing.n_rollers
     active = np.zeros(points.contact.size, dtype=bool)
     outward = bearing.roller_mass * (loads.cage_speed**2 * start[2:] - loads.gravity * radial[:, 1])
-    applied = np.concatenate([[loads.aside, -loads.hub], outward])
+    applied = np.concatenate([[loads.side_load, -loads.hub], outward])
     springs, middle = springs_of(bearing, loads.spring)
 
     def system(place, active):
@@ -46,7 +46,7 @@ def balance_pressures(
 
     place = start
     residual, jacobian, force, active, overlap = system(place, active)
-    size = float(np.hypot(loads.aside, loads.hub))
+    size = float(np.hypot(loads.side_load, loads.hub))
     enough = ENOUGH * max(size, 1.0)
     for _ in range(MAX_NEWTON):
         norm = np.linalg.norm(residual)

@@ -100,7 +100,7 @@ def _unstatic(record: Record) -> list[str]:
     angles; the hub's forces must then add up. The program finds hub and rollers together, by Newton's method.
     """
     scene, bearing, operation = record.scene, record.bearing, record.acting
-    steady = record.operation.course is None and scene.numerics.load_ramp_ms == 0.0
+    steady = record.operation.history is None and scene.numerics.load_ramp_ms == 0.0
     if scene.model != "lagrange" or scene.numerics.start != "equilibrium" or bearing.faults or not steady:
         return []
     laws = contact_laws(scene.lagrange.law, bearing)

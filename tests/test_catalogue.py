@@ -1,8 +1,9 @@
 """Standard bearings: estimates of rollers and balls against catalogues, clearances, designations; docs/bearings.md.
 
-`python -m tests.test_catalogue` prints that page's tables.
+`python -m tests.test_catalogue --write` writes docs/measurements/bearings.md.
 """
 
+import sys
 import tomllib
 from math import asin, pi
 
@@ -21,7 +22,7 @@ from lagrange.catalogue import (
 from lagrange.rating.capacity import Dimensions, ball_capacity_factor, dynamic_capacity
 from lagrange.scene.bearing import BearingTable
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
-from tests.measurements import DOCS, markdown_table
+from tests.measurements import DOCS, markdown_table, publish
 
 ONE_OF_EACH = "NU205 N206 NUP210 NU2220 NJ304 NU2310 NU1010 NCF3006 NJG2308 NA4900 NA4914".split()
 COLUMNS = (
@@ -59,7 +60,7 @@ def page_table() -> str:
 
 
 def test_the_page_of_bearings_has_the_catalogues_values():
-    assert page_table() in (DOCS / "bearings.md").read_text(encoding="utf-8")
+    assert page_table() in (DOCS / "measurements" / "bearings.md").read_text(encoding="utf-8")
 
 
 def test_ratings_of_the_estimates_are_the_catalogues():
@@ -179,4 +180,4 @@ def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice)
 
 
 if __name__ == "__main__":
-    print(page_table())
+    publish("bearings", "Catalogue", "python -m tests.test_catalogue", page_table(), write="--write" in sys.argv)

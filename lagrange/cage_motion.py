@@ -18,7 +18,7 @@ LOSSES = ("dashpots", "friction", "drag")
 
 @dataclass(frozen=True, kw_only=True)
 class CageSamples:
-    """What samples tell of a cage, by the result file's names less "cage_"; (n_times,) unless said."""
+    """Motion of a cage at samples, under the result file's names without "cage_"; (n_times,) unless said."""
 
     x: np.ndarray  # m
     y: np.ndarray

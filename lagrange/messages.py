@@ -78,7 +78,7 @@ def telling() -> Iterator[None]:
 
 
 def close_output() -> None:
-    """Let what is still to be printed, by Python at its end too, go nowhere."""
+    """Discard all further output, Python's own at its end included."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

@@ -3,7 +3,7 @@
 Every function works on one instant or on many: hub quantities are (...,), those of the rolling elements
 (..., n_rollers). y points up, the load W acts along −y. The signs are those of Lagrange's equations of T and V.
 Inner ring and motor shaft move as one mass M = m_in + m_R. Rotation is kept apart: by the kinematics it follows from
-the shaft's speed, and no equation of motion feels it.
+the shaft's speed, and stands in no equation of motion.
 """
 
 from dataclasses import dataclass

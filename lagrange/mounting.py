@@ -31,7 +31,7 @@ class Housing:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """A resonator on the housing, along y, so light that the housing does not feel it: base-excited.
+    """A resonator on the housing, along y, too light to react on the housing: base-excited.
 
     Its displacement r relative to the housing obeys r̈ + 2ζω ṙ + ω² r = −Ÿ; it shows its own acceleration Ÿ + r̈.
     """
@@ -89,7 +89,7 @@ class Points:
 class Bore:
     """A round bore around the outer ring, of a housing or of the ground, that pushes where they touch and never pulls.
 
-    It gives way in proportion to the pressure, each place for itself (Winkler's bed), and has no friction; only the
+    Its deflection is proportional to the local pressure (Winkler's bed); it has no friction; only the
     ring's turning as a whole is held.
     """
 

@@ -1,6 +1,6 @@
 """Static equilibrium of hub and rolling elements at given angles, rigid rings, by Newton's method.
 
-Each element's radius ρ is eliminated: at a given hub position its radial balance has one root. What is left is
+Each element's radius ρ is eliminated: at a given hub position its radial balance has one root. The equilibrium is
 the least of a potential of the hub's two coordinates, found by Newton's method with a line search.
 """
 

@@ -94,7 +94,7 @@ class Trajectory:
 def quantities(
     problem: Problem, time: np.ndarray, state: State, by_contacts, by_dashpots, sensor, rows: CageRows | None = None
 ) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
-    """What follows from motion and losses at samples, by the trajectory's names: all but the works done on the bearing.
+    """Columns that follow from motion and losses at samples, under the trajectory's names, but for the works done.
 
     Parameters
     ----------

@@ -214,7 +214,7 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
     if travel > FARTHEST:
         raise InputError(
             f"{record.source}: --find-faults: contacts move {1e3 * travel:.3g} mm from sample to sample, at most "
-            f"{1e3 * FARTHEST:g} mm is told from a spall; store more often (numerics.output_interval_us)"
+            f"{1e3 * FARTHEST:g} mm can be distinguished from a spall; store more often (numerics.output_interval_us)"
         )
 
 

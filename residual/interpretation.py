@@ -121,14 +121,14 @@ def _share(evaluation: Evaluation, force: float, named: bool = True) -> str:
 def _sound(evaluation: Evaluation) -> str:
     left, scale = evaluation.balance, evaluation.reference[0]
     if left is None:
-        return "whether the trajectories are sound can't be told without contact forces"
+        return "the soundness of the trajectories can't be judged without contact forces"
     size = f"{text(left, 2, evaluation.noise)} N rms{_share(evaluation, left)}"
     if left <= max(SOUND * scale, evaluation.noise):
         return f"the trajectories are sound (Newton's law holds to {size})"
     noise, coarse = evaluation.position_noise, evaluation.too_coarse
     if noise is not None and evaluation.balance_within_noise:
         return (
-            f"whether the trajectories are sound can't be told: Newton's law leaves {size}, and the positions' error, "
+            f"the soundness of the trajectories can't be judged: Newton's law leaves {size}, and the positions' error, "
             f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
         )
     if coarse is not None:
@@ -139,7 +139,7 @@ def _sound(evaluation: Evaluation) -> str:
             f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, evaluation.noise)} N rms"
             f"{_share(evaluation, held)}); with all vibration it leaves {size}, because {coarse.cause}"
         )
-    return f"the trajectories are not sound, or forces act that they don't tell of (Newton's law leaves {size})"
+    return f"the trajectories are not sound, or forces act that stand in no column (Newton's law leaves {size})"
 
 
 def _missed(evaluation: Evaluation) -> str:

@@ -45,7 +45,7 @@ class LineLevel:
     record_needed: float  # s, of a record that resolves it
 
     def unresolved_note(self, resolution: float) -> str:
-        """Why the line can't be told apart at a resolution, Hz, and what would help."""
+        """Why the line can't be resolved at a resolution, Hz, and the record length that would."""
         return (
             f"{self.name} can't be resolved from this record: with Δf = {resolution:.4g} Hz it lies "
             f"{self.frequency / resolution:.2g} bins up, and {self.obstacle} lies within two bins of it; it takes a "

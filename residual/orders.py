@@ -62,7 +62,7 @@ class Tracking:
         return make_interp_spline(self.turn, signal[self.part], k=DEGREE)(self.angles)
 
     def envelope(self, acceleration: np.ndarray) -> np.ndarray | None:
-        """Envelope of an acceleration, (n_record,), above what rollers do by passing even at the highest speed."""
+        """Envelope of an acceleration, (n_record,), above the roller passage at the highest speed."""
         interval = float(self.time[1] - self.time[0])
         fastest = float(np.gradient(self.turn, interval).max())  # 1/s
         inner, cage = max(self.lines[name] for name in ("BPFO", "BPFI")) * fastest, self.lines["FTF"] * fastest

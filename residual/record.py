@@ -61,7 +61,7 @@ COLUMNS = {f"cage_{each.name}": each.name for each in fields(CageMotion)}  # of 
 
 @dataclass(frozen=True, kw_only=True)
 class StatedError:
-    """The solver's own statement of what a quantity of its run may be off by."""
+    """The solver's own estimate of a quantity's error."""
 
     meaning: str
     unit: str

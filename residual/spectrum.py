@@ -136,7 +136,7 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     Errors
     ------
     Frequency: a few thousandths of a bin for an isolated line (Hann, two-bin interpolation); a line nearer to
-    zero frequency or to another line than two bins can't be told from it and has `resolved` False.
+    zero frequency or to another line than two bins can't be distinguished from it and has `resolved` False.
     """
     from scipy.signal import find_peaks as scipy_peaks
 

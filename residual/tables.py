@@ -91,7 +91,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
     if reach > PEAK:
         notes.append(
             "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
-            f"{PEAK / spectrum.resolution:.2g} bins, so it can be told neither from drift nor from the cage's line. "
+            f"{PEAK / spectrum.resolution:.2g} bins, so it can be distinguished neither from drift nor from the cage's line. "
             f"It takes at least {text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from "
             "the cage."
         )
@@ -99,7 +99,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
         f"{evaluation.order // 2} samples at either end; by the record's own spectrum it errs by about "
         f"{text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y (what vibrates beyond the Nyquist frequency "
-        "comes on top). The momentum balance is told of without these samples at the ends."
+        "comes on top). The momentum balance is stated without these samples at the ends."
     )
     if x.away and y.away:
         notes.append(

@@ -111,7 +111,7 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     if found is None:
         why = "the bearing stands, or the record is too short or too coarse for one"
         if evaluation.record.varies_speed:
-            why = "the speed changes, and lines are told in orders"
+            why = "the speed changes, and lines are given in orders"
         return [f"{scene} No envelope: {why}."]
     if not evaluation.x.vibration.tells_lines:
         return [f"{scene} The record is too short to tell fault lines in the envelope from each other."]

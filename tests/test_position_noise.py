@@ -67,7 +67,7 @@ def test_white_noise_is_told_from_the_motion_and_its_force_is_that_of_its_second
     assert [d.error.std for d in found.directions] == pytest.approx(list(noise["error_N"].values()), rel=0.1)
     assert "noise" in warnings[0] and "are no finding on the contact law harris" in out
     with_forces = evaluate(replace(found.record, inner_force=run.law_force))
-    assert "whether the trajectories are sound can't be told" in verdict(with_forces).lower()
+    assert "the soundness of the trajectories can't be judged" in verdict(with_forces).lower()
 
 
 def test_noise_of_the_approaches_makes_a_laws_force_uncertain(run, tmp_path):

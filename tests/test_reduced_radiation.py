@@ -94,5 +94,5 @@ def test_contacts_that_waves_owe_energy_are_refused():
     arrays, numbers = plan.first_state().to_keep()
     arrays = {name: array.copy() for name, array in arrays.items()}
     arrays["forces.radiation.owed"][0, 3] = -1e-6
-    with pytest.raises(ValueError, match="owed energy by waves"):
+    with pytest.raises(ValueError, match="negative energy loss to waves"):
         plan.first_state().take_back(arrays, numbers)

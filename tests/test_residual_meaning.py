@@ -66,7 +66,7 @@ def test_without_forces_the_sentences_blame_nobody(tmp_path):
     bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
     found = evaluate(recorded(tmp_path / "bare.nc", run, bare))
     sentences = interpretation(found, None)
-    assert "can't be told without contact forces" in verdict(found)
+    assert "can't be judged without contact forces" in verdict(found)
     assert not any("leaves out" in sentence for sentence in sentences)
 
 

@@ -19,12 +19,12 @@ BANNED = re.compile(
 )
 DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
 LONGEST_LINE = 160
-MOST_LINES = 2800  # of the pages for readers
+MOST_LINES = 3200  # of the pages for readers
 
 
 def prose(page: Path) -> str:
-    """A page without its code and the targets of its links."""
-    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    """A page without its code, its formulas and the targets of its links."""
+    text = re.sub(r"^(```|\$\$).*?^\1", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
     return re.sub(r"\]\([^)]*\)", "]", re.sub(r"`[^`\n]*`", "", text))
 
 

@@ -94,7 +94,8 @@ def _run(
     resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
     force: Annotated[bool, Parameter(negative="", help="replace a complete run of another scene")] = False,
     estimate_error: Annotated[
-        bool, Parameter(negative="", help="also run a mesh half as fine and state what the results may be off by")
+        bool,
+        Parameter(negative="", help="also run a mesh half as fine and state the discretisation error of every result"),
     ] = False,
     checkpoint: Annotated[
         float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")

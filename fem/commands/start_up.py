@@ -107,7 +107,7 @@ def leave(code: int) -> NoReturn:
 
 
 class Outcome(Enum):
-    """How a command ends: exit code, what the user is told, and for runs the `status` in the result file."""
+    """How a command ends: exit code, message, and for runs the `status` in the result file."""
 
     COMPLETE = 0, "", "complete"
     FAILED = 1, "error: failed: {reason}\nsamples up to then are in {path}", "failed: {reason}"

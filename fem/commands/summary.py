@@ -140,7 +140,7 @@ def _percent(error: float | None) -> str:
 
 
 def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Path) -> None:
-    """What a run shows of the bearing, from its samples in blocks by the file's names, and where it is."""
+    """Print the bearing's quantities from a run's samples, in blocks under the file's names, and the file's place."""
     console, plan, progress = Console(highlight=False), state.plan, state.progress
     if plan.n_samples == 1:
         first = next(iter(blocks))
@@ -171,7 +171,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
 
 
 def print_estimates(found: "list[Estimate]", title: str) -> None:
-    """Every quantity with what it may be off by."""
+    """Every quantity with its estimated error."""
     console = Console(highlight=False)
     table = Table(title=title, title_justify="left")
     for heading in ("quantity", "value", "may be off by", "relative"):

@@ -43,7 +43,7 @@ class Motion:
 
     @property
     def turns(self) -> Turns:
-        """What surfaces that are not perfect are seen by."""
+        """Rotation of the bodies, from which the place on a surface with defects follows."""
         return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn, outer_ring=self.outer_turn)
 
     @property
@@ -123,7 +123,7 @@ def _spun(ring: RingBody, speed: float) -> np.ndarray:
 
 
 class KernelData(NamedTuple):
-    """What the time loop is told of a contact model; laws and ripples by kind of contact."""
+    """Constants of a contact model for the time loop; laws and ripples by kind of contact."""
 
     laws: tuple[Law, ...]
     ripples: tuple[np.ndarray, ...]  # of the raceways and the rollers; empty without a law below the grid
@@ -174,7 +174,7 @@ class Model:
     def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray | None) -> Reduced:
         """The bearing reduced to its contacts with hub and radii at `place`, (n_rollers + 2,), m.
 
-        `free` : what the bodies do in that motion by themselves
+        `free` : motion of the bodies without contact forces
         `forces` : (2 n_rollers,), N, expected, of inner contacts and then of outer ones; not asked for by all models
         """
         raise NotImplementedError
@@ -215,7 +215,7 @@ class Model:
         return np.zeros_like(force)
 
     def give(self, load: float) -> float:
-        """How far a sound contact may give way under the load at the hub, N, beyond what elastic bodies do, m."""
+        """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
         return 0.0
 
     @property

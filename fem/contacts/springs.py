@@ -59,7 +59,7 @@ class PenaltyModel(PointModel):
         return hertz_patch(n_surface, angle, 0.0, self.shares)
 
     def give(self, load: float) -> float:
-        """See `Model.give`: a soft spring gives way as steel does not."""
+        """See `Model.give`: a soft spring deflects more than steel."""
         return 2.0 * load / self.inner_law.point_stiffness
 
 

@@ -10,8 +10,8 @@ continuum answer for that body: a free disc squeezed by two Hertz pressures, a r
 is softer at some places of its surface than at others (0.1 % between node and mid-edge, 1 % along a sextant of the
 disc), so B_i is a periodic function of the contact's position: a mean and a ripple, a spline over one period.
 
-Tangentially a contact that sticks gives way by as much as the normal one does for a little more force, A_i (B_i − ½ ln
-Q) with a B_i of its own. It is fixed in the same way, by a free disc and a held ring under one traction, but for its
+The tangential compliance of a contact that sticks is that of the normal one for a little more force, A_i (B_i − ½ ln
+Q) with a B_i of its own. It is calibrated in the same way, by a free disc and a held ring under one traction, but for its
 mean over positions alone.
 """
 
@@ -276,7 +276,7 @@ def _sheared(disc: DiscBody, angles: np.ndarray) -> float:
 
 
 def rigid_surface(half_width: float) -> SurfaceCompliance:
-    """The compliance of a body that does not give way."""
+    """The compliance of a rigid body."""
     return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
 
 

@@ -96,7 +96,7 @@ def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:
 
 
 def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
-    """What slices yield by others' forces, inner and outer contact, (slices, slices) each, m/N.
+    """Coupling compliances of the slices, inner and outer contact, (slices, slices) each, m/N.
 
     The force of a roller's other contact is coupled to it as a whole; by as much as slices differ they squeeze the
     roller one by one. That is all where `axial.coupling` is off.

@@ -317,7 +317,7 @@ def annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray
     Rows: 2μU, 2μV, and the amplitudes of σ_rr (cos nθ) and σ_rθ (sin nθ). Columns: φ = z^(n+1) less (n+1)
     z^(n−1) in ψ, ψ = z^(n−1), φ = z^(1−n) plus (n−1) z^(−n−1) in ψ, ψ = z^(−n−1). The combinations keep the
     columns apart at large n; the growing pair has its powers scaled to 1 at the larger radius, the decaying
-    pair at the smaller. At n = 1 the third is another translation and gives way to φ = ln z, ψ = −κ ln z,
+    pair at the smaller. At n = 1 the third is another translation and is replaced by φ = ln z, ψ = −κ ln z,
     the solution that carries the resultant.
 
     Source: Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity, polar displacement

@@ -79,7 +79,7 @@ def ring_momenta(ring: "RingBody", velocity: np.ndarray, slowing: Slowing) -> np
 
 
 def held_velocity(ring: "RingBody", momenta: np.ndarray, slowing: Slowing, mass: float) -> np.ndarray:
-    """What is added to the velocity of a body of `mass`, kg, by the ring that it holds, (2,), m/s, in the ring's frame.
+    """Velocity that the ring adds to the body of `mass`, kg, which holds it, (2,), m/s, in the ring's frame.
 
     `momenta` : of the ring's nodes, over lumped masses, (n_rows, 2, n_sectors), m/s
     """

@@ -50,7 +50,7 @@ def moving_softening(material: Material, speed: float) -> float:
 
 
 def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
-    """Tangential displacement of a free solid disc per unit tangential traction sin nθ, less its mean motion.
+    """Tangential displacement of a free solid disc per unit tangential traction sin nθ, without its mean motion.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> n
 
 
 def disc_cross_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
-    """Displacement cos nθ into a free solid disc, less its mean motion, per unit tangential traction sin nθ, m/Pa.
+    """Displacement cos nθ into a free solid disc, without its mean motion, per unit tangential traction sin nθ, m/Pa.
 
     Errors: round-off. Source: as of `disc_shear_compliance`; n = 1 by Betti from `continuum.disc_harmonic_compliance`.
     """
@@ -111,8 +111,8 @@ def ring_shear_compliance(n: np.ndarray, loaded_radius: float, held_radius: floa
 def ring_cross_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
     """Displacement cos nθ into an annulus, fixed on one circle, per unit tangential traction sin nθ on the other.
 
-    Parameters and errors as of `continuum.ring_harmonic_compliance`; m/Pa. By Betti it is also what a pressure cos nθ
-    moves the surface by along sin nθ.
+    Parameters and errors as of `continuum.ring_harmonic_compliance`; m/Pa. By Betti it is also the
+    displacement along sin nθ under a pressure cos nθ.
     """
     n = np.asarray(n)
     if held_radius == 0.0:

@@ -1,6 +1,6 @@
 """Damping of bodies in proportion to mass, of what they do beside moving and turning as a whole.
 
-What moving as a whole is: of a ring whose held row goes with hub or housing, moving with these, which feel the
+What moving as a whole is: of a ring whose held row goes with hub or housing, moving with these, which take the
 reaction; of rollers and of a ring in play, the motion that has the body's momentum and angular momentum.
 """
 

@@ -97,7 +97,7 @@ class CagePair(NamedTuple):
 
 @part
 def half_a_work(cage, contacts, j, rates, dt):
-    """What a step's dashpot and friction have taken by the velocities at one of its ends."""
+    """Add the work of a step's dashpot and friction at the velocities of one of its ends."""
     cage.lost[DASHPOTS] -= 0.5 * dt * contacts.given[0, j] * rates[0]
     cage.lost[FRICTION] -= 0.5 * dt * contacts.given[1, j] * rates[1]
 

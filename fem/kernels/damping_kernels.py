@@ -6,12 +6,12 @@ pulls. Contacts of a raceway are solved for at once, or one after another where 
 
 The rate is that of the law's approach. Velocities of nodes at a fixed patch tell how it changes in a kick; what the
 patch's own way along the surfaces adds, which hardly changes from step to step, is the difference between how far the
-approach went on the last way and what the nodes' velocities said then. Slopes of surfaces turn the force aside, as they
+approach went on the last way and what the nodes' velocities said then. Slopes of surfaces turn the force, as they
 do the law's. Its work is that along the approach, by the mean of the forces at both ends of a way: what bodies lose, to
 second order.
 
 Of the whole approach of two bodies, of stiffness k, only a part is below the grid, of stiffness K: nodes carry the
-rest. A damper c·(K/k)² beside the former takes the power of c beside the whole, and is felt as that: of its force k/K
+rest. A damper c·(K/k)² beside the former takes the power of c beside the whole, and has its effect: of its force k/K
 is what c would give, the rest makes up for what the law below the grid gives less.
 """
 

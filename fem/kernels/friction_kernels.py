@@ -76,8 +76,8 @@ def _without_dampers(pair, contacts, row):
 def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for closed contacts, m/s, to `out`, (3, columns).
 
-    `grip_pair` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are
-    still to gain by turning as a whole. Open contacts get what has no meaning.
+    `grip_pair` must have been called at the present positions. `turn_kick`, (columns,), rad/s: increment of the
+    rollers' spin as a whole. Open contacts get what has no meaning.
     """
 
 
@@ -118,8 +118,8 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
 def find_tractions(pair, rollers, disc, contacts, dt, some, again):
     """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.
 
-    `again`: the slips are with the last tractions; of ALL contacts with those of the rigid bodies alone. What tractions
-    differ by from those that the bodies have been given is left in `change`.
+    `again`: the slips are with the last tractions; of ALL contacts with those of the rigid bodies alone. The
+    difference from the tractions that the bodies have been given is left in `change`.
     """
     friction, columns = contacts.friction, rollers.columns
     for group in range(0, rollers.n, WIDTH):

@@ -1,6 +1,6 @@
-"""Contacts of rigid bodies that know nothing of each other: each gives way by a law of its own.
+"""Isolated contacts of rigid bodies, each with a law of its own.
 
-The approach of a contact is the overlap of its circles and the deviation of its surfaces. Edges give way in series with
+The approach of a contact is the overlap of its circles and the deviation of its surfaces. Edges are compliances in series with
 the law. Steps, bodies and what stands around them are the reduced model's.
 """
 
@@ -28,7 +28,7 @@ class PowerConstants(NamedTuple):
 
 
 class Isolated(NamedTuple):
-    """How contacts give way by their own laws: `PowerConstants`, or `state.Law` for δ = A Q (B − ½ ln Q)."""
+    """Compliance of isolated contacts by their own laws: `PowerConstants`, or `state.Law` for δ = A Q (B − ½ ln Q)."""
 
     inner: tuple
     outer: tuple

@@ -1,6 +1,6 @@
 """Forces of pressure points that act through what the mesh lacks between them: a small contact problem.
 
-Find q >= 0 with G q >= c, c what the points close by, and G q = c where q > 0. G depends on the distance alone, so the
+Find q >= 0 with G q >= c, c the overlap at the points, and G q = c where q > 0. G depends on the distance alone, so the
 inverse for n neighbouring points in contact is known beforehand for every n.
 
 One pressure point on one surface: between the two nodes beside it, or spread over the patch of six around it.

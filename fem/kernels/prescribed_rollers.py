@@ -105,7 +105,7 @@ def _hold(first, prescribed, bodies, drive, time):
 
 @part
 def note_held(prescribed, bodies, forces, before, drive):
-    """Note what the rays work, by the velocities before and after the whole kick."""
+    """Add the work of the rays at the velocities before and after the whole kick."""
     if prescribed is not None:
         _note(prescribed.first, prescribed, bodies, forces, before, drive)
 

@@ -1,6 +1,6 @@
 """Forces of the reduced model's contacts at given positions.
 
-A raceway's contact gives way by its own law and by the forces on other contacts of its bodies:
+The approach of a raceway's contact under its own law and the forces on other contacts of its bodies:
 
     approach = overlap of the circles − across·(force on the roller's other contact) − Σ along_k·(force k rollers away)
                − Σ crossed_k·(traction k rollers away)

@@ -158,7 +158,7 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
 
 @part
 def note_damped(dampers, bodies, forces, before, drive):
-    """What the dampers take: their forces, along what contacts close by between the velocities before and after."""
+    """Add the work of the dampers: their forces along the approach, at the mean of the velocities before and after."""
     if dampers is not None:
         _note_work(dampers, bodies, forces, before, drive)
 

@@ -82,7 +82,7 @@ def _kick_ring(housing, before, drive, x, y):
 
 @verb
 def push_ring(housing, x, y, dt):
-    """Give it what the contacts' dampers push by, N."""
+    """Add the forces of the contacts' dampers, N."""
 
 
 @push_ring.of(Housing)

@@ -209,7 +209,7 @@ def _share_paid(vibrations, drive):
 
 @part
 def repay(forces, at, approach, P, residual, grown, opening):
-    """Kicks, N, of eight contacts, and their residual energies, J, with debts of those that open paid.
+    """Kicks, N, of eight contacts, and their residual energies, J, released where they open.
 
     Half of a kick works in the step behind, in which bodies have moved by `grown`, m, more than the approach, half in
     the step ahead, which is longer by the acceleration: 12 times how much further forces are taken, m.
@@ -229,7 +229,7 @@ def repay(forces, at, approach, P, residual, grown, opening):
 
 @part
 def cut_off(cut, forces, at, off, P):
-    """What eight contacts have stored beyond kicks P, N, by approaches, m, that were cut to fit their forces, J.
+    """Energy of eight contacts beyond kicks P, N, of approaches, m, that were cut to fit their forces, J.
 
     Bodies move by what is cut too, and the law does not see it.
     """

@@ -1,4 +1,4 @@
-"""Vibrations of the reduced model's bodies: modes as oscillators that contact forces drive and contacts feel.
+"""Vibrations of the reduced model's bodies: modes as oscillators, driven by contact forces, which change the approaches.
 
 Modes stand in space: one goes round in some 10 µs, in which no body turns by a hundredth of a radian. Where a step of
 theirs has no place in a scene they are None and nothing is compiled.
@@ -30,7 +30,7 @@ def gather_waves(vibrations):
 
 @part
 def less_vibration(vibrations, forces, columns, group, inner, outer):
-    """Approaches of eight rollers, m, less what their bodies' surfaces give way by; the slopes of that are kept."""
+    """Approaches of eight rollers, m, reduced by the modal displacements of the surfaces, whose slopes are kept."""
     if vibrations is None:
         return inner, outer
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)

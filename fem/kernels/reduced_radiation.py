@@ -3,8 +3,8 @@
 A mode of a body, of frequency ω and surface displacement s, that is faster than a contact's force changes follows it
 without a delay; but where the force's rate jumps by Q̇, as a contact closes or opens, the mode is left vibrating with
 ½ s² Q̇²/ω⁴. Of all such modes together that is ½ Q̇² Σ s²/ω⁴, with Q̇ the contact's stiffness times the speed at which
-it closes. Contacts take that from hub, rollers and housing by an impulse as they close, and owe meanwhile what they
-have lost as they opened: an impulse then would pull.
+it closes. Contacts take that from hub, rollers and housing by an impulse as they close; the loss
+at an opening is recorded until then: an impulse then would pull.
 """
 
 from math import log

@@ -37,7 +37,7 @@ class RollerModes(NamedTuple):
 class RingModes(NamedTuple):
     """Modes of a ring, in layers: the first, second ... of every number of waves around; empty places have shape 0.
 
-    What a layer holds stands by waves around, in `width` for whole registers.
+    The values of a layer are ordered by waves around, in `width` for whole registers.
     """
 
     orders: int  # numbers of waves around, from none on
@@ -95,7 +95,7 @@ class Spacing(NamedTuple):
 
 
 class Compliance(NamedTuple):
-    """How contacts give way, by their own laws and by the forces on other contacts of the same body."""
+    """Compliance of contacts under their own laws and the forces on other contacts of the same body."""
 
     inner: Law
     outer: Law

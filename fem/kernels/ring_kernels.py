@@ -193,7 +193,7 @@ def drift_still(u, w, dt, first_row, last_row):
 
 @part(inlined=False)
 def drift_slowed(slowed, u, w, v, calmed, dt, first_row, last_row, raceway):
-    """Move by dt·w and do what `slow_waves` does, the raceway by dt·v; the frame does not turn."""
+    """Move by dt·w as `slow_waves` does; the raceway moves by dt·v; the frame does not turn."""
     width = u.shape[2]
     for row in range(first_row, last_row):
         at = 2 * row * width

@@ -140,7 +140,7 @@ def add_damped(dampers, damping, out):
 def add_damper_forces(dampers, j, n, out):
     """Forces of a roller's dampers, N, by themselves and in the contacts' forces.
 
-    Kicks never pull. They settle owed energy, by which the law's own force with a damper's could be below 0.
+    Kicks never pull. They release residual energy, so the law's own force with a damper's could be below 0.
     """
     if dampers is not None:
         at = N_SCALARS + j

@@ -7,8 +7,8 @@ Dashpots between the ground and what a bearing sits in or on, a housing or a sha
 and after a kick, which forces that are found after theirs change once more.
 
 Finite elements divide the impulses of such forces by a body's `late_mass`, its mass and half a step of its dashpots,
-which is what both together resist with, and let the dashpots `conclude` a kick; the reduced model's forces ask how they
-give way.
+which is what both together resist with, and let the dashpots `conclude` a kick; the reduced model's forces need their
+compliance.
 
 A body here is a named tuple with `velocity`, `before`, `drag`, `mass`, `damping`: `Shaft`, which shares its arrays with
 the hub, or `Housing`. None: nothing is held so.

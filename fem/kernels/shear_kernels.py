@@ -1,7 +1,7 @@
-"""Tangential springs of contacts: what the mesh can't see of how a contact that sticks gives way.
+"""Tangential springs of contacts: the compliance of a contact that sticks, which the mesh lacks.
 
 A spring is in series with Carter's creep. Its stretch e follows the places of the surfaces' nodes, as normal forces do,
-and the traction at a kick is what it has come to by then:
+and the traction at a kick follows from its value there:
 
     e − e₋ = dt (slip − creep),    T C = e,    C = A (level − ½ ln Q).
 

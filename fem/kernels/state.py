@@ -187,7 +187,7 @@ class Law(NamedTuple):
 
 
 class RingProfile(NamedTuple):
-    """What contacts meet by angle on a ring: periodic cubic B-splines."""
+    """Surface of a ring over its angle: periodic cubic B-splines."""
 
     sinkage: given("n_knots")  # m
     compliance: given("n_knots")  # m/N, of edges

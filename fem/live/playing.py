@@ -55,7 +55,7 @@ class Playing(Thread):
         self._set(_values=values)
 
     def change_pace(self, pace: Pace) -> None:
-        """Play faster, slower, or not; viewers are told."""
+        """Play faster, slower, or not; viewers get a message."""
         self._set(_pace=pace, _advanced=None, _slowness=None, _residue=0.0)
         self._publish(message("pace", pace.model_dump()))
 

@@ -62,7 +62,7 @@ class TiltedPitch:
 
     @property
     def tilt_stiffness(self) -> float:
-        """∂M/∂ψ in the plane of the load as the hub gives way, mean over the pitch, N m/rad."""
+        """∂M/∂ψ in the plane of the load at a free hub, mean over the pitch, N m/rad."""
         found = []
         for each in self.statics:
             hub, cross, slope = each.stiffness[:2, :2], each.stiffness[:2, 2:], each.stiffness[2:, 2:]

@@ -66,7 +66,7 @@ def write_at(handle: int, data: bytes, place: int) -> None:
 
 
 def claim(handle: int, size: int) -> None:
-    """Have the disk set a file's bytes aside, so that writing them later can't fail for want of room.
+    """Reserve a file's bytes on the disk, so that writing them later can't fail for want of room.
 
     Errors
     ------

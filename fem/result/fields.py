@@ -88,7 +88,7 @@ def lay_out(file: h5py.File, model: Model, capacity: int) -> list[str]:
 
 
 def stored_values(model: Model, frame: Frame) -> dict[str, bytes]:
-    """What a frame writes, by the names `lay_out` gives."""
+    """Bytes of a frame under the names of `lay_out`."""
     found = {"time": frame.time, "sample": frame.sample, "roller_turn": frame.roller_turn}
     for name, (displacement, stress) in global_fields(model, frame).items():
         found |= {f"{name}_displacement": displacement, f"{name}_stress": stress}

@@ -25,7 +25,7 @@ NEEDED = ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A quantity on the scene's mesh and on the coarser one, and what the first may be off by."""
+    """A quantity on the scene's mesh and on the coarser one, and the error of the first."""
 
     quantity: Quantity
     coarse_value: float

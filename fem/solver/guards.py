@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class EnergyAccount:
-    """What an energy balance is judged by, carried on from block to block.
+    """State of the energy balance's test, carried from block to block.
 
     An imbalance counts from the start, so where energy is dissipated it grows without bound, however small each step's
     part is. The state's own error does not: it is dissipated with the rest of the energy. When a run has dissipated as

@@ -1,4 +1,4 @@
-"""What each model would take for a scene and what it errs by: --dry-run shows it beside the plan."""
+"""Run time and error of each model for a scene: --dry-run shows them beside the plan."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The reduced model as a solver: rigid bodies on contacts that give way as whole elastic bodies do, but without mass.
+"""The reduced model as a solver: rigid bodies on contacts with the compliance of whole elastic bodies, without their mass.
 
 Elasticity comes from the exact series of rings and rollers, so there is no mesh. Steps are some fifteen times those of
 finite elements, which must follow elastic waves, and each takes a small part of one: a run is faster than the bearing.
@@ -161,8 +161,8 @@ def make_plan(scene: Scene) -> ReducedPlan:
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
     if modes is not None and min(model.inner_law.Q_line, model.outer_law.Q_line) < LOAD_MARGIN * largest:
         raise UsageError(
-            f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}: so many modes carry more than the contacts "
-            f"give way by under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
+            f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}: so many modes carry more than the contacts' "
+            f"approach under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
         )
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)

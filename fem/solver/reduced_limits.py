@@ -18,7 +18,7 @@ STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the pap
 def time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:
     """The longest step, s, in which contacts' dampers, under forces of so many N, take half of a housing's motion.
 
-    It feels them after rollers and hub, which is only as stable as that is short; infinite where the ring stands still.
+    Damping forces act on the housing explicitly, after rollers and hub; infinite where the ring stands still.
     """
     housing, bearing = operation.mounting.housing, model.bearing
     if housing is None or not damping.acts:
@@ -56,9 +56,9 @@ def strongest_coupling(model: ReducedBearing, force: float) -> float:
 
 
 def relaxation_factor(coupling: float) -> float:
-    """Share of what forces gain by their own contact that others are told of, by their `strongest_coupling`.
+    """Relaxation factor of the coupled force increments, by their `strongest_coupling`.
 
-    All of it, which leaves −λ³ of what a guess was off by, and grows by turns from a third on; or, of strong couplings,
+    1, which leaves −λ³ of the predictor's error and diverges from a third on; or, of strong couplings,
     as much as leaves −LEFT, λ²(1 − share (1 + λ)).
     """
     return 1.0 if coupling**3 <= LEFT else (1.0 + LEFT / coupling**2) / (1.0 + coupling)

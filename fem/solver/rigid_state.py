@@ -1,4 +1,4 @@
-"""A run of rigid bodies in their time loop, whichever way their contacts give way."""
+"""A run of rigid bodies in their time loop, whatever the compliance of their contacts."""
 
 import hashlib
 from abc import abstractmethod
@@ -88,7 +88,7 @@ class RigidState(RowState):
 
     @property
     def fixed(self) -> tuple:
-        """Numbers by which contacts give way, but for surfaces: these follow from the scene, which checkpoints hold."""
+        """Compliances of the contacts, without surfaces, which follow from the scene that checkpoints hold."""
         return self.compliance._replace(ring_profiles=(), roller_profiles=())
 
     def digest(self) -> str:

@@ -58,7 +58,7 @@ def run(
     state : where to go on from, of a plan that is prepared; it is kept up to date after each block, before `report`
     stop : is asked after each block, and within samples that take long; those are then not taken
     keep : gets the fields the scene asks for, each before the sample of its instant
-    begin_again : is told why all that was written is void and the run goes on from its start
+    begin_again : gets the reason why all that was written is void and the run restarts
 
     Errors
     ------

@@ -154,12 +154,12 @@ class RunState(ABC):
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Sentences on what the run has found, told at its end and kept in the result file with the plan's."""
+        """Warnings of the run, printed at its end and kept in the result file with the plan's."""
         return ()
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what the run has found, told at its end even to those who want quiet."""
+        """Notes of the run, printed at its end even with --quiet."""
         return ()
 
     @property

@@ -2,9 +2,9 @@
 
 How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
 
-A hub of mass M (its ring's with it) vibrates at ω on contacts and rings that all give way by c per unit force. In the
-model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s what a mode
-shifts the raceway by, h the hub. With their mass
+A hub of mass M (its ring's with it) vibrates at ω on contacts and rings with the total compliance c. In the
+model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s the raceway's
+displacement in a mode, h the hub's. With their mass
 
 1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
 

@@ -115,7 +115,7 @@ def _loaded_ring(radius: float, held: float, material: Material, half_width: flo
 
 
 def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
-    """What a contact gives way by a force so many rad along its ring, and the slope of that: (2, 2, n_angles).
+    """Coupling compliance of a contact with a force at an angle, rad, along its ring, and its slope: (2, 2, n_angles).
 
     By ring, inner and outer: m/N, and m/N per rad.
     """
@@ -130,7 +130,7 @@ def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
 
 
 def crossings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
-    """How a raceway gives way to tractions along +θ on it, at angles, rad, ahead of them: (2, n_angles), m/N.
+    """Cross compliance of a raceway under tractions along +θ, at angles, rad, ahead of them: (2, n_angles), m/N.
 
     By ring, inner and outer.
     """

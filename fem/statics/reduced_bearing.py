@@ -56,7 +56,7 @@ def series_around(bearing: Bearing) -> np.ndarray:
 
 
 def crossed_series(bearing: Bearing) -> np.ndarray:
-    """What a raceway gives way by a traction 1, 2 ... of n equal parts behind: (2, n // 2)."""
+    """Cross compliance of a raceway under a traction 1, 2 ... of n equal parts behind: (2, n // 2), m/N."""
     n = bearing.n_rollers
     return crossings_at(bearing, 2.0 * pi / n * np.arange(1, n // 2 + 1))
 
@@ -64,7 +64,7 @@ def crossed_series(bearing: Bearing) -> np.ndarray:
 def ring_couplings(
     bearing: Bearing, series: np.ndarray, crossed: np.ndarray, rings: Sequence[Modes], own: float
 ) -> RingCouplings:
-    """Couplings by `series_around`, less what modes of the rings carry, and by `crossed_series`.
+    """Couplings of `series_around` without the rings' modes, and of `crossed_series`.
 
     `rings` : of both, or none; `own` : m/N, compliance of a contact, over ln Q.
     """
@@ -161,7 +161,7 @@ class ReducedBearing:
         return self.contacts.bearing
 
     def give(self, load: float) -> float:
-        """How far a sound contact gives way under the load at the hub, N, beyond what elastic bodies do, m."""
+        """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
         return 0.0
 
     def at(self, angle: np.ndarray, turns: Turns) -> Condensed:

@@ -1,4 +1,4 @@
-"""Own vibrations of a bearing's bodies, and what their contacts give way by without them."""
+"""Vibration modes of a bearing's bodies, and the compliance of their contacts without these modes."""
 
 from dataclasses import dataclass, replace
 

@@ -145,7 +145,7 @@ class Folder:
         return self.path / "study.json"
 
     def points(self) -> Points:
-        """The study and its points, as they were when it was begun or last gone on with.
+        """The study and its points, as they were when it was begun or last resumed.
 
         Errors
         ------

@@ -49,7 +49,7 @@ def pending_points(points: Points, folder: Folder) -> list[int]:
 
 
 def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
-    """What the points will take, by the plans of three of them; compiles what they need, and tells if that takes long.
+    """Expected cost of the points from the plans of three of them; compiles their kernels first.
 
     Errors
     ------

@@ -77,7 +77,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
     moving = [name for name in keep.quantities if not name.startswith(("first_", "static_"))]
     if moving and sample_count(scene) < 2:
         raise UsageError(
-            "numerics.duration_ms = 0: at rest only the quantities first_… and static_… are told; keep no others, or "
+            "numerics.duration_ms = 0: at rest there are only the quantities first_… and static_…; keep no others, or "
             "run longer"
         )
     if not keep.signals:
@@ -114,7 +114,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
 
 
 def digest_of(scene: Scene, keep: KeepTable) -> str:
-    """What a point's file is named by: scene, what is kept, the program's text and its libraries' versions."""
+    """Name of a point's file: a digest of scene, kept quantities, the program's text and its libraries' versions."""
     facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32]
 
@@ -154,7 +154,7 @@ class Solved:
 
 
 def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False) -> Solved | None:
-    """Simulate a scene and keep what is wanted; whatever goes wrong with it is told. None: `stop` said so."""
+    """Simulate a scene and keep what is wanted; a failure is kept with its reason. None: `stop` said so."""
     began = time.monotonic()
 
     def over() -> bool:

@@ -1,4 +1,4 @@
-"""The study's file: TOML, validated; its faults told as those of a scene are."""
+"""The study's file: TOML, validated; its faults are reported like those of a scene."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

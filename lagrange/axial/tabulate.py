@@ -46,7 +46,7 @@ def contact_tables(
 def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: float) -> float:
     """The largest slope, rad, of a roller to a ring: of the shaft, and as far as it can tilt between raceways.
 
-    `depth` : m, by which contacts give way
+    `depth` : m, largest approach of the contacts
     """
     play, ends = max(2.0 * bearing.radial_clearance, 0.0), np.minimum(axial.drops(bearing)[:, [0, -1]], 4.0 * depth)
     return abs(misalignment) + (play + float(ends.max(axis=1).sum()) + 2.0 * depth) / bearing.roller_length

@@ -16,7 +16,7 @@ from lagrange.contact.laws import LAWS, PowerLaw, ball_law
 
 
 def line_compliance(material: Material, length: float) -> float:
-    """A = 2/(π E' L) of one body, m/N: what ln Q is multiplied by in half its approach; 0 of a rigid one."""
+    """A = 2/(π E' L) of one body, m/N: factor of ln Q in half its approach; 0 of a rigid one."""
     return 2.0 / (pi * material.plane_strain_modulus * length)
 
 

@@ -31,7 +31,7 @@ def films(bearing: Bearing, speed: float, lubricant: Lubricant, inner_load: floa
     ideal = kinematics(bearing, speed)
     rolling = (ideal.roller - ideal.cage) * bearing.roller_radius
     if rolling == 0.0 or not min(inner_load, outer_load) > 0.0:
-        raise Unavailable("the bearing does not turn or carries no load: no film to tell of")
+        raise Unavailable("the bearing does not turn or carries no load: no film forms")
     inner, outer, _ = contact_pairs(bearing)
     return Films(
         inner=film_thickness(inner, rolling, inner_load, lubricant),

@@ -131,12 +131,12 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     set_key(data, key, value, f"--set {override!r}")
 
 
-def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
+def set_key(data: dict[str, Any], key: str, value: Any, origin: str) -> None:
     """Put a value under a dotted key into nested tables; numbers count the entries of an array, as in spall.0.width_mm.
 
     Parameters
     ----------
-    told : how an error names what was asked for
+    origin : name of the request in an error message
 
     Errors
     ------
@@ -144,34 +144,34 @@ def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
     """
     parts = [part.strip() for part in key.split(".")]
     if not all(parts):
-        raise SceneError(f"{told}: {key!r} must read table.key, e.g. operation.speed_rpm")
+        raise SceneError(f"{origin}: {key!r} must read table.key, e.g. operation.speed_rpm")
     table: Any = data
     for part, after in pairwise(parts):
-        table = _entry(table, part, [] if after.isdecimal() else {}, told)
+        table = _entry(table, part, [] if after.isdecimal() else {}, origin)
     if isinstance(table, list):
-        _set_item(table, parts[-1], value, told)
+        _set_item(table, parts[-1], value, origin)
     else:
         table[parts[-1]] = value
 
 
-def _set_item(values: list, number: str, value: Any, told: str) -> None:
+def _set_item(values: list, number: str, value: Any, origin: str) -> None:
     """Put a value into a list of values, as in bearing.missing_rollers.0; not into an array of tables."""
     if not number.isdecimal() or int(number[:9]) > len(values):
-        raise SceneError(f"{told}: {number} is none of {len(values)} entries; numbers go on from 0")
+        raise SceneError(f"{origin}: {number} is none of {len(values)} entries; numbers go on from 0")
     if any(isinstance(each, dict) for each in values):
-        raise SceneError(f"{told}: {number} is a whole table; set one of its keys")
+        raise SceneError(f"{origin}: {number} is a whole table; set one of its keys")
     values[int(number) : int(number) + 1] = [value]
 
 
-def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:
+def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, origin: str) -> dict[str, Any] | list:
     """The table, or the array of tables, under a key or a number; made where there is none."""
     if isinstance(table, dict):
         found = table.setdefault(key, empty)
     else:
         if not key.isdecimal() or int(key[:9]) > len(table):
-            raise SceneError(f"{told}: {key} is none of {len(table)} tables; numbers go on from 0")
+            raise SceneError(f"{origin}: {key} is none of {len(table)} tables; numbers go on from 0")
         table.extend([empty] if int(key) == len(table) else [])
         found = table[int(key)]
     if not isinstance(found, dict | list):
-        raise SceneError(f"{told}: {key} is a value, not a table")
+        raise SceneError(f"{origin}: {key} is a value, not a table")
     return found

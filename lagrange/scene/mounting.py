@@ -59,7 +59,7 @@ class SupportTable(Table):
         "housing none: it holds the ring all around",
     )
     bore_stiffness_N_per_mm3: float | None = Field(
-        None, ge=1.0, le=1e5, description="pressure over how far the bore gives way; of a thick wall if left out"
+        None, ge=1.0, le=1e5, description="pressure over the deflection of the bore; of a thick wall if left out"
     )
 
     @classmethod

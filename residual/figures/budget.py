@@ -62,7 +62,7 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the terms less their means, stacked, over two roller passages in the middle of the record."""
     shown = middle(evaluation, PASSAGES_SHOWN)
     time = 1e3 * evaluation.record.time[shown]
-    figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} less its mean, N" for axis in "xy"])
+    figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} without mean, N" for axis in "xy"])
     means = []
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         terms = {name: direction.budget.terms[name] for name in evaluation.budget.acting_terms}
@@ -76,8 +76,8 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
         means.append(f"in {direction.name} {mean}")
     legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
     caption = (
-        "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
-        "record; the black line, their sum, is the error less its mean. Middle of the record, "
+        "The terms of the error forces stacked, positive upward and negative downward, each without its mean over the "
+        "record; the black line, their sum, is the error without its mean. Middle of the record, "
         f"{PASSAGES_SHOWN:g} roller passages where the bearing turns. Means, N: {'; '.join(means)}."
     )
     return save(figure, folder, "budget_stacked", "Terms of the error forces, stacked", caption)

@@ -164,7 +164,7 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
     caption = (
         f"One-sided power spectral density of the error force in {name}, equation ({equation}), 0-300 Hz; one dot "
         f"per frequency bin, Δf = {step:.4g} Hz, Hann window: two lines nearer than {2 * step:.3g} Hz are one peak, "
-        f"and a peak below {2 * step:.3g} Hz can't be told from drift."
+        f"and a peak below {2 * step:.3g} Hz can't be distinguished from drift."
     )
     if paper.is_paper(evaluation.record.scene):
         axis.axvspan(paper.PEAK - 2.0, paper.PEAK + 2.0, color=ORANGE, alpha=0.45, linewidth=0, zorder=0)

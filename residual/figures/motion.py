@@ -31,7 +31,7 @@ ENERGY_CURVES = {
 def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
     """Draw the hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
     t = evaluation.record
-    figure, (axes,) = panels(1, 4.6, x="x less its mean, µm", y=["y less its mean, µm"])
+    figure, (axes,) = panels(1, 4.6, x="x without mean, µm", y=["y without mean, µm"])
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
               label="run")  # fmt: skip

@@ -331,7 +331,7 @@ def _doubts(
     for name, base in (("the mains", MAINS[0]), ("the mains", MAINS[1]), ("the shaft", turning)):
         k = 0 if base is None else round(best.found / base)
         if base is not None and k and abs(best.found - k * base) < near:
-            doubts.append(f"It can't be told from {k}×{base:.4g} Hz, a multiple of {name}.")
+            doubts.append(f"It can't be distinguished from {k}×{base:.4g} Hz, a multiple of {name}.")
     if turning is not None:
         place = geometry.lines(turning)[best.name]
         if abs(best.found / place - 1.0) > 1.5 * SLIP:

@@ -24,7 +24,7 @@ UNIVERSAL = re.compile(rb"\s*-1\s*\n\s*58b?\s")
 
 
 def read_channels(path: Path) -> Channels:
-    """What a file holds, told by its first bytes rather than by its name.
+    """Channels of a file, whose format follows from its first bytes rather than its name.
 
     Errors
     ------

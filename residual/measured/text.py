@@ -23,7 +23,7 @@ RATE = re.compile(r"(?:rate|freq\w*|fs|sampl\w*)\b[^\d\n]{0,30}?(\d+(?:[.,]\d+)?
 
 @dataclass(kw_only=True)
 class Channels:
-    """What a file holds: signals of one length by name, their units as written, the rate, Hz, where it is told."""
+    """Signals of one length by name, their units as written, the rate, Hz, where the file states it."""
 
     values: dict[str, np.ndarray]  # (n_times,) each, floating point
     units: dict[str, str] = field(default_factory=dict)

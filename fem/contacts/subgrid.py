@@ -11,8 +11,8 @@ is softer at some places of its surface than at others (0.1 % between node and m
 disc), so B_i is a periodic function of the contact's position: a mean and a ripple, a spline over one period.
 
 The tangential compliance of a contact that sticks is that of the normal one for a little more force, A_i (B_i − ½ ln
-Q) with a B_i of its own. It is calibrated in the same way, by a free disc and a held ring under one traction, but for its
-mean over positions alone.
+Q) with a B_i of its own. It is calibrated in the same way, by a free disc and a held ring under one traction, but for
+its mean over positions alone.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,8 @@
 """The housing that carries the outer ring, on springs and dashpots to the ground, and the sensor on it.
 
 The outer ring's held row moves with the housing as the inner ring's does with the hub. Springs are explicit; dashpots
-act by the mean of the velocities before and after a kick, so that no damping shortens the step. The sensor is excited by the
-housing's acceleration and does not react on it: between two steps its motion is exact.
+act by the mean of the velocities before and after a kick, so that no damping shortens the step. The sensor is excited
+by the housing's acceleration and does not react on it: between two steps its motion is exact.
 """
 
 from typing import NamedTuple

@@ -1,7 +1,7 @@
 """Isolated contacts of rigid bodies, each with a law of its own.
 
-The approach of a contact is the overlap of its circles and the deviation of its surfaces. Edges are compliances in series with
-the law. Steps, bodies and what stands around them are the reduced model's.
+The approach of a contact is the overlap of its circles and the deviation of its surfaces. Edges are compliances in
+series with the law. Steps, bodies and what stands around them are the reduced model's.
 """
 
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Vibrations of the reduced model's bodies: modes as oscillators, driven by contact forces, which change the approaches.
+"""Vibrations of the reduced model's bodies: oscillators driven by contact forces, which change the approaches.
 
 Modes stand in space: one goes round in some 10 µs, in which no body turns by a hundredth of a radian. Where a step of
 theirs has no place in a scene they are None and nothing is compiled.

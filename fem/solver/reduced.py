@@ -1,4 +1,4 @@
-"""The reduced model as a solver: rigid bodies on contacts with the compliance of whole elastic bodies, without their mass.
+"""The reduced model as a solver: rigid bodies, contacts with the compliance of whole elastic bodies.
 
 Elasticity comes from the exact series of rings and rollers, so there is no mesh. Steps are some fifteen times those of
 finite elements, which must follow elastic waves, and each takes a small part of one: a run is faster than the bearing.

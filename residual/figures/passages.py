@@ -151,8 +151,8 @@ def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
         axes[2 * k].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
         _draw_passages(axes[2 * k + 1], search, k)
     caption = (
-        "Above: median of how deep rollers find the surface around the body, from all passages. Below: difference of three "
-        "samples of a roller from its equation of motion, in every passage, on perfect circles and with the "
+        "Above: median of how deep rollers find the surface around the body, from all passages. Below: difference of "
+        "three samples of a roller from its equation of motion, in every passage, on perfect circles and with the "
         "spall found. Shaded: its width, darker the 95 % intervals of its edges."
     )
     if not found:

@@ -26,7 +26,7 @@ LOOSE = 1.0  # N/m, and N m/rad a metre squared, keeps in the middle what no for
 
 
 class Elastic(NamedTuple):
-    """How bodies give way between contacts, inner ones first, and what closes these beside their places."""
+    """Compliance of the bodies between contacts, inner ones first, and further contributions to the approach."""
 
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N, of forces
     tilt_compliance: np.ndarray  # the same, rad per N m, of moments

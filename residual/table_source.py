@@ -197,16 +197,16 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []
     if "inner_force" not in arrays:
-        notes.append("the table tells no contact forces: the error is not split into its terms, no law can be fitted")
+        notes.append("the table has no contact forces: the error is not split into its terms, no law can be fitted")
     else:
         if "inner_ax" not in arrays or "inner_ay" not in arrays:
-            notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
+            notes.append("the table has no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
-            notes.append("the table tells no tangential forces: the budget has no friction term")
+            notes.append("the table has no tangential forces: the budget has no friction term")
     if "roller_x" not in arrays:
         arrays["roller_x"], arrays["roller_y"] = kinematic_rollers(path, scene, arrays)
         notes.append(
-            "the table tells no places of rollers: they roll without slip from operation.first_roller_deg on, and "
+            "the table has no places of rollers: they roll without slip from operation.first_roller_deg on, and "
             f"balance by {scene.lagrange.law} contacts without inertia"
         )
     columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names

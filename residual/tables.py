@@ -91,7 +91,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
     if reach > PEAK:
         notes.append(
             "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
-            f"{PEAK / spectrum.resolution:.2g} bins, so it can be separated neither from drift nor from the cage's line. "
+            f"{PEAK / spectrum.resolution:.2g} bins, so neither drift nor the cage's line can be separated from it. "
             f"It takes at least {text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from "
             "the cage."
         )

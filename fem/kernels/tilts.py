@@ -41,7 +41,7 @@ class Tilts(NamedTuple):
 
 
 class TiltedForces(NamedTuple):
-    """What tilted contacts have beside `ReducedForces`, by row and roller."""
+    """Further state of tilted contacts to `ReducedForces`, for each row and roller."""
 
     moment: state("2, columns")  # N m, of the last kick
     slope: state("2, columns", np.nan)  # rad, own misalignment then

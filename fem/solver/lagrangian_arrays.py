@@ -83,7 +83,7 @@ def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.n
 
 
 def contact_laws_of(problem: Problem) -> Isolated | Tilted:
-    """How contacts give way, on the surfaces of a problem."""
+    """Contact laws on the surfaces of a problem."""
     reach, track = touching_distances(problem.bearing)
     if problem.axial is not None:
         columns = columns_for(problem.bearing.n_rollers)

@@ -65,7 +65,7 @@ def bodies_of(plan: "ReducedPlan") -> RigidBodies:
 
 
 def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance | Tilted:
-    """How contacts give way, on the surfaces of the plan's scene; `columns`: of the bodies' arrays."""
+    """Compliance of the contacts on the surfaces of the plan's scene; `columns`: of the bodies' arrays."""
     model = plan.model
     reach, track = touching_distances(model.bearing)
     inner, outer = raceway_profiles(model.bearing, columns)

@@ -163,7 +163,7 @@ class ReducedState(RigidState):
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
         if self.forces.radiation is not None and np.any(self.forces.radiation.owed < 0.0):
-            raise ValueError("contacts that are owed energy by waves")
+            raise ValueError("contacts with a negative energy loss to waves")
         for name, modes in self._modes.items():
             shape = modes.shape[:, None, None] if isinstance(modes, RollerModes) else modes.shape[:, None]
             if np.abs(modes.amplitude * shape).max(initial=0.0) > bodies.radius:

@@ -42,7 +42,7 @@ def with_tilts(
 
 
 def tilted(compliance: Compliance, tables: tuple[ContactTable, ContactTable], bearing: Bearing) -> Tilted:
-    """Contacts of rollers that tilt, which give way by their tables and otherwise as those of parallel axes."""
+    """Contacts of rollers that tilt, with the compliance of their tables, otherwise as those of parallel axes."""
     laws, length = tuple(TiltedLaw.of(table) for table in tables), float(bearing.roller_length)
     return Tilted(*compliance, tables=laws, share=12.0 / length**2, length=length)
 

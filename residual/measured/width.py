@@ -2,7 +2,7 @@
 
 The lag shows as a side peak of the envelope's autocorrelation. It is sought in three bands of the prewhitened record,
 three parts of it and with two smoothings. A width is stated only where these agree, with each other and with the same
-of the record as it is: in that an inverter's tones beat, and prewhitening echoes strong strikes, but each only in its own.
+of the record as it is: in that an inverter's tones beat, and prewhitening echoes strong strikes, each in its own alone.
 The lag is a share of the time in which the element would roll across, because it strikes before its centre is over the
 far edge: 0.83 in measured records of known widths, 0.70 to 0.96, which gives the interval.
 

@@ -1,11 +1,11 @@
 """Contacts of rollers that tilt: tables of energy by approach and misalignment, coupled through elastic bodies.
 
-A contact's own approach is the overlap of the circles less what other contacts' forces take, as in `reduced_contacts`;
-its own misalignment is the bodies' plus the response to moments along its ring: a ring of the compliance C under a force
-that is spread along the length L has 12 C/L² under a moment. Of a roller's other contact its table knows. Forces,
-moments and energy a little ahead follow by Taylor's series of second order from one look at the table, whose
-derivatives are exact. The force of a kick makes
-the work of forces and moments the change of the table's energy (`law.kick_force`); the moments' work is that of leapfrog.
+A contact's own approach is the overlap of the circles less what other contacts' forces take, as in
+`reduced_contacts`; its own misalignment is the bodies' plus the response to moments along its ring: a ring of the
+compliance C under a force that is spread along the length L has 12 C/L² under a moment. Of a roller's other contact
+its table knows. Forces, moments and energy a little ahead follow by Taylor's series of second order from one look at
+the table, whose derivatives are exact. The force of a kick makes the work of forces and moments the change of the
+table's energy (`law.kick_force`); the moments' work is that of leapfrog.
 """
 
 from typing import NamedTuple

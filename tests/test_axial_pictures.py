@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fem.interface import simulate
 from fem.errors import UsageError
+from fem.interface import simulate
 from fem.pictures.axial import axial_pressures, draw_axial
 from fem.pictures.recover import StoredRun
 from fem.rating.tilted import tilted_pitch

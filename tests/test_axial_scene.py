@@ -1,0 +1,68 @@
+"""[axial] in scenes: profiles by name and from files, and what does not fit."""
+
+import numpy as np
+import pytest
+
+from lagrange.axial.profile import logarithmic_drop
+from lagrange.scene import Scene, read_scene
+from lagrange.scene.faults import SceneError
+from lagrange.scene.scene import parse_scene_text
+
+
+def test_a_scene_without_the_table_is_a_plane_section():
+    assert Scene().ideal_axial() is None
+    assert "axial" not in Scene().to_toml()
+
+
+def test_a_profile_is_read_from_a_file_and_kept_with_the_run(tmp_path):
+    (tmp_path / "drops.csv").write_text("z_mm,drop_um\n-5,12\n-2,2\n0,2\n2,2\n5,22\n")
+    (tmp_path / "scene.toml").write_text('[axial]\nroller_profile = "drops.csv"\nslices = 5\n')
+    scene = read_scene(tmp_path / "scene.toml")
+    bearing = scene.perfect_bearing()
+    drops = scene.ideal_axial().drops(bearing)  # slices at -4, -2, 0, 2, 4 mm; the least drop is 0
+    assert 1e6 * drops == pytest.approx(np.array([[20 / 3, 0.0, 0.0, 0.0, 40 / 3]] * 2))
+    again = parse_scene_text(scene.to_toml(), "run", scene.files)
+    assert again.ideal_axial() == scene.ideal_axial()
+
+
+def test_profiles_fall_off_as_their_formulas_say():
+    scene = Scene(axial={"roller_profile": "crowned", "inner_raceway_profile": "lundberg", "crown_um": 8.0,
+                         "lundberg_load_N": 1000.0, "slices": 3})  # fmt: skip
+    inner, outer = scene.ideal_axial().drops(scene.perfect_bearing())
+    crown = 8e-6 * (2.0 / 3.0) ** 2
+    assert outer == pytest.approx([crown, 0.0, crown])
+    lundberg = 1000.0 / (np.pi * 115.3846e9 * 0.01) * np.log(1.0 / (1.0 - (2.0 / 3.0) ** 2))
+    assert inner == pytest.approx([crown + lundberg, 0.0, crown + lundberg], rel=1e-5)
+
+
+def test_long_rollers_are_straight_in_their_middle():
+    x = np.array([0.0, 10.0, 19.0])
+    edge = 0.0005 * 8.0 * np.log(1.0 / (1.0 - (18.0 / 20.0) ** 2))
+    assert logarithmic_drop(x, 40.0, 8.0) == pytest.approx([0.0, 0.0, edge])
+
+
+@pytest.mark.parametrize(
+    "tables, words",
+    [
+        ({"axial": {"roller_profile": "crowned"}}, "needs crown_um"),
+        ({"axial": {"crown_um": 3.0}}, 'only with a profile that is "crowned"'),
+        ({"axial": {"ring_width_mm": 8.0}}, "at least bearing.roller_length_mm = 10"),
+        ({"axial": {"shaft_tilt_stiffness_N_m_rad": 10.0}}, "give hub_tilt_inertia_kg_m2"),
+        ({"operation": {"misalignment_mrad": 1.0}}, "only with [axial]"),
+        ({"axial": {}, "model": "lagrange", "bearing": {"type": "ball"}}, "[axial]: only for rollers"),
+    ],
+)
+def test_what_does_not_fit_is_named(tables, words):
+    with pytest.raises(SceneError) as raised:
+        Scene(**tables)
+    assert words in str(raised.value)
+
+
+def test_a_table_of_drops_that_is_none_is_refused(tmp_path):
+    (tmp_path / "drops.csv").write_text("z_mm,drop_um\n-5,12\n-6,2\n5,22\n")
+    (tmp_path / "scene.toml").write_text('[axial]\nroller_profile = "drops.csv"\n')
+    with pytest.raises(SceneError, match="must rise from row to row: after -5 comes -6"):
+        read_scene(tmp_path / "scene.toml")
+    (tmp_path / "drops.csv").write_text("z_mm,drop_um\n-3,12\n0,0\n3,22\n")
+    with pytest.raises(SceneError, match="slices of rollers of 10 mm have their middles from"):
+        read_scene(tmp_path / "scene.toml")

@@ -40,7 +40,8 @@ def rating_rows(evaluation: Evaluation) -> list[tuple[str, str, str]]:
          lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load), run.cycle.speed))} h"),
         ("L10r by the run's roller loads", sources.OF_RUN,
          lambda: f"{text(in_hours(run.life(row), run.cycle.speed))} h"),
-        ("largest Hertz pressure, inner and outer raceway", sources.HERTZ, lambda: _pressures(t.bearing, largest)),
+        ("largest Hertz pressure, inner and outer raceway", sources.HERTZ,
+         lambda: _pressures(t.bearing, largest, t.scene.axial is not None)),
         ("torque of the run's dissipation", sources.OF_RUN,
          lambda: f"{text(1e3 * run.torque, 3)} N mm, {text(run.dissipated, 3)} W"),
         ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, lambda: _torques(evaluation, run)),
@@ -60,7 +61,9 @@ def _named(source: Source) -> str:
     return source.name + (" †" if source.second_hand else "")
 
 
-def _pressures(bearing, largest: dict[str, np.ndarray]) -> str:
+def _pressures(bearing, largest: dict[str, np.ndarray], tilts: bool) -> str:
+    if tilts:
+        raise Unavailable("rollers tilt: their pressures change along them")
     found = hertz_columns(bearing, largest)
     inner, outer = (text(1e-6 * float(found[f"{side}_peak_pressure"])) for side in ("inner", "outer"))
     return f"{inner} and {outer} MPa"

@@ -92,7 +92,7 @@ class Result:
         return cls(
             values=memory.values(),
             status=outcome.status(),
-            warnings=(*state.plan.remarks, *state.plan.cautions, *state.cautions, *state.remarks),
+            warnings=(*state.plan.notices, *state.plan.warnings, *state.warnings, *state.notices),
             setup_seconds=setup_seconds,
             wall_seconds=state.wall,
             plan=state.plan,

@@ -63,7 +63,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     plan = _planned(scene, None if options.quiet else say)
     estimate = programs_named(plan.error_estimate) if options.estimate_error else None
     plan.prepare(None if options.quiet else say)
-    for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
+    for sentence in (*plan.notices, *(() if options.quiet else plan.warnings)):
         say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
@@ -122,7 +122,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         except RunFailed as error:
             outcome, reason = Outcome.FAILED, error
         store.finish(outcome.status(reason), **state.outcome_attributes)
-    for sentence in state.remarks:
+    for sentence in state.notices:
         say(f"warning: {sentence}")
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.resume:

@@ -38,7 +38,7 @@ class FirstState(NamedTuple):
     """A state to start from, and what to say of it."""
 
     state: State
-    caution: str | None = None
+    warning: str | None = None
 
 
 def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> tuple[np.ndarray, np.ndarray]:
@@ -90,13 +90,13 @@ def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws)
 
     ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
     now = static_equilibrium(bearing, operation, laws, angles=theta, ring=ring)
-    rates, caution = _rates(bearing, operation, laws, now, ring)
+    rates, warning = _rates(bearing, operation, laws, now, ring)
     state = State(
         x=now.x, y=now.y, rho=now.rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:],
         theta_rate=np.zeros(bearing.n_rollers) + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
     )  # fmt: skip
-    return FirstState(state, caution)
+    return FirstState(state, warning)
 
 
 def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axial: Axial) -> FirstState:
@@ -121,17 +121,17 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
 
     ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
     now, n = equilibrium_at(0.0, ring), bearing.n_rollers
-    rates, caution = np.zeros(4 + 2 * n), None
+    rates, warning = np.zeros(4 + 2 * n), None
     if operation.fastest > 0.0:
         if followed(now.stiffness, bearing, operation)[0].size < 2:
-            caution = SOFT
+            warning = SOFT
         else:
             before, after = (equilibrium_at(shift, ring).moved for shift in (-DIFFERENCE, DIFFERENCE))
             found = (after - before) / (2.0 * DIFFERENCE)
             if np.hypot(*found[:2]) <= JUMP * operation.fastest * bearing.inner_raceway_radius:
                 rates = found
             else:
-                caution = JUMPS
+                warning = JUMPS
     zero = np.zeros(n)
     state = State(
         x=now.place[0], y=now.place[1], rho=now.rho, theta=now.theta, x_rate=rates[0], y_rate=rates[1],
@@ -142,7 +142,7 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
             slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
         ),
     )  # fmt: skip
-    return FirstState(state, caution)
+    return FirstState(state, warning)
 
 
 def _rates(

@@ -5,7 +5,7 @@ from math import hypot
 
 import numpy as np
 
-from lagrange.contact.raceway_laws import caution
+from lagrange.contact.raceway_laws import warning
 from lagrange.kinematics import OUTER_RING, Kinematics, kinematics
 from residual.budget import (
     Accelerations,
@@ -202,7 +202,7 @@ def evaluate(
     law = record.scene.lagrange.law if law is None else law
     notes = list(record.notes)
     if isinstance(law, str) and law not in FITTED:
-        notes += filter(None, [caution(law, record.bearing)])
+        notes += filter(None, [warning(law, record.bearing)])
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why

@@ -143,9 +143,9 @@ def test_a_run_that_has_come_to_its_end_begins_again(player, monkeypatch):
 
 def test_a_run_whose_energy_does_not_balance_is_warned_of(player, monkeypatch):
     player.advance(100)
-    assert player.cautions == ()
+    assert player.warnings == ()
     monkeypatch.setattr(player_module, "LIMIT", 1e-12)
-    assert player.cautions == (player_module.UNBALANCED,)
+    assert player.warnings == (player_module.UNBALANCED,)
     assert json.loads(frame_message(player, None).text)["frame"]["balanced"] is False
 
 

@@ -113,7 +113,7 @@ def test_shocks_are_warned_of_and_steady_running_is_not():
         state = plan.first_state()
         run(plan, lambda samples: None, state=state)
         assert (state.shock > 0.5) is told and (state.shock < 0.05) is not told
-        assert any("elastic waves" in sentence for sentence in state.cautions) is told
+        assert any("elastic waves" in sentence for sentence in state.warnings) is told
 
 
 def test_load_zones_of_soft_rings_do_not_gain_and_lose_force_together():

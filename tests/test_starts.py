@@ -77,14 +77,14 @@ def test_a_hub_balanced_on_one_roller_starts_without_velocity_and_the_run_says_s
 
 def test_a_loaded_start_keeps_the_velocity_of_its_equilibrium_and_says_nothing():
     problem = problem_of({"operation": {"radial_load_N": 2000.0, "first_roller_deg": 5.0}})
-    state, caution = problem.first_state
+    state, warning = problem.first_state
     shift = 1e-5
     turn = shift * state.theta_rate
     ahead, behind = (
         static_equilibrium(problem.bearing, problem.operation, problem.laws, angles=state.theta + way)
         for way in (turn, -turn)
     )
-    assert caution is None
+    assert warning is None
     assert state.x_rate == pytest.approx((ahead.x - behind.x) / (2.0 * shift), rel=1e-3)
     assert state.y_rate == pytest.approx((ahead.y - behind.y) / (2.0 * shift), rel=1e-3)
 
@@ -133,7 +133,7 @@ def test_a_hub_follows_only_what_holds_it():
 def test_the_reduced_model_starts_still_where_its_hub_cannot_follow():
     plan = reduced_plan(parse_scene({"model": "reduced", **LIGHT["NU212"]}, "scene"))
     assert np.all(plan.start.hub_velocity == 0.0) and np.all(plan.start.rho_rate == 0.0)
-    assert any("starts without that velocity" in sentence for sentence in plan.cautions)
+    assert any("starts without that velocity" in sentence for sentence in plan.warnings)
 
 
 def test_a_start_that_shocks_the_bearing_is_told_of(monkeypatch):

@@ -23,7 +23,7 @@ from fem.kernels.jit import kernel
 def twice(x):
     return 2.0 * x
 
-print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_folder.remarks), *kernel_folder.remarks)
+print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_folder.notices), *kernel_folder.notices)
 """
 
 
@@ -85,9 +85,9 @@ def compiled(folder, prepare=None, **variables):
         [sys.executable, script], env=environment(**variables), preexec_fn=prepare, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    value, hits, remarks, *sentences = done.stdout.split(maxsplit=3)
+    value, hits, notices, *sentences = done.stdout.split(maxsplit=3)
     assert float(value) == 6.0
-    return int(hits), int(remarks), "".join(sentences)
+    return int(hits), int(notices), "".join(sentences)
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -96,8 +96,8 @@ def test_a_damaged_kernel_is_compiled_anew_and_replaced(damage, tmp_path):
     assert compiled(tmp_path)[:2] == (1, 0)
     (file,) = (tmp_path / "cache").rglob("*.twice-*.nbc")
     file.write_bytes(DAMAGES[damage](file.read_bytes()))
-    hits, remarks, sentence = compiled(tmp_path)
-    assert (hits, remarks) == (0, 1) and "damaged and have been compiled anew" in sentence
+    hits, notices, sentence = compiled(tmp_path)
+    assert (hits, notices) == (0, 1) and "damaged and have been compiled anew" in sentence
     assert compiled(tmp_path)[:2] == (1, 0)
 
 

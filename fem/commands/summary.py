@@ -45,7 +45,7 @@ def print_plan(plan: Plan) -> None:
     for name, value in (_of_the_bearing(plan.scene) | rows).items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
     _print_choices(console, plan, seconds)
-    _print_cautions(console, (*plan.remarks, *plan.cautions))
+    _print_warnings(console, (*plan.notices, *plan.warnings))
 
 
 def print_meshes(name: str, found: "MeshTable") -> None:
@@ -166,7 +166,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         )
     for line in lines:
         console.print(line, soft_wrap=True)
-    _print_cautions(console, state.cautions)  # the plan's have been told at the start
+    _print_warnings(console, state.warnings)  # the plan's have been told at the start
     console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 
@@ -187,6 +187,6 @@ def print_estimates(found: "list[Estimate]", title: str) -> None:
     console.print(table)
 
 
-def _print_cautions(console: Console, cautions: tuple[str, ...]) -> None:
-    for sentence in cautions:
+def _print_warnings(console: Console, warnings: tuple[str, ...]) -> None:
+    for sentence in warnings:
         console.print(f"Warning: {sentence}", soft_wrap=True, markup=False)

@@ -191,7 +191,7 @@ class RingBody:
     held_row: int  # 0 (inner ring) or n_rows − 1 (outer ring)
 
     @property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """Sentences where the mesh holds the ring otherwise than the scene asks for."""
         return ()
 

@@ -78,7 +78,7 @@ class SupportedRing(LooseRing):
         return f"over {widths} mm, from nodes {1e3 * self.edge:.3g} mm apart, for width_mm = {1e3 * self.width:g}"
 
     @property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """A sentence where the mesh makes a held width of another size than was asked for."""
         if np.abs(self.held_width / self.width - 1.0).max() <= OFF:
             return ()

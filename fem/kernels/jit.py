@@ -25,7 +25,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 from numba.extending import overload, register_jitable
 
-from fem.kernels.kernel_folder import cache_folder, remarks
+from fem.kernels.kernel_folder import cache_folder, notices
 from lagrange.files.output import read_sealed, write_sealed
 
 
@@ -69,7 +69,7 @@ class KernelCache(_Cache):
         """Keep a compiled function, if that can be done."""
         if self._damaged:
             self._damaged = False
-            _remark(f"{self._folder}: compiled kernels there were damaged and have been compiled anew")
+            _notice(f"{self._folder}: compiled kernels there were damaged and have been compiled anew")
         if compiled.library.has_dynamic_globals:  # addresses of this process
             return
         key = self._key(signature, compiled.codegen)
@@ -92,9 +92,9 @@ class KernelCache(_Cache):
     disable = flush = enable
 
 
-def _remark(sentence: str) -> None:
-    if sentence not in remarks:
-        remarks.append(sentence)
+def _notice(sentence: str) -> None:
+    if sentence not in notices:
+        notices.append(sentence)
 
 
 @cache

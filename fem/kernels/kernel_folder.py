@@ -14,7 +14,7 @@ from pathlib import Path
 
 import platformdirs
 
-remarks: list[str] = []  # sentences on what was wrong with folders and files so far
+notices: list[str] = []  # sentences on what was wrong with folders and files so far
 
 
 @cache
@@ -50,7 +50,7 @@ def private_folder(folders: Iterable[Path]) -> Path | None:
                 return folder
         except OSError:
             continue
-        remarks.append(f"{folder}: the compiled kernels there are not used, because others can write there; remove it")
+        notices.append(f"{folder}: the compiled kernels there are not used, because others can write there; remove it")
     return None
 
 

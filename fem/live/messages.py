@@ -144,7 +144,7 @@ def frame_message(player: Player, slowness: float | None) -> Message:
         "record": player.record.length * 1e3,
         "imbalance": player.imbalance,
         "balanced": player.is_balanced,
-        "cautions": player.cautions,
+        "cautions": player.warnings,
     }
     return message("frame", frame)
 

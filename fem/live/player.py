@@ -225,10 +225,10 @@ class Player:
         return done
 
     @property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """What plan and run warn of so far; not of samples, which are the page's own and which nobody stores."""
-        kept = (sentence for sentence in self.plan.cautions if not sentence.startswith("numerics.output_interval_us"))
-        found = (*kept, *self._state.cautions)
+        kept = (sentence for sentence in self.plan.warnings if not sentence.startswith("numerics.output_interval_us"))
+        found = (*kept, *self._state.warnings)
         if self._begun_again is not None:
             found = (*found, self._begun_again)
         return found if self.is_balanced else (*found, UNBALANCED)

@@ -297,6 +297,6 @@ def _attributes(plan: "Plan", setup_seconds: float) -> dict[str, object]:
         steps=0,
         wall_seconds=0.0,
         setup_seconds=setup_seconds,
-        warnings="\n".join(plan.cautions),
+        warnings="\n".join(plan.warnings),
         status="running",
     )

@@ -69,8 +69,8 @@ class CompiledPlan(Plan):
         return state
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        return tuple(kernel_folder.remarks)
+    def notices(self) -> tuple[str, ...]:
+        return tuple(kernel_folder.notices)
 
     def versions(self) -> dict[str, str]:
         return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}

@@ -12,7 +12,6 @@ from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.errors import UsageError
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
-from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
@@ -24,6 +23,7 @@ from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.solver.validity import may_strike
+from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import static_equilibrium
 from lagrange import Operation
@@ -51,7 +51,7 @@ class ElementPlan(CompiledPlan):
     largest_force: float  # N, static, of any contact
     mass: ReciprocalMass  # of nodes
     frame_stride: int  # samples between stored fields; 0: none
-    cautions: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     model_name = MODEL_NAMES["fem"]
     lacks = "waves shorter than its mesh"
@@ -183,10 +183,10 @@ def make_plan(scene: Scene) -> ElementPlan:
         stride=stride,
         largest_force=expected,
         mass=mass,
-        cautions=(
-            *cautions(scene, model, operation, loaded.equilibrium, interval),
-            *model.outer_ring.cautions,
-            *(() if start.caution is None else (start.caution,)),
+        warnings=(
+            *plan_warnings(scene, model, operation, loaded.equilibrium, interval),
+            *model.outer_ring.warnings,
+            *(() if start.warning is None else (start.warning,)),
         ),
         n_samples=sample_count(scene),
         frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),

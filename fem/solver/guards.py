@@ -131,7 +131,7 @@ def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     )
 
 
-def energy_caution(plan: "ElementPlan", missed: float, passed_on: float) -> tuple[str, ...]:
+def energy_warning(plan: "ElementPlan", missed: float, passed_on: float) -> tuple[str, ...]:
     """A sentence where the energy was off by so many J of those passed on, if that is more than DOUBTFUL."""
     if missed <= DOUBTFUL * passed_on:
         return ()
@@ -157,7 +157,7 @@ def largest_forces(samples: Samples) -> np.ndarray:
     return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
 
 
-def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
+def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
     pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
     half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)

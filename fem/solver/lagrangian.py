@@ -14,16 +14,16 @@ import numpy as np
 
 from fem.errors import RunFailed
 from fem.run_summary import largest_loads
-from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
 from fem.solver.lagrangian_start import Beginning, StartState, beginning
 from fem.solver.pace import in_words, pace
 from fem.solver.sections import Sections, sections_of, step_rows
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import RunState, sample_count
+from fem.solver.warnings import of_scene
 from lagrange import Bearing, Operation, contact_laws, static_equilibrium
 from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import caution
+from lagrange.contact.raceway_laws import warning
 from lagrange.first_state import Problem
 from lagrange.kinematics import fastest_kinematics
 from lagrange.mounting import HELD
@@ -56,8 +56,8 @@ class LagrangianPlan(CompiledPlan):
     n_samples: int
     stride: int  # steps between samples, the shortest ones
     sections: Sections | None  # of two step lengths; None: of one
-    law_caution: str | None  # on law and material, which concern this run alone
-    cautions: tuple[str, ...] = ()
+    law_warning: str | None  # on law and material, which concern this run alone
+    warnings: tuple[str, ...] = ()
     model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
     lacks = "rings that bend, elastic waves"
@@ -150,8 +150,8 @@ class LagrangianPlan(CompiledPlan):
         return LagrangianState(self)
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        return (*(() if self.law_caution is None else (self.law_caution,)), *super().remarks)
+    def notices(self) -> tuple[str, ...]:
+        return (*(() if self.law_warning is None else (self.law_warning,)), *super().notices)
 
     def versions(self) -> dict[str, str]:
         return {"numpy": np.__version__, **super().versions()}
@@ -204,6 +204,6 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         n_samples=sample_count(scene),
         stride=max(1, steps) if sections is None else sections.count * sections.near,
         sections=sections,
-        law_caution=caution(options.law, bearing),
-        cautions=of_scene(scene, bearing, problem.operation, interval),
+        law_warning=warning(options.law, bearing),
+        warnings=of_scene(scene, bearing, problem.operation, interval),
     )

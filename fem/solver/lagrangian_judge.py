@@ -5,7 +5,7 @@ from math import inf, pi
 
 import numpy as np
 
-from fem.solver.guards import run_cautions
+from fem.solver.guards import run_warnings
 from fem.solver.solver import Numbers, Samples
 from lagrange import BallBearing
 from lagrange.first_state import Problem
@@ -98,11 +98,11 @@ class Judge:
             quarter_step=step / 4,
         )  # fmt: skip
 
-    def cautions(self, largest: np.ndarray) -> tuple[str, ...]:
+    def warnings(self, largest: np.ndarray) -> tuple[str, ...]:
         """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""
         problem = self._problem
-        of_start = problem.first_state.caution
-        wide = () if isinstance(problem.bearing, BallBearing) else run_cautions(problem.bearing, largest)
+        of_start = problem.first_state.warning
+        wide = () if isinstance(problem.bearing, BallBearing) else run_warnings(problem.bearing, largest)
         return (*(() if of_start is None else (of_start,)), *self._shocked, *wide)
 
     @property

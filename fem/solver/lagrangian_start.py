@@ -126,8 +126,8 @@ class StartState(RunState):
         return Block(samples=samples)
 
     @property
-    def cautions(self) -> tuple[str, ...]:
-        return self._judge.cautions(self._largest)
+    def warnings(self) -> tuple[str, ...]:
+        return self._judge.warnings(self._largest)
 
     @property
     def outcome_attributes(self) -> dict[str, float | str]:

@@ -54,7 +54,7 @@ class LagrangianState(RigidState):
             return self.begin_again(block.samples, self.judge.sentence.partition(";")[0])
         if self.judge.verdict is Verdict.TOO_FAST:
             return Block(samples=block.samples, trouble=self.judge.sentence)
-        return block  # still worth having where contacts only rattle: see `remarks`
+        return block  # still worth having where contacts only rattle: see `notices`
 
     def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
         time = self.plan.interval * (self.done + n_good)
@@ -71,8 +71,8 @@ class LagrangianState(RigidState):
         return in_place, trouble
 
     @property
-    def cautions(self) -> tuple[str, ...]:
-        found = self.judge.cautions(self._largest)
+    def warnings(self) -> tuple[str, ...]:
+        found = self.judge.warnings(self._largest)
         if self._missed <= ENERGY_TOLERANCE * self._passed_on:
             return found
         return (
@@ -87,7 +87,7 @@ class LagrangianState(RigidState):
         return super().outcome_attributes | {"critical_time_step": self.judge.critical_time_step}
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notices(self) -> tuple[str, ...]:
         at_end = 0 < self.done == self.plan.n_samples
         return (self.judge.sentence,) if at_end and self.judge.verdict is Verdict.RATTLING else ()
 

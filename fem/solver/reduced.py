@@ -14,7 +14,6 @@ from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
 from fem.solver.cage_arrays import cage_seat, critical_with_cage
-from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
@@ -28,6 +27,7 @@ from fem.solver.solver import sample_count
 from fem.solver.tilted_start import tables_of, tilted_start
 from fem.solver.validity import may_strike
 from fem.solver.vibrations import longest_with_modes
+from fem.solver.warnings import plan_warnings
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
@@ -62,7 +62,7 @@ class ReducedPlan(CompiledPlan):
     looks: int  # at the energy per sample
     sections: Sections | None  # of two step lengths; None: of one
     n_samples: int
-    cautions: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     model_name = MODEL_NAMES["reduced"]
     finer = "lower numerics.time_step_safety"
     lacks = "elastic waves, but for what strikes lose to them; it warns where shocks excite them"
@@ -178,7 +178,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     if axial is not None:
         tables = tables_of(model, operation, axial, largest)
         start = tilted_start(model, operation, axial, tables, start)
-    of_start = () if start.caution is None else (start.caution,)
+    of_start = () if start.warning is None else (start.warning,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride, sections = looks * ceil(steps / looks), None
@@ -206,7 +206,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         looks=looks,
         sections=sections,
         n_samples=sample_count(scene),
-        cautions=(*cautions(scene, model, operation, loaded, interval), *of_start),
+        warnings=(*plan_warnings(scene, model, operation, loaded, interval), *of_start),
     )
 
 

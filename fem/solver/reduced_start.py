@@ -46,7 +46,7 @@ class ReducedStart:
     outer_force: np.ndarray
     steady: bool  # forces hold every roller on its circle
     ring: np.ndarray  # (2,), of the outer ring's centre, from which all other places are
-    caution: str | None = None  # on velocities that it starts without
+    warning: str | None = None  # on velocities that it starts without
     tilts: Tilts | None = None  # None: axes stay parallel
     inner_moment: np.ndarray | None = None  # (n_rollers,), N m
     outer_moment: np.ndarray | None = None
@@ -74,9 +74,9 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     speed, rate = surface_speed(bearing, operation), np.zeros_like(place)
     contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
     follows = followed(hub_stiffness(contacts, place, forces, spring), bearing, operation)[0].size == 2
-    caution = None
+    warning = None
     if speed > SLOWEST and not follows:
-        caution = SOFT
+        warning = SOFT
     elif speed > SLOWEST:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         if operation.history is not None:
@@ -89,8 +89,8 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
         if np.hypot(*found[:2]) <= JUMP * speed:
             rate = found
         else:
-            caution = JUMPS
-    return replace(_start(model, operation, place, rate, forces), ring=ring, caution=caution)
+            warning = JUMPS
+    return replace(_start(model, operation, place, rate, forces), ring=ring, warning=warning)
 
 
 def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:

@@ -9,7 +9,7 @@ from fem.kernels.reduced_state import RingModes, RollerModes
 from fem.solver.reduced_arrays import bodies_of, contact_compliance, contact_forces, drive_of
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
-from fem.solver.validity import add_samples, law_caution, no_sums, vibration_caution
+from fem.solver.validity import add_samples, law_warning, no_sums, vibration_warning
 from lagrange import Bearing
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ class ReducedState(RigidState):
         return rate * slowest_vibration(self.plan.model.bearing) / max(float(self._largest.max()), 1e-30)
 
     @property
-    def cautions(self) -> tuple[str, ...]:
-        found = super().cautions
+    def warnings(self) -> tuple[str, ...]:
+        found = super().warnings
         hard = self.shock > HARD_SHOCK
         needed = (MODES_HARD if hard else MODES) / slowest_vibration(self.plan.model.bearing)
         if self.shock < SHOCK or self.plan.scene.reduced.modes_up_to_kHz >= 1e-3 * needed:
@@ -109,13 +109,13 @@ class ReducedState(RigidState):
         if mounting.shaft is not None or mounting.housing is not None:  # then they are not what the hub vibrates by
             return ()
         up_to = plan.scene.reduced.modes_up_to_kHz
-        said = vibration_caution(plan.model.bearing, plan.operation.inner_mass, self._hub_sums, up_to)
+        said = vibration_warning(plan.model.bearing, plan.operation.inner_mass, self._hub_sums, up_to)
         return () if said is None else (said,)
 
     @property
     def _stiff_laws(self) -> tuple[str, ...]:
         """A sentence where contacts became so wide that their laws are too stiff."""
-        said = law_caution(self.plan.model.contacts, self._largest)
+        said = law_warning(self.plan.model.contacts, self._largest)
         return () if said is None else (said,)
 
     @property

@@ -9,14 +9,14 @@ from fem.errors import UsageError
 from fem.kernels.bodies import DONE
 from fem.solver.guards import (
     ASTRAY,
-    energy_caution,
     energy_trouble,
+    energy_warning,
     good_rows,
     largest_forces,
     n_balanced,
     n_in_place,
     place_trouble,
-    run_cautions,
+    run_warnings,
     velocity_trouble,
 )
 from fem.solver.samples import SampleReader, row_width
@@ -146,9 +146,9 @@ class RowState(RunState):
         return min(balanced, in_place), trouble
 
     @property
-    def cautions(self) -> tuple[str, ...]:
-        wide = run_cautions(self.plan.model.bearing, self._largest)
-        return wide + energy_caution(self.plan, self._missed, self._passed_on)
+    def warnings(self) -> tuple[str, ...]:
+        wide = run_warnings(self.plan.model.bearing, self._largest)
+        return wide + energy_warning(self.plan, self._missed, self._passed_on)
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays = self.named_arrays() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}

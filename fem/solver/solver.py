@@ -149,16 +149,16 @@ class RunState(ABC):
     @property
     def outcome_attributes(self) -> dict[str, float | str]:
         """Attributes of the result file that the run finds out."""
-        warnings = "\n".join((*self.plan.cautions, *self.cautions))
+        warnings = "\n".join((*self.plan.warnings, *self.warnings))
         return {"steps": self.progress.steps, "wall_seconds": self.wall, "warnings": warnings}
 
     @property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """Warnings of the run, printed at its end and kept in the result file with the plan's."""
         return ()
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notices(self) -> tuple[str, ...]:
         """Notes of the run, printed at its end even with --quiet."""
         return ()
 
@@ -188,8 +188,8 @@ class Plan(ABC):
     degrees_of_freedom: int
     mesh_nodes: int = 0  # of elastic bodies
     frame_stride: int = 0  # samples between stored fields; 0: none
-    cautions: tuple[str, ...] = ()  # told at the start, kept in the result file
-    remarks: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
+    warnings: tuple[str, ...] = ()  # told at the start, kept in the result file
+    notices: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
     lacks: str  # what the model leaves out of a bearing
 

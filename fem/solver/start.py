@@ -36,7 +36,7 @@ class Start:
     outer_rate: np.ndarray
     housing: np.ndarray  # (2,), m, of the outer ring's centre; all other places are about it
     steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
-    caution: str | None = None  # on velocities that it starts without
+    warning: str | None = None  # on velocities that it starts without
 
 
 def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
@@ -82,7 +82,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     if speed < SLOWEST:
         return _still(model, operation, middle, motion)
     if not _follows(model, operation, middle, motion, ring):
-        return replace(_still(model, operation, middle, motion), caution=SOFT)
+        return replace(_still(model, operation, middle, motion), warning=SOFT)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     if operation.history is not None:  # far beyond its table it is of no sense
         ahead = min(ahead, LONGEST_LOOK)
@@ -91,7 +91,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     except NotFound:
         return _still(model, operation, middle, motion)
     if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
-        return replace(_still(model, operation, middle, motion), caution=JUMPS)
+        return replace(_still(model, operation, middle, motion), warning=JUMPS)
 
     def rate(name):
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)

@@ -63,20 +63,20 @@ def tilted_start(
         except RuntimeError as error:
             raise NotFound(str(error)) from None
 
-    now, rates, caution = balanced(0.0), np.zeros(4 + 2 * n), None
+    now, rates, warning = balanced(0.0), np.zeros(4 + 2 * n), None
     speed = abs(operation.speed) * bearing.inner_raceway_radius
     if speed > SLOWEST and plane.steady:
         if followed(now.stiffness, bearing, operation)[0].size < 2:
-            caution = SOFT
+            warning = SOFT
         else:
             ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)
             found = (balanced(ahead).moved - balanced(-ahead).moved) / (2.0 * ahead)
-            rates, caution = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
+            rates, warning = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
     zero = np.zeros(n)
     return replace(
         plane,
         hub=now.place[:2], rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
-        inner_force=now.inner_force, outer_force=now.outer_force, caution=caution,
+        inner_force=now.inner_force, outer_force=now.outer_force, warning=warning,
         inner_moment=now.inner_moment, outer_moment=now.outer_moment,
         tilts=Tilts(
             tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,

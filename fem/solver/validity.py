@@ -42,7 +42,7 @@ LARGEST_LAW_ERROR = 0.005  # of an approach, before a run says so
 BY_PRESSURE = 2.0  # times: what the pressure's change adds to `law_error`
 
 
-def law_caution(contacts: Condensed, largest: np.ndarray) -> str | None:
+def law_warning(contacts: Condensed, largest: np.ndarray) -> str | None:
     """A sentence where a run's largest forces, (3,), N, make a raceway's law err by more than LARGEST_LAW_ERROR."""
     bearing, worst = contacts.bearing, (0.0, 0.0, "")
     for law, force in zip((contacts.inner_law, contacts.outer_law), largest.tolist(), strict=False):
@@ -116,7 +116,7 @@ def _rings(bearing: Bearing, hub_mass: float) -> tuple[Modes, Modes]:
     return shift_vibrations(*inner, length, None if solid else hub), shift_vibrations(*outer, length)
 
 
-def vibration_caution(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:
+def vibration_warning(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:
     """A sentence where the hub's vibration is off by more than LARGEST_ERROR of its displacement."""
     count = max(sums[COUNT], 1.0)
     size = sqrt(sums[SQUARE] / count)

@@ -283,7 +283,7 @@ def own_law(law: OwnLaw, side: Side) -> PowerLaw:
     )
 
 
-def caution(name: str, bearing: Bearing) -> str | None:
+def warning(name: str, bearing: Bearing) -> str | None:
     """Why a law is no good for a bearing; None where it is.
 
     The empirical laws know the roller's length alone: they are measurements on steel. A fitted law may be far from its

@@ -176,7 +176,7 @@ def strike_interval(bearing: Bearing, operation: Operation) -> float:
     return 1.0 / (SAMPLES * frequency) if frequency > 0.0 else inf
 
 
-def interval_caution(bearing: Bearing, operation: Operation, interval: float) -> str | None:
+def interval_warning(bearing: Bearing, operation: Operation, interval: float) -> str | None:
     """A sentence where samples are too far apart, s, for the strikes of a bearing with spalls."""
     longest = strike_interval(bearing, operation)
     if interval <= longest:

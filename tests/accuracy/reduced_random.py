@@ -102,7 +102,7 @@ def watched(tables: dict[str, Any], model: str) -> Found:
         largest=float(max(inner.max(), outer.max())),
         imbalance=watch.imbalance,
         shock=state.shock if model == "reduced" else nan,
-        warned=tuple(name for words, name in WARNINGS.items() if any(words in said for said in state.cautions)),
+        warned=tuple(name for words, name in WARNINGS.items() if any(words in said for said in state.warnings)),
         halvings=len(again),
         seconds=state.wall,
     )

@@ -146,7 +146,7 @@ def solution(tables: dict, duration: float = DURATION) -> tuple[np.ndarray, tupl
 
 
 def judged(tables: dict) -> tuple[float, float, float, str | None]:
-    """Error of the largest force, largest over first, largest over a standing hub's, and caution or refusal."""
+    """Error of the largest force, largest over first, largest over a standing hub's, and warning or refusal."""
     problem = problem_of(tables)
     try:
         own, said = solution(tables)

@@ -37,7 +37,7 @@ class Motion:
             n_samples=10**6,
             stride=stride,
             sections=None,
-            law_caution=None,
+            law_warning=None,
         )
         self.problem, self.state = problem, LagrangianState(plan)
         self.trouble: str | None = None

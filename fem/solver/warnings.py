@@ -12,7 +12,7 @@ from lagrange.kinematics import kinematics_met, roller_angles
 from lagrange.scene.scene import Scene
 from lagrange.step_size import wave_interval
 from lagrange.surface.faults import Spall
-from lagrange.surface.passages import interval_caution
+from lagrange.surface.passages import interval_warning
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model
@@ -28,7 +28,7 @@ FEWEST_PASSAGES = 2.0  # of rollers, in a default duration
 USUAL_TIME_US = 12.5  # of a contact's damping over its stiffness, as ROSS takes it; Krämer: 2.5 to 25 (docs/damping.md)
 
 
-def cautions(
+def plan_warnings(
     scene: Scene, model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float
 ) -> tuple[str, ...]:
     """Sentences; none where all is well. `interval` between samples, s."""
@@ -44,7 +44,7 @@ def cautions(
 def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: float) -> tuple[str, ...]:
     """Sentences that follow from the scene alone, whatever the model."""
     found = (
-        interval_caution(bearing, operation, interval),
+        interval_warning(bearing, operation, interval),
         _waves(bearing, operation, interval),
         _undamped(scene),
         _brief(scene),

@@ -33,26 +33,26 @@ def test_a_pressure_above_the_static_rating_is_warned_of(load):
     plan = plan_of(f"operation.radial_load_N={load}")
     pressure = hertz_pressure(plan.start.equilibrium.inner_force.max())
     assert abs(pressure - ISO_76) > 0.002 * ISO_76  # the load is not chosen on the edge
-    assert bool(plan.cautions) == (pressure > ISO_76)
-    if plan.cautions:
-        assert f"{1e-6 * pressure:.0f} MPa" in plan.cautions[0]
-        assert "ISO 76" in plan.cautions[0] and "4000 MPa" in plan.cautions[0]
+    assert bool(plan.warnings) == (pressure > ISO_76)
+    if plan.warnings:
+        assert f"{1e-6 * pressure:.0f} MPa" in plan.warnings[0]
+        assert "ISO 76" in plan.warnings[0] and "4000 MPa" in plan.warnings[0]
 
 
 def test_the_largest_preload_a_scene_may_have_is_warned_of_in_stiff_bodies_only():
     """Beyond 0.5 % of the roller's diameter the scene refuses it; at 500 GPa that is too much already."""
     preload = ("bearing.outer_raceway_diameter_mm=55.951", "operation.radial_load_N=0")
-    assert not plan_of(*preload).cautions
-    assert "the preload" in plan_of(*preload, "material.youngs_modulus_GPa=500").cautions[0]
+    assert not plan_of(*preload).warnings
+    assert "the preload" in plan_of(*preload, "material.youngs_modulus_GPa=500").warnings[0]
 
 
 @pytest.mark.parametrize(("interval", "warned"), [(10.0, False), (30.0, False), (50.0, True), (1000.0, True)])
 def test_samples_that_can_not_follow_the_hub_are_warned_of(interval, warned):
     """The hub of the paper's bearing swings at about 13.6 kHz on its contacts: 37 µs."""
     plan = plan_of(f"numerics.output_interval_us={interval}")
-    assert bool(plan.cautions) == warned
+    assert bool(plan.warnings) == warned
     if warned:
-        assert f"numerics.output_interval_us = {interval:g}" in plan.cautions[0]
+        assert f"numerics.output_interval_us = {interval:g}" in plan.warnings[0]
 
 
 def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
@@ -76,7 +76,7 @@ def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
 def test_an_edge_that_steel_does_not_bear_is_warned_of(radius_mm, warned):
     """628 N on a rounded edge against the roller: p0 = sqrt(Q E*/(π R L)), 4.9 GPa at 0.1 mm and 3.5 at 0.2."""
     often = "numerics.output_interval_us=1", "damping.contact_time_us=12.5"
-    found = plan_of("spall.0.angle_deg=14", f"spall.0.edge_radius_mm={radius_mm}", *often).cautions
+    found = plan_of("spall.0.angle_deg=14", f"spall.0.edge_radius_mm={radius_mm}", *often).warnings
     assert bool(found) == warned
     if radius_mm > 0.0 and warned:
         radius = 1.0 / (1.0 / 5e-3 + 1e3 / radius_mm)
@@ -92,7 +92,7 @@ def test_samples_that_miss_a_strike_are_warned_of(interval, warned, model):
     found = plan_of(
         "spall.0.angle_deg=14", "spall.0.edge_radius_mm=0.5", f"numerics.output_interval_us={interval}",
         f"model={model}", "damping.contact_time_us=12.5",
-    ).cautions  # fmt: skip
+    ).warnings  # fmt: skip
     assert bool(found) == warned
     if warned:
         assert "[[spall]]" in found[0]
@@ -103,11 +103,11 @@ def test_samples_that_miss_waves_are_warned_of():
     """Order 200 on the inner ring: a wave of 0.57 mm passes in 110 µs, seen by two samples of 55 µs."""
     found = plan_of(
         "waviness.0.order=200", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
-    ).cautions  # fmt: skip
+    ).warnings  # fmt: skip
     assert not found
     found = plan_of(
         "waviness.0.order=400", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
-    ).cautions  # fmt: skip
+    ).warnings  # fmt: skip
     assert "[[waviness]]" in found[0] and "at most 27.4" in found[0]
 
 
@@ -123,7 +123,7 @@ FAULTS = (
 def test_no_warning_follows_from_the_interval_that_the_program_chooses(bearing, model, faults):
     scene = read_scene(None, (f"bearing.designation={bearing}", f"model={model}", *faults))
     assert scene.numerics.output_interval_us < 5.0
-    assert not [sentence for sentence in make_plan(scene).cautions if "output_interval_us" in sentence]
+    assert not [sentence for sentence in make_plan(scene).warnings if "output_interval_us" in sentence]
 
 
 @pytest.mark.parametrize("damped", [False, True])
@@ -132,28 +132,28 @@ def test_a_spall_or_a_housing_without_damping_is_told_of_with_the_key(model, dam
     housing = "mass_kg=12.0,stiffness_N_per_m=15e6,damping_N_s_m=0.0"
     settings = [f"model={model}", "spall.0.edge_radius_mm=0.5", f'support={{kind="housing",{housing}}}']
     settings += ["damping.contact_time_us=2.5"] if damped else []
-    told = [sentence for sentence in plan_of(*settings).cautions if "damping.contact_time_us" in sentence]
+    told = [sentence for sentence in plan_of(*settings).warnings if "damping.contact_time_us" in sentence]
     assert len(told) == (0 if damped else 1)
     assert damped or ("[[spall]]" in told[0] and "housing" in told[0])
-    assert not [sentence for sentence in plan_of(f"model={model}").cautions if "damping" in sentence]
+    assert not [sentence for sentence in plan_of(f"model={model}").warnings if "damping" in sentence]
 
 
 @pytest.mark.parametrize("model", ["reduced", "lagrange"])
 def test_a_default_duration_without_a_passage_gives_the_time_of_a_turn(model):
     """At 1 rpm the cage turns with 0.5 (1 − d/D) of that, by kinematics: 60/(0.5 · 36/46) s a turn."""
     slow = (f"model={model}", "operation.speed_rpm=1")
-    (told,) = [sentence for sentence in plan_of(*slow).cautions if "duration_ms" in sentence]
+    (told,) = [sentence for sentence in plan_of(*slow).warnings if "duration_ms" in sentence]
     assert float(re.search(r"one turn takes ([\d.e+]+) ms", told)[1]) == pytest.approx(
         1e3 * 60.0 / (0.5 * 36 / 46), rel=5e-3
     )
     for given in ((*slow, "numerics.duration_ms=1"), (f"model={model}",), (f"model={model}", "operation.speed_rpm=0")):
-        assert not [sentence for sentence in plan_of(*given).cautions if "duration_ms" in sentence]
+        assert not [sentence for sentence in plan_of(*given).warnings if "duration_ms" in sentence]
 
 
 def test_the_lagrangian_model_warns_of_missed_waves_as_the_others_do():
     found = plan_of(
         "model=lagrange", "waviness.0.order=400", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
-    ).cautions  # fmt: skip
+    ).warnings  # fmt: skip
     assert len(found) == 1 and "[[waviness]]" in found[0] and "at most 27.4" in found[0]
 
 
@@ -163,7 +163,7 @@ def test_the_lagrangian_model_warns_of_missed_waves_as_the_others_do():
      (("support.kind=housing", "support.damping_N_s_m=0"), "contact.model=penalty")],
 )  # fmt: skip
 def test_damping_is_not_asked_for_where_it_would_be_refused(excited, takes_none):
-    assert [each for each in plan_of(*excited).cautions if "contact_time_us" in each]
-    assert not [each for each in plan_of(*excited, takes_none).cautions if "contact_time_us" in each]
+    assert [each for each in plan_of(*excited).warnings if "contact_time_us" in each]
+    assert not [each for each in plan_of(*excited, takes_none).warnings if "contact_time_us" in each]
     with pytest.raises(SceneError, match="leave one of them out"):
         read_scene(None, (*excited, takes_none, "damping.contact_time_us=12.5"))

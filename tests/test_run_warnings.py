@@ -6,7 +6,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.interface import simulate
-from fem.solver.guards import run_cautions
+from fem.solver.guards import run_warnings
 from fem.solver.simulate import make_plan, run
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import parse_scene, read_scene
@@ -88,7 +88,7 @@ def test_the_limit_is_a_tenth_of_the_rollers_radius_for_each_kind_of_contact(whi
     forces = [0.0, 0.0, 0.0]
     for factor, count in ((0.999, 0), (1.001, 1)):
         forces[which] = factor * force
-        assert len(run_cautions(bearing, np.array(forces))) == count
+        assert len(run_warnings(bearing, np.array(forces))) == count
 
 
 def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_told_where_nothing_else_is():
@@ -111,9 +111,9 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
     )
     most, largest = float(state.forces.beyond[0]), float(found["inner_force"].max())
     assert 1e-3 * largest < missed.max() <= most * (1.0 + 1e-6)
-    assert not any("give the hub" in note for note in state.cautions), "it says that shocks excite waves"
+    assert not any("give the hub" in note for note in state.warnings), "it says that shocks excite waves"
     state.forces.fastest[:] = 0.0
-    assert f"up to {most:.3g} N off the contacts' forces" in state.cautions[-1]
+    assert f"up to {most:.3g} N off the contacts' forces" in state.warnings[-1]
 
 
 @pytest.mark.slow

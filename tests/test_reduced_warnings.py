@@ -11,7 +11,7 @@ from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compli
 from fem.elastic.vibration import ring_vibrations, shift_vibrations
 from fem.solver.reduced_state import MOST_HALVINGS
 from fem.solver.simulate import make_plan
-from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_caution, no_sums, vibration_caution
+from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_warning, no_sums, vibration_warning
 from fem.statics.exact_statics import exact_contacts, law_error
 from lagrange import Material
 from lagrange.kinematics import roller_angles
@@ -84,13 +84,13 @@ def test_a_hub_that_does_not_vibrate_is_not_warned_of():
     still = {f"inner_{name}": np.full(10, value) for name, value in
              {"x": 0.0, "y": -1e-5, "vx": 1e-3, "vy": 0.0, "ax": 1e9, "ay": 0.0}.items()}  # fmt: skip
     add_samples(sums, still)
-    assert vibration_caution(PAPER, 0.5, sums, 0.0) is None
+    assert vibration_warning(PAPER, 0.5, sums, 0.0) is None
 
 
 def test_a_soft_ring_that_vibrates_as_an_elastic_body_is_warned_of():
     """Four fifths of the hub's mass are a plastic ring, and the load comes at once."""
     state, _, _ = ran(plan_of(161))
-    said = [sentence for sentence in state.cautions if "is vibration" in sentence]
+    said = [sentence for sentence in state.warnings if "is vibration" in sentence]
     assert len(said) == 1 and "modes_up_to_kHz = 20" in said[0]
 
 
@@ -117,9 +117,9 @@ def test_what_a_law_lacks_under_a_wide_contact_is_half_of_what_collocation_finds
 def test_wide_contacts_are_warned_of_and_narrow_ones_are_not():
     model = plan_of(151).model
     wide = np.array([196.0, 190.0, 0.0])
-    error = float(re.search(r"about ([\d.]+) %", law_caution(model.contacts, wide)).group(1))
+    error = float(re.search(r"about ([\d.]+) %", law_warning(model.contacts, wide)).group(1))
     assert 0.5 <= error <= 1.5
-    assert law_caution(model.contacts, 0.1 * wide) is None
+    assert law_warning(model.contacts, 0.1 * wide) is None
 
 
 def test_a_run_whose_energy_is_off_says_so():
@@ -130,12 +130,12 @@ def test_a_run_whose_energy_is_off_says_so():
     while state.done < plan.n_samples:
         samples = state.advance(100).samples
         worst = max(worst, np.abs(samples.imbalance).max())
-    said = next(sentence for sentence in state.cautions if sentence.startswith("the energy is off"))
+    said = next(sentence for sentence in state.warnings if sentence.startswith("the energy is off"))
     share = float(re.search(r"by up to ([\d.]+) %", said).group(1))
     assert share == pytest.approx(100.0 * worst / samples.exchanged[-1], rel=0.06)  # two digits are told
     assert said.endswith("lower numerics.time_step_safety")
     # with those steps that it chooses it is not
-    assert not any(sentence.startswith("the energy") for sentence in ran(plan)[0].cautions)
+    assert not any(sentence.startswith("the energy") for sentence in ran(plan)[0].warnings)
 
 
 @pytest.mark.slow
@@ -148,11 +148,11 @@ def test_a_soft_ring_vibrates_faster_by_its_modes():
         crossings = np.flatnonzero(np.diff(np.sign(y - y.mean())) > 0)
         return (len(crossings) - 1) / (crossings[-1] - crossings[0])
 
-    said = next(s for s in without[0].cautions if "is vibration" in s)
+    said = next(s for s in without[0].warnings if "is vibration" in s)
     said_by = 0.01 * float(re.search(r"kHz: ([\d.]+) % too slow", said).group(1))
     gained = frequency(with_modes[1]) / frequency(without[1]) - 1.0
     assert gained == pytest.approx(said_by, rel=0.2)
-    assert not any("is vibration" in s for s in with_modes[0].cautions)
+    assert not any("is vibration" in s for s in with_modes[0].warnings)
 
 
 def test_energy_of_a_law_is_the_work_of_its_force():

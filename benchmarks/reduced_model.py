@@ -2,7 +2,7 @@
 
 Processor time of the time loop for 60 ms, one thread, the lowest of some runs taken in turns; finite elements of 1 mm
 for the first tenth of that. How the reduced model's step grows with the number of rollers. And shocks with modes: 20 ms
-by every model in turns, medians, steps begun again included.
+by every model in turns, medians, steps restarted included.
 """
 
 import sys
@@ -45,14 +45,14 @@ def loop_seconds(plan: Plan) -> float:
 
 
 def to_the_end(plan: Plan) -> RowState:
-    """A run of a plan with all that it begins again."""
+    """A run of a plan with all that it restarts."""
     state: RowState = plan.first_state()
-    run(plan, lambda block: None, state=state, begin_again=lambda reason: None)
+    run(plan, lambda block: None, state=state, restart=lambda reason: None)
     return state
 
 
 def shock_rows() -> list[list[str]]:
-    """A row for each scene and highest mode: step, steps of the run and those begun again, times."""
+    """A row for each scene and highest mode: step, steps of the run and those restarted, times."""
     rows, duration = [], f"numerics.duration_ms={SHOCKS_MS}"
     for name, settings in SHOCKS.items():
         plans = {"elements": plan_of("fem", duration, *settings)}
@@ -111,7 +111,7 @@ def main() -> None:
         "modes, kHz",
         "step, µs",
         "steps",
-        "begun again",
+        "restarted",
         "each, µs",
         "for a second, s",
         "times faster",

@@ -78,7 +78,7 @@ def measured(kind: str, name: str, scene: str, settings: dict) -> Point:
     plan = make_plan(parse_scene(tables, name))
     plan.prepare()
     kept: list = []
-    spent, _ = timed(lambda: run(plan, kept.append, begin_again=lambda reason: kept.clear()), clock=time.thread_time)
+    spent, _ = timed(lambda: run(plan, kept.append, restart=lambda reason: kept.clear()), clock=time.thread_time)
     record = 1e-3 * tables["numerics"]["duration_ms"]
     operation, bearing = plan.scene.ideal_operation(), plan.scene.ideal_bearing()
     exact = exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub

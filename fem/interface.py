@@ -142,7 +142,7 @@ def simulate(
         plan = programs_named(lambda: make_plan(scene))
         state = plan.prepare()
     setup, memory = time.perf_counter() - began, Memory(plan)
-    run(plan, memory.append, progress or (lambda seen: None), stop, state, memory.keep, memory.begin_again)
+    run(plan, memory.append, progress or (lambda seen: None), stop, state, memory.keep, memory.restart)
     return Result.of(state, memory, setup)
 
 

@@ -58,7 +58,7 @@ class Memory:
         """Add the fields of a sample to come."""
         self.frames.append(frame)
 
-    def begin_again(self, reason: str) -> None:
+    def restart(self, reason: str) -> None:
         """Forget all samples so far: the run goes on from its start."""
         self._count = 0
         self.frames.clear()

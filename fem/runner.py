@@ -101,11 +101,11 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
         outcome, reason = Outcome.COMPLETE, None
 
-        def begin_again(reason: str) -> None:
+        def restart(reason: str) -> None:
             if not options.quiet:
                 say(reason)
-            checkpoints.begin_again()
-            store.begin_again(**state.outcome_attributes)
+            checkpoints.restart()
+            store.restart(**state.outcome_attributes)
 
         try:
             with progress_display(plan, options.quiet) as show:
@@ -115,7 +115,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
                         show(progress)
                     checkpoints.save_if_due()
 
-                run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, begin_again)
+                run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, restart)
             checkpoints.save()
             if stopped and state.done < plan.n_samples:
                 outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
@@ -157,8 +157,8 @@ class Checkpoints:
             self._saved = time.monotonic()
             self._cost = self._saved - began
 
-    def begin_again(self) -> None:
-        """Save the state of a run that begins again, before its file does; what can't be gone on from is removed."""
+    def restart(self) -> None:
+        """Save the state of a run that restarts, before its file does; what can't be gone on from is removed."""
         if not self._write(nothing_stored(self._state.plan)):
             checkpoint_path(self._path).unlink(missing_ok=True)
 

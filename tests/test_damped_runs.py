@@ -38,7 +38,7 @@ def samples(state, count):
     found, first = [], state.done
     while state.done < first + count:
         block = state.advance(min(100, first + count - state.done))
-        assert block.trouble is None and block.begins_again is None
+        assert block.trouble is None and block.restarts is None
         found.append(block.samples)
     values = {name: np.concatenate([part.values[name] for part in found]) for name in found[0].values}
     return values | {"imbalance": np.concatenate([part.imbalance for part in found])}, found[-1].exchanged[-1]

@@ -89,4 +89,4 @@ def test_a_run_that_dissipates_fifty_times_what_it_exchanges_needs_no_shorter_st
     )
     assert run_main([str(scene), "--output", str(tmp_path / "drag.nc")]) == 0
     told = capsys.readouterr()
-    assert "begins again" not in told.out + told.err and "40 ms in" in told.out
+    assert "restarts" not in told.out + told.err and "40 ms in" in told.out

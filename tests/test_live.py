@@ -134,7 +134,7 @@ def test_other_values_begin_a_run_with_roller_0_where_it_was(player):
     assert player.given_values.radial_load_N == 2000.0 and player.values.radial_load_N == 500.0
 
 
-def test_a_run_that_has_come_to_its_end_begins_again(player, monkeypatch):
+def test_a_run_that_has_come_to_its_end_restarts(player, monkeypatch):
     monkeypatch.setattr(player_module, "LONGEST_MS", 1.0)
     player.change(player.values)
     assert player.advance(250) == 250

@@ -31,7 +31,7 @@ def plan_of(*settings: str, stride: int | None = None) -> ReducedPlan:
 
 
 def samples_of(plan, change=lambda state: None, count: int | None = None) -> dict[str, np.ndarray]:
-    """All samples, of a start that `change` has changed; never begun again."""
+    """All samples, of a start that `change` has changed; never restarted."""
     state = plan.first_state()
     change(state)
     rows, status, *_ = state.take_steps((plan.n_samples if count is None else count) * plan.looks)

@@ -40,7 +40,7 @@ def short_throughout(plan):
 def ran(plan):
     """The state at the end, and the samples."""
     state, blocks = plan.first_state(), []
-    run(plan, blocks.append, state=state, begin_again=lambda reason: pytest.fail(reason))
+    run(plan, blocks.append, state=state, restart=lambda reason: pytest.fail(reason))
     names = blocks[0].keys()
     return state, {name: np.concatenate([block[name] for block in blocks]) for name in names}
 
@@ -128,7 +128,7 @@ def test_where_nothing_would_be_won_steps_are_of_one_length():
     assert plan_of(spall=many).sections is None
 
 
-def test_a_run_that_begins_again_halves_both_lengths():
+def test_a_run_that_restarts_halves_both_lengths():
     plan = plan_of()
     state = plan.first_state()
     state._halvings = 5

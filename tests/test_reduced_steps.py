@@ -1,4 +1,4 @@
-"""Runs of the reduced model that begin again with shorter steps, and those that don't; how hard their shocks are."""
+"""Runs of the reduced model that restart with shorter steps, and those that don't; how hard their shocks are."""
 
 from dataclasses import replace
 
@@ -46,18 +46,18 @@ def ran(plan):
     """Its state at the end, the last pass' samples of the hub's height, and what it was told."""
     state, blocks, told = plan.first_state(), [], []
 
-    def begin_again(reason):
+    def restart(reason):
         told.append((reason, state.void_steps))
         blocks.clear()
 
-    run(plan, blocks.append, state=state, begin_again=begin_again)
+    run(plan, blocks.append, state=state, restart=restart)
     return state, np.concatenate([block["inner_y"] for block in blocks]), told
 
 
-def test_a_run_whose_energy_does_not_balance_begins_again_with_half_the_step():
+def test_a_run_whose_energy_does_not_balance_restarts_with_half_the_step():
     plan = in_longer_steps(RATTLES)
     state, _, told = ran(plan)
-    assert len(told) == 1 and "begins again with half" in told[0][0]
+    assert len(told) == 1 and "restarts with half" in told[0][0]
     assert state.outcome_attributes["time_step"] == pytest.approx(0.5 * plan.time_step)
     assert abs(state.imbalance) < 1e-3
 
@@ -75,7 +75,7 @@ def test_contacts_that_open_pay_what_they_owe(friction, most):
 
 
 @pytest.mark.parametrize("halvings", range(7))
-def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
+def test_a_run_that_restarts_turns_as_its_times_say(halvings):
     """Whatever the number of steps between samples: rollers turn from sample to sample by their spin, to its noise."""
     plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
     state = plan.first_state()
@@ -88,7 +88,7 @@ def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
     assert state.progress.steps == plan.stride * 2**halvings * (plan.n_samples - 1)
 
 
-def test_a_run_that_goes_wrong_begins_again_before_its_end():
+def test_a_run_that_goes_wrong_restarts_before_its_end():
     """Rollers that rattle without friction: energy is lost from the first impacts on."""
     plan = in_longer_steps(RATTLES)
     state, _, told = ran(plan)
@@ -98,12 +98,12 @@ def test_a_run_that_goes_wrong_begins_again_before_its_end():
 
 
 def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason(monkeypatch):
-    """Its energy balances, so that it does not begin again six times."""
+    """Its energy balances, so that it does not restart six times."""
     monkeypatch.setattr(row_state, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
     state = make_plan(parse_scene({"model": "reduced"}, "test")).first_state()
     first, second = state.advance(10), state.advance(10)
-    assert first.begins_again.startswith("the bearing comes apart with steps of") and first.trouble is None
-    assert second.begins_again is None and second.trouble.startswith("the bearing has come apart at step")
+    assert first.restarts.startswith("the bearing comes apart with steps of") and first.trouble is None
+    assert second.restarts is None and second.trouble.startswith("the bearing has come apart at step")
 
 
 def test_shocks_are_warned_of_and_steady_running_is_not():

@@ -98,7 +98,7 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
     plan, blocks = make_plan(scene), []
     state = plan.first_state()
     run(plan, blocks.append, state=state)
-    last = slice(-plan.n_samples, None)  # it begins again with shorter steps
+    last = slice(-plan.n_samples, None)  # it restarts with shorter steps
     found = {name: np.concatenate([block[name] for block in blocks])[last] for name in blocks[0].values}
     x, y = (found[f"roller_{axis}"] - found[f"inner_{axis}"][:, None] for axis in "xy")
     push = found["inner_force"] / np.hypot(x, y)

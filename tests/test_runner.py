@@ -25,7 +25,7 @@ from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
-# 20 µm of clearance, dropped by the full load: contacts rattle, and the run begins again with half the step
+# 20 µm of clearance, dropped by the full load: contacts rattle, and the run restarts with half the step
 RATTLE = ["--set", "bearing.outer_raceway_diameter_mm=56.04", "--set", "numerics.start=rest",
           "--set", "numerics.output_interval_us=10", "--set", "numerics.load_ramp_ms=0"]  # fmt: skip
 CASES = {
@@ -44,7 +44,7 @@ MODELS = ("finite elements", "reduced", "Lagrangian", "toy")
 
 @pytest.fixture(autouse=True)
 def strict(monkeypatch):
-    """A run begins again for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
+    """A run restarts for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
     monkeypatch.setattr("fem.solver.lagrangian_judge.ENERGY_TOLERANCE", 3e-4)
 
 
@@ -111,7 +111,7 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
         assert file.attrs["status"] == "interrupted"
         count = int(file.attrs["committed_samples"])
     assert f"{count} samples are in {path}; the same command with --resume goes on" in capsys.readouterr().err
-    if refines and "reduced" in case and looks > 17:  # begins again as soon as its energy is lost
+    if refines and "reduced" in case and looks > 17:  # restarts as soon as its energy is lost
         assert 0 < count < looks
     else:
         assert count == looks % 201
@@ -214,22 +214,22 @@ def test_the_lagrangian_model_refuses_a_state_of_another_numpy(tmp_path, monkeyp
     assert " (numpy was " in capsys.readouterr().err
 
 
-def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monkeypatch, capsys):
+def test_a_run_that_restarts_says_so_and_starts_its_file_anew(tmp_path, monkeypatch, capsys):
     """A kill between its checkpoint and its new file leaves what can be resumed."""
     path, killed, seen = tmp_path / "run.nc", tmp_path / "killed.nc", []
-    begin_again = ResultFile.begin_again
+    restart = ResultFile.restart
 
     def watched(store, **attributes):
         shutil.copy(path, killed)
         shutil.copy(checkpoint_path(path), checkpoint_path(killed))
-        begin_again(store, **attributes)
+        restart(store, **attributes)
         with h5py.File(path, locking=False) as file:
             seen.append((int(file.attrs["committed_samples"]), float(file.attrs["time_step"])))
 
-    monkeypatch.setattr(ResultFile, "begin_again", watched)
+    monkeypatch.setattr(ResultFile, "restart", watched)
     assert run(CASES["Lagrangian that refines"], path) == 0
     error = capsys.readouterr().err
-    assert "contacts rattle: the step of 1.43e-06 s changes the energy by 0.057 %" in error and "begins again" in error
+    assert "contacts rattle: the step of 1.43e-06 s changes the energy by 0.057 %" in error and "restarts" in error
     assert seen == [(0, pytest.approx(5e-6 / 7.0))]
     with h5py.File(path) as file:
         assert 0.7e-6 < file.attrs["time_step"] < file.attrs["critical_time_step"]
@@ -253,7 +253,7 @@ def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_f
         assert file.attrs["status"].startswith("failed: the forces met")
 
 
-def test_a_run_that_begins_again_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):
+def test_a_run_that_restarts_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):
     """The checkpoint of the first pass counts samples that are no longer there."""
     path = tmp_path / "run.nc"
     save = checkpoint.save_checkpoint

@@ -1,4 +1,4 @@
-"""A run that goes on for as long as it is watched, and begins again where values are changed."""
+"""A run that goes on for as long as it is watched, and restarts where values are changed."""
 
 from collections.abc import Callable, Container
 from math import degrees, pi, remainder
@@ -115,11 +115,11 @@ def fault_lines(scene: Scene) -> dict[str, float]:
     return {"BPFO": abs(found["BPFO"]), "BPFI": abs(found["BPFI"]), "2×BSF": 2.0 * abs(found["BSF"])}
 
 
-LONGEST_MS = 1e5  # simulated; then the run begins again
+LONGEST_MS = 1e5  # simulated; then the run restarts
 INTERVAL_US = 10.0  # between samples
 STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
 UNBALANCED = (
-    f"energy has not balanced to {100 * LIMIT:g} % of what was exchanged, where run-fem begins again with half the "
+    f"energy has not balanced to {100 * LIMIT:g} % of what was exchanged, where run-fem restarts with half the "
     "step: take what you see as rough"
 )
 NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
@@ -181,7 +181,7 @@ class Player:
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
         self.bearing = played.ideal_bearing()
-        self._begun_again = None
+        self._restarted = None
         self._start(samples)
 
     def _start(self, samples: Samples) -> None:
@@ -216,8 +216,8 @@ class Player:
                 self._begin(self.scene, self._first_roller(), None)
             per_block = max(1, STEPS_PER_BLOCK // self._state.steps_per_sample)
             block = self._state.advance(min(per_block, count - done, self.plan.n_samples - self._state.done))
-            if block.begins_again is not None:
-                self._begun_again = block.begins_again
+            if block.restarts is not None:
+                self._restarted = block.restarts
                 self._start(_good(self._state.advance(1)))
             else:
                 self._take(_good(block))
@@ -229,8 +229,8 @@ class Player:
         """What plan and run warn of so far; not of samples, which are the page's own and which nobody stores."""
         kept = (sentence for sentence in self.plan.warnings if not sentence.startswith("numerics.output_interval_us"))
         found = (*kept, *self._state.warnings)
-        if self._begun_again is not None:
-            found = (*found, self._begun_again)
+        if self._restarted is not None:
+            found = (*found, self._restarted)
         return found if self.is_balanced else (*found, UNBALANCED)
 
     @property

@@ -73,7 +73,7 @@ class Playing(Thread):
                         self._advanced = None  # time in which nobody looked is not caught up with
                         self._changed.wait_for(self._has_work)
                 if self._values is not None:
-                    self._begin_again()
+                    self._restart()
                 elif not self._ended:
                     began = time.monotonic()
                     self._advance(began)
@@ -88,7 +88,7 @@ class Playing(Thread):
     def _is_disturbed(self) -> bool:
         return self._ended or self._values is not None
 
-    def _begin_again(self) -> None:
+    def _restart(self) -> None:
         with self._changed:
             values, self._values = self._values, None
         try:
@@ -116,7 +116,7 @@ class Playing(Thread):
         try:
             done = self._player.advance(count, lambda: time.monotonic() > began + WORK * FRAME)
         except RunFailed as error:
-            self._publish(message("refused", f"{error}; change a value to begin again"))
+            self._publish(message("refused", f"{error}; change a value to restart"))
             self.change_pace(Pace(slowness=pace.slowness, playing=False))
             return
         self._new = True

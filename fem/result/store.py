@@ -220,7 +220,7 @@ class ResultFile:
         self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
         self._commit_cost = self._committed_at - began
 
-    def begin_again(self, **attributes: float | str) -> None:
+    def restart(self, **attributes: float | str) -> None:
         """Put an empty file with these attributes in this one's place; the samples so far are void."""
         self._attributes |= attributes
         self._replace(self._plan.n_samples, nothing_stored(self._plan))

@@ -1,4 +1,4 @@
-"""A run of the Lagrangian model: its steps, its samples, and how it begins again."""
+"""A run of the Lagrangian model: its steps, its samples, and how it restarts."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,7 @@ MOST_HALVINGS = 3  # of the step, before a warning instead
 
 
 class LagrangianState(RigidState):
-    """A run that begins again with half the step where contacts have rattled, or bodies gone through one another."""
+    """A run that restarts with half the step where contacts have rattled, or bodies gone through one another."""
 
     plan: "LagrangianPlan"
 
@@ -50,8 +50,8 @@ class LagrangianState(RigidState):
         at_end = self.done == self.plan.n_samples and block.trouble is None
         if not (at_end or self._came_apart) or self.judge.verdict is Verdict.RESOLVED:
             return block
-        if self.may_begin_again:
-            return self.begin_again(block.samples, self.judge.sentence.partition(";")[0])
+        if self.may_restart:
+            return self.restart(block.samples, self.judge.sentence.partition(";")[0])
         if self.judge.verdict is Verdict.TOO_FAST:
             return Block(samples=block.samples, trouble=self.judge.sentence)
         return block  # still worth having where contacts only rattle: see `notices`

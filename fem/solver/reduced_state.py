@@ -1,4 +1,4 @@
-"""The reduced model's state: runs that begin again, what they warn of, what a checkpoint keeps."""
+"""The reduced model's state: runs that restart, what they warn of, what a checkpoint keeps."""
 
 from math import ceil
 from typing import TYPE_CHECKING
@@ -29,7 +29,7 @@ MODES, MODES_HARD = 2.5, 4.2  # highest mode, over the bodies' slowest vibration
 
 
 class ReducedState(RigidState):
-    """Rigid bodies and contacts. A run whose energy will not balance to LIMIT begins again with half the step.
+    """Rigid bodies and contacts. A run whose energy will not balance to LIMIT restarts with half the step.
 
     What opens and closes at once is all that takes such steps: rollers that rattle without friction.
     """
@@ -53,14 +53,14 @@ class ReducedState(RigidState):
         if samples is not None and len(samples):
             lost = lost or self._loses_energy(samples)
             add_samples(self._hub_sums, samples)
-        if not (lost and self.may_begin_again):
+        if not (lost and self.may_restart):
             return block
         if self._came_apart and self._halvings and abs(self.imbalance) <= LIMIT:
             return block  # no fault of the steps: with shorter ones, too, and while energy balances
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
         if self._came_apart:
             reason = "the bearing comes apart"
-        return self.begin_again(samples, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
+        return self.restart(samples, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
     def _loses_energy(self, samples: Samples) -> bool:
         """Whether the run's energy is, or by its end will be, off by more than LIMIT of what is exchanged.

@@ -18,7 +18,7 @@ from fem.solver.tilted_arrays import beyond_tables
 
 
 class RigidState(RowState):
-    """Rigid bodies and contacts. A run whose steps turn out too long begins again with half of them.
+    """Rigid bodies and contacts. A run whose steps turn out too long restarts with half of them.
 
     Its plan has `halved(times)`, the same with so many halvings of the step, and `sections` of two step lengths.
     """
@@ -49,17 +49,17 @@ class RigidState(RowState):
         return block
 
     @property
-    def may_begin_again(self) -> bool:
+    def may_restart(self) -> bool:
         """Whether a halving is left."""
         return self._halvings < self.most_halvings
 
-    def begin_again(self, samples: Samples | None, reason: str) -> Block:
+    def restart(self, samples: Samples | None, reason: str) -> Block:
         """The block that makes all samples so far void, of a run that is at its start again with half the step."""
         self.void_steps += self.progress.steps
         self._halvings += 1
         self.done, self.imbalance = 0, 0.0
         self._begin()
-        return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+        return Block(samples=samples, restarts=f"{reason}; the run restarts with half of it")
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         moving = self.bodies, self.compliance, self.forces, self.drives, self._before

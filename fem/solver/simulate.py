@@ -48,7 +48,7 @@ def run(
     stop: Callable[[], bool] = lambda: False,
     state: "RunState | None" = None,
     keep: "Callable[[Frame], None]" = lambda frame: None,
-    begin_again: Callable[[str], None] = lambda reason: None,
+    restart: Callable[[str], None] = lambda reason: None,
 ) -> "Progress":
     """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
 
@@ -58,7 +58,7 @@ def run(
     state : where to go on from, of a plan that is prepared; it is kept up to date after each block, before `report`
     stop : is asked after each block, and within samples that take long; those are then not taken
     keep : gets the fields the scene asks for, each before the sample of its instant
-    begin_again : gets the reason why all that was written is void and the run restarts
+    restart : gets the reason why all that was written is void and the run restarts
 
     Errors
     ------
@@ -77,8 +77,8 @@ def run(
             write(block.samples)
         if block.trouble is not None:
             raise RunFailed(block.trouble)
-        if block.begins_again is not None:
-            begin_again(block.begins_again)
+        if block.restarts is not None:
+            restart(block.restarts)
         report(state.progress)
         if block.samples is not None:
             size = size_of_block(size, len(block.samples), state.wall - before)

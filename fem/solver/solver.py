@@ -86,7 +86,7 @@ class Block:
     samples: Samples | None = None
     frame: "Frame | None" = None  # the fields of the first of the samples, where the scene asks for them
     trouble: str | None = None  # why the run can't go on after these samples
-    begins_again: str | None = None  # why all samples so far are void and the run goes on from its start
+    restarts: str | None = None  # why all samples so far are void and the run goes on from its start
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +113,7 @@ class RunState(ABC):
         self.wall = 0.0  # s, time loop only
         self.processor = 0.0  # s of this thread in it since the process began, whoever else the machine works for
         self.imbalance = 0.0  # of the last sample: the energy error over the exchanged energy
-        self.void_steps = 0  # of what was begun again
+        self.void_steps = 0  # of what was restarted
         self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
 
     @contextmanager

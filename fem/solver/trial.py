@@ -40,7 +40,7 @@ def seconds_by_trial(plan: Plan) -> float | None:
 
     Errors
     ------
-    The first steps stand for all: contacts that rattle, so that a run begins again with smaller steps, take longer.
+    The first steps stand for all: contacts that rattle, so that a run restarts with smaller steps, take longer.
     """
     if config.DISABLE_JIT or plan.n_samples < 2 or plan.expected_seconds > LONGEST_SAMPLE * (plan.n_samples - 1):
         return None

@@ -139,7 +139,7 @@ def _given_up(under_way: dict[Any, int], watch: Watch) -> Iterator[int]:
     for future, i in list(under_way.items()):
         if i in late and not future.done():
             del under_way[future]
-            future.cancel()  # or it would be begun again elsewhere
+            future.cancel()  # or it would be restarted elsewhere
             watch.forget(i)
             watch.restart(late[i])
             yield i

@@ -57,7 +57,7 @@ def run(scene: dict) -> Run:
     state, blocks, trouble = plan.first_state(), [], None
     while state.done < plan.n_samples and trouble is None:
         block = state.advance(min(500, plan.n_samples - state.done))
-        if block.begins_again:
+        if block.restarts:
             blocks = []
             continue
         trouble = block.trouble

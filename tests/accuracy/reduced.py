@@ -53,7 +53,7 @@ def found(plan: Plan, halving: bool = True) -> Found:
         state._halvings = 99  # none is left
     plan.prepare()
     try:
-        run(plan, blocks.append, state=state, begin_again=lambda reason: blocks.clear())
+        run(plan, blocks.append, state=state, restart=lambda reason: blocks.clear())
     except RunFailed as error:
         trouble = str(error)
     blocks = [block for block in blocks if len(block)]
@@ -94,7 +94,7 @@ def comparison() -> str:
 
 
 def energies() -> str:
-    """Largest imbalance by the step, none begun again."""
+    """Largest imbalance by the step, none restarted."""
     rows = []
     for name, settings in SCENES.items():
         plan, cells = plan_of(settings, "reduced"), []

@@ -72,13 +72,13 @@ def watched(tables: dict[str, Any], model: str) -> Found:
         return Found(ending=REFUSED, what=str(error))
     blocks, again, ending, what = [], [], COMPLETE, ""
 
-    def begin_again(reason: str) -> None:
+    def restart(reason: str) -> None:
         again.append(reason)
         blocks.clear()
 
     state = plan.first_state()
     try:
-        run(plan, blocks.append, state=state, begin_again=begin_again)
+        run(plan, blocks.append, state=state, restart=restart)
     except RunFailed as error:
         ending, what = STOPPED, str(error)
     watch = Watch(plan)

@@ -1,6 +1,6 @@
 """How long the reduced model's steps may be: `python -m tests.accuracy.reduced_steps`.
 
-Random bearings that nothing strikes, 5 ms, with steps of exact shares of the critical one, none begun again. Writes its
+Random bearings that nothing strikes, 5 ms, with steps of exact shares of the critical one, none restarted. Writes its
 section of docs/reduced.md; some four minutes on two cores.
 """
 

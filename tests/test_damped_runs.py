@@ -44,6 +44,16 @@ def samples(state, count):
     return values | {"imbalance": np.concatenate([part.imbalance for part in found])}, found[-1].exchanged[-1]
 
 
+@pytest.mark.parametrize("model", PLANS)
+@pytest.mark.parametrize("time", [12.5, 50.0])
+def test_strong_dampers_at_rest_take_energy_and_give_none(model, time):
+    """Of a bearing that rolls quietly, where nothing strikes: what dampers take never falls."""
+    plan = plan_of(model, *ROLLING, f"damping.contact_time_us={time}")
+    found, exchanged = samples(plan.first_state(), 200)
+    assert np.abs(found["imbalance"]).max() < 1e-5 * exchanged
+    assert np.diff(found["work_damping_contact"]).min() >= -1e-9 * exchanged
+
+
 def statics_around(plan):
     """Equilibria under a newton less and more than the load, and under the load."""
     loads = plan.operation.radial_load + np.array([-1.0, 1.0, 0.0])

@@ -121,7 +121,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
 
 
 def resultant_by(law: Law, record: Record, contacts: Overlaps, force) -> tuple[np.ndarray, np.ndarray]:
-    """Sum of a law's forces, N, (n_times, n_rollers), on the hub, with what moments of tilted contacts push aside."""
+    """Sum of a law's forces, N, (n_times, n_rollers), on the hub, with the force of tilted contacts' moments."""
     x, y = contact_resultant(contacts, force)
     if not isinstance(law, SlicedLaw):
         return x, y
@@ -130,7 +130,7 @@ def resultant_by(law: Law, record: Record, contacts: Overlaps, force) -> tuple[n
 
 
 def _with_moments(law: Law, record: Record, contacts: Overlaps, term) -> tuple[np.ndarray, np.ndarray]:
-    """The term of the law with what its moments of tilted contacts, less the run's, push aside."""
+    """The term of the law with the force of its tilted contacts' moments, less the run's."""
     if not isinstance(law, SlicedLaw) or record.inner_moment is None:
         return term
     x, y = moment_resultant(record, contacts, record.inner_moment - law.moment(contacts.inner))

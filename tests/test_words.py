@@ -19,7 +19,7 @@ BANNED = re.compile(
 )
 DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
 LONGEST_LINE = 160
-MOST_LINES = 3200  # of the pages for readers
+MOST_LINES = 3400  # of the pages for readers
 
 
 def prose(page: Path) -> str:

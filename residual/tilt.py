@@ -79,7 +79,7 @@ def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarr
 
 
 def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.ndarray, np.ndarray]:
-    """Forces by which inner contacts' moments, N m, push the hub aside, x and y, (n_times,), N."""
+    """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (n_times,), N."""
     push = moment * misaligned(record, contacts)[1] / contacts.distance
     return np.sum(-push * contacts.direction_y, axis=1), np.sum(push * contacts.direction_x, axis=1)
 

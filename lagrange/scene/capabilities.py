@@ -51,6 +51,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
         f"bearing.contact_angle_deg = {a:g}" if (a := scene.bearing.contact_angle_deg) > 0.0 else None
     ),
     "axial": lambda scene: None if scene.axial is None else "[axial]",
+    "rows": lambda scene: f"bearing.rows = {scene.bearing.rows}" if scene.bearing.rows > 1 else None,
     "outer ring's speed": lambda scene: f"operation.{key}" if (key := scene.operation.turns_outer_ring) else None,
     "free skew": lambda scene: 'axial.skew = "free"' if scene.axial and scene.axial.skew == "free" else None,
 }
@@ -116,6 +117,7 @@ REFUSED = (
     ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
     ("axial", "modes", f"{{given}}: not together with {{modes}}, which are those of plane sections{EITHER}"),
     ("surfaces", "axial", f"{{given}}: not together with [axial], whose profiles are the same all around{EITHER}"),
+    ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
     ("missing rollers", "axial", f"{{given}}: not together with [axial]{EITHER}"),
     ("contacts' damping", "axial",
      f"{{given}}: not together with [axial], of whose tilts dampers of approaches know nothing{EITHER}"),

@@ -149,16 +149,16 @@ def summary_columns(scene: "Scene") -> tuple[str, ...]:
 
 
 def run_summary(
-    bearing: Bearing, ideal: Kinematics | None, blocks: Iterable[Mapping[str, np.ndarray]]
+    bearing: Bearing, ideal: Kinematics | None, blocks: Iterable[Mapping[str, np.ndarray]], *, tilts: bool = False
 ) -> dict[str, str]:
     """Names and values of what is asked first, of a run in blocks of samples.
 
     `ideal` : mean motion without slip; None: a ring turns both ways, and no slip or passing frequency has a meaning
+    `tilts` : rollers do, and have no single pressure
     """
-    seen, caged, tilts = RunStatistics(), CageStatistics(), False
+    seen, caged = RunStatistics(), CageStatistics()
     for block in blocks:
         seen.add(block)
-        tilts = tilts or "roller_tilt" in block
         if "cage_x" in block:
             caged.add(block)
     found = {"hub": str(seen.hub)}

@@ -159,7 +159,8 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
     else:
         bearing = plan.scene.ideal_bearing()
         ideal = mean_kinematics(bearing, plan.scene.ideal_operation(), progress.simulated)
-        lines = [f"{name + ':':14s} {value}" for name, value in run_summary(bearing, ideal, blocks).items()]
+        found = run_summary(bearing, ideal, blocks, tilts=plan.scene.axial is not None)
+        lines = [f"{name + ':':14s} {value}" for name, value in found.items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
             f"{progress.imbalance:+.1e} of the exchanged energy"

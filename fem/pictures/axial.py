@@ -94,7 +94,6 @@ def axial_figure(found: AxialPressures):
         raceway.set_xticks([-180, -90, 0, 90, 180])
         _side(roller, found, k, most)
     axes[1, 0].set_xlabel("angle from the load, °")
-    axes[0, 1].set_title(f"roller {most}")
     axes[1, 1].set_xlabel("along the axis, mm")
     figure.colorbar(shown, ax=axes[:, 0], label="pressure, MPa", shrink=0.8)
     return figure
@@ -110,5 +109,4 @@ def _side(axis, found: AxialPressures, k: int, roller: int) -> None:
     axis.fill_between(1e3 * z, 1e-6 * found.pressure[k, roller], color="C3", alpha=0.6, step="mid")
     axis.set(ylabel="pressure, MPa", ylim=(0.0, None), xlim=(1e3 * z[0], 1e3 * z[-1]))
     peak = SHARP.partition(",")[0] if found.sharp[k] else f"{1e-6 * found.pressure[k, roller].max():.0f} MPa"
-    axis.text(0.5, 0.97, f"{peak}\n{1e3 * found.slope[k, roller]:.2f} mrad", transform=axis.transAxes, ha="center",
-              va="top", fontsize=8)  # fmt: skip
+    axis.set_title(f"roller {roller}: {peak}, {1e3 * found.slope[k, roller]:.2f} mrad", fontsize=9)

@@ -149,8 +149,6 @@ class LoadHistory(NamedTuple):
     unbalance_angle: float  # rad from +x at t = 0
     rotating_load: float  # N
     rotating_load_angle: float  # rad
-    cage: float  # turns of the held elements' axes, or of a reduced model's cage, in one of the shaft
-    spin: float  # turns of a roller about its own centre
     growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
     roller_growth: float  # m s², of a roller's
     outer: OuterTurn | None = None  # None: the outer ring stands still

@@ -16,7 +16,7 @@ from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Dampers, Drive, LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_places
-from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange import Bearing, Kinematics, Operation
 from lagrange.contact.damping import ContactDamping
 from lagrange.mounting import Mounting, Sensor
 from lagrange.scene.run import DampingTable
@@ -133,7 +133,6 @@ def history_arrays(
     bearing: Bearing,
     operation: Operation,
     *,
-    held: bool = True,
     growth: float = 0.0,
     roller_growth: float = 0.0,
     outer_growth: float = 0.0,
@@ -142,7 +141,6 @@ def history_arrays(
 
     Parameters
     ----------
-    held : elements turn with the cage of rolling without slip
     growth, roller_growth : m s², of the distances at which a roller touches the inner ring, and the outer one, by the
         square of the shaft's speed
     outer_growth : m s², of the outer raceway's radius, by the square of the outer ring's
@@ -150,7 +148,6 @@ def history_arrays(
     found = operation.history
     if found is None:
         return None
-    ideal = kinematics(bearing, 1.0)
     return filled(
         LoadHistory,
         {"n_now": N_NOW},
@@ -164,8 +161,6 @@ def history_arrays(
         outer=_outer_turn(bearing, operation, outer_growth),
         rotating_load=float(found.rotating_load),
         rotating_load_angle=float(found.rotating_load_angle),
-        cage=float(ideal.cage) if held else 0.0,
-        spin=float(ideal.roller),
         growth=float(growth),
         roller_growth=float(roller_growth),
     )

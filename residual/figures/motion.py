@@ -102,6 +102,26 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "loads", "Loads of the rollers", caption)
 
 
+def tilt_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw tilts of rollers and moments of their contacts over the roller's angle from the load line."""
+    t = evaluation.record
+    rows = slice(None, None, max(1, t.from_load.size // MOST_POINTS))
+    angle = np.degrees(t.from_load[rows]).ravel()
+    figure, axes = panels(2, 5.0, x=FROM_LOAD, y=["tilt, mrad", "moment of a contact, N m"])
+    axes[0].plot(angle, 1e3 * np.asarray(t.roller_tilt)[rows].ravel(), color=BLUE, **DOTS)
+    for name, moment, colour in (("inner", t.inner_moment, BLUE), ("outer", t.outer_moment, ORANGE)):
+        axes[1].plot(angle, np.asarray(moment)[rows].ravel(), color=colour, label=f"{name} raceway", **DOTS)
+    axes[1].set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45))
+    axes[1].legend(loc="upper left", markerscale=5)
+    slope = [1e3 * float(np.asarray(each).mean()) for each in (t.inner_slope_x, t.inner_slope_y)]
+    caption = (
+        "Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers and times; "
+        "they differ by the roller's inertia alone. "
+        f"Mean slope of the shaft: {text(slope[0])} mrad in x, {text(slope[1])} mrad in y."
+    )
+    return save(figure, folder, "tilt", "Tilt and moments of the rollers", caption)
+
+
 def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the changes of energies and works since the first sample, and what does not add up."""
     t = evaluation.record
@@ -178,6 +198,7 @@ def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: 
     passage = passage_figure(evaluation, folder)
     drawn += [] if passage is None else [passage]
     drawn.append(roller_loads(evaluation, folder))
+    drawn += [] if evaluation.tilt is None else [tilt_figure(evaluation, folder)]
     if set(ENERGIES) <= set(evaluation.record.energies):
         drawn.append(energy_balance(evaluation, folder))
     return drawn

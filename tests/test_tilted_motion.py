@@ -9,6 +9,7 @@ from fem.solver.simulate import make_plan, run
 from lagrange import contact_laws, simulate
 from lagrange.scene.scene import Scene, SceneError
 from residual.evaluation import evaluate
+from residual.figures.motion import tilt_figure
 from residual.sources import read_result
 
 
@@ -100,6 +101,8 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
     assert np.abs(tilt.contact_law).max() < 1e-9
     assert tilt.error == pytest.approx(tilt.contact_law + tilt.balance, abs=1e-12)
     assert tilt.hub[1].mean() < -1.5  # N m: the shaft is held against the load's side
+    drawn = tilt_figure(checked, tmp_path)
+    assert "0 mrad in x, −1 mrad in y" in drawn.caption and (tmp_path / "tilt.png").stat().st_size > 10_000
     soft = evaluate(read_result(path), law="harris")
     assert np.abs(soft.tilt.contact_law).max() > 1e-3  # another law is found out
 

@@ -88,6 +88,13 @@ def test_meshes_are_plane_sections():
         make_plan(scene("fem"))
 
 
+def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
+    heavy = {"operation__radial_load_N": 25_000.0, "operation__misalignment_mrad": 1.0}
+    found = scene("reduced", {"slices": 21}, **heavy)
+    with pytest.raises(UsageError, match=r"axial.slices = 21 are 0.476 mm wide.*take at most 1\d"):
+        make_plan(found)
+
+
 def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
     path = tmp_path / "tilted.nc"
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0, lagrange__law="johnson")

@@ -24,7 +24,7 @@ from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.sections import Sections, sections_of, step_rows, time_along_a_wave
 from fem.solver.solver import sample_count
-from fem.solver.tilted_start import tables_of, tilted_start
+from fem.solver.tilted_start import narrow_slices, tables_of, tilted_start
 from fem.solver.validity import may_strike
 from fem.solver.vibrations import longest_with_modes
 from fem.solver.warnings import plan_warnings
@@ -178,6 +178,8 @@ def make_plan(scene: Scene) -> ReducedPlan:
     if axial is not None:
         tables = tables_of(model, operation, axial, largest)
         start = tilted_start(model, operation, axial, tables, start)
+        if (reason := narrow_slices(model, axial, start)) is not None:
+            raise UsageError(reason)
     of_start = () if start.warning is None else (start.warning,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)

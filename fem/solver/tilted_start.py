@@ -5,14 +5,16 @@ from math import inf
 
 import numpy as np
 
-from fem.contacts.tilted import tilted_tables
+from fem.contacts.tilted import tilted_slices, tilted_tables, too_narrow
 from fem.solver.reduced_start import LOOK_AHEAD, ReducedStart
 from fem.statics.contact_balance import NotFound
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Operation
 from lagrange.axial import ContactTable
 from lagrange.axial.facts import Axial
+from lagrange.axial.pressure import placed
 from lagrange.axial.tabulate import steepest_slope
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
@@ -83,6 +85,21 @@ def tilted_start(
             slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
         ),
     )  # fmt: skip
+
+
+def narrow_slices(model: ReducedBearing, axial: Axial, start: ReducedStart) -> str | None:
+    """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do."""
+    if not axial.coupling:
+        return None
+    bearing, widest = model.bearing, 0.0
+    slices = tilted_slices(bearing, axial, (model.inner_law, model.outer_law))
+    loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
+    for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
+        j = int(force.argmax())
+        if force[j] > 0.0:
+            carried = each.forces(*placed(each, float(force[j]), float(moment[j])))
+            widest = max(widest, pair.half_width(axial.slices * float(carried.max())))
+    return too_narrow(bearing, axial, widest)
 
 
 def _along(compliance: np.ndarray) -> np.ndarray:

@@ -9,6 +9,8 @@ Where surfaces are not perfect their sinkage σ comes off the overlaps, and deri
 
 Source: Rubio, García Prada, Castejón, Laniado, Dynamic analysis of rolling bearing system using Lagrangian model vs.
 FEM code (IFToMM 2007), with the signs put right: y points up, the load W acts along −y.
+
+Equation (22) of docs/lagrange.md.
 """
 
 from dataclasses import dataclass, replace

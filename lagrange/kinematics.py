@@ -1,4 +1,7 @@
-"""Kinematics of an ideal bearing: rolling without slip between two rings that may both turn."""
+"""Kinematics of an ideal bearing: rolling without slip between two rings that may both turn.
+
+Equation (2) of docs/operation.md.
+"""
 
 from dataclasses import dataclass, replace
 from math import pi

@@ -8,6 +8,8 @@ moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without whi
 
 Source: Lagrange's equations of T = ½ I_t |ȧ|² − ½ I_a w (a_x ȧ_y − a_y ȧ_x), w the spin, and V = Σ U; the tests derive
 them by computer algebra.
+
+Equation (1) of docs/tilted_motion.md.
 """
 
 from dataclasses import dataclass, replace

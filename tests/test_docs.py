@@ -185,3 +185,15 @@ def test_the_site_builds_without_a_warning(tmp_path):
 
     build(load_config(str(ROOT / "mkdocs.yml"), strict=True, site_dir=str(tmp_path)))
     assert (tmp_path / "reference" / "scene" / "index.html").is_file()
+
+
+def test_equations_that_the_code_cites_stand_on_their_pages():
+    cited = [
+        (found["page"], found["number"])
+        for package in ("lagrange", "meshes", "fem", "residual")
+        for module in sorted((ROOT / package).rglob("*.py"))
+        for found in re.finditer(r"Equation \((?P<number>\w+)\) of (?P<page>docs/\w+\.md)", read(module))
+    ]
+    assert len(cited) > 20
+    for page, number in cited:
+        assert rf"\tag{{{number}}}" in read(ROOT / page), f"{page} has no equation ({number})"

@@ -1,4 +1,7 @@
-"""The approach of a contact as a whole by its force: δ = A Q (B − ½ ln Q), or none."""
+"""The approach of a contact as a whole by its force: δ = A Q (B − ½ ln Q), or none.
+
+Equation (3) of docs/method.md.
+"""
 
 from dataclasses import dataclass
 from math import exp, inf

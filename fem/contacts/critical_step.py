@@ -1,4 +1,7 @@
-"""The critical time step of leapfrog with the reciprocal mass, the contacts' stiffness in it."""
+"""The critical time step of leapfrog with the reciprocal mass, the contacts' stiffness in it.
+
+Equation (9) of docs/method.md.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -13,6 +13,8 @@ disc), so B_i is a periodic function of the contact's position: a mean and a rip
 The tangential compliance of a contact that sticks is that of the normal one for a little more force, A_i (B_i − ½ ln
 Q) with a B_i of its own. It is calibrated in the same way, by a free disc and a held ring under one traction, but for
 its mean over positions alone.
+
+Equation (3) of docs/method.md.
 """
 
 from collections.abc import Callable

@@ -11,6 +11,8 @@ Reciprocal masses chosen by accuracy: Tkachuk and Bischoff, Int. J. Numer. Meth.
 Long steps are for bearings that run: where bodies strike each other what a step misses of a contact's energy as it
 opens or closes grows with the third to fourth power of the step, and tractions' work is found less exactly. There
 masses are lumped, and steps shorter.
+
+Equation (8) of docs/method.md.
 """
 
 from typing import TYPE_CHECKING, NamedTuple

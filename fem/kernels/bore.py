@@ -3,6 +3,8 @@
 Kicks are those of contacts, `law.kick_force`, so that a node that meets or leaves the bore within a step costs no
 energy. Without friction nothing keeps the ring from turning but an impulse around the circle, the same at all nodes,
 that leaves their velocities around a mean of 0, and so does no work.
+
+Equation (3) of docs/supports.md.
 """
 
 from typing import NamedTuple

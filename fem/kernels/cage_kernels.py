@@ -10,6 +10,8 @@ each can but take energy, whatever its constants, so none limits the step. Frict
 
 Works are exact: a force's is that of the mean of its velocities before and after the whole step. So that of a step's
 force ends when the next one begins.
+
+Equation (1) of docs/cage.md.
 """
 
 from fem.kernels.bodies import add_motion, drift_body, kick_body

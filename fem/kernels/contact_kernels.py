@@ -9,6 +9,8 @@ patches is the nodal force Q W; the rest is small (the tilt of the deformed surf
 a force across the line of centres and moments on the frames.
 
 Eight contacts at a time: lanes are rollers, of which the last may be spare. Arrays of contacts are (pair, roller).
+
+Equation (2) of docs/method.md.
 """
 
 import numpy as np

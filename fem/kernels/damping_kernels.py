@@ -13,6 +13,8 @@ second order.
 Of the whole approach of two bodies, of stiffness k, only a part is below the grid, of stiffness K: nodes carry the
 rest. A damper c·(K/k)² beside the former takes the power of c beside the whole, and has its effect: of its force k/K
 is what c would give, the rest makes up for what the law below the grid gives less.
+
+Equation (1) of docs/damping.md.
 """
 
 import numpy as np

@@ -3,6 +3,8 @@
 State of every roller in its own frame, which turns with it and moves with its centre of mass:
 `u` displacement, `w` velocity relative to the centre of mass in the frame's axes. Flat arrays (n_nodes, 2, columns),
 columns a multiple of 16; spare columns stay 0.
+
+Equation (1) of docs/method.md.
 """
 
 from typing import NamedTuple

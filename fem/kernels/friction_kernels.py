@@ -3,6 +3,8 @@
 A traction T acts along t = Jn, spread over the nodes of both patches. The slip is the velocity conjugate to it, so that
 what T dissipates is exactly what it takes from the bodies. Where a contact has a tangential spring, T is the spring's
 (`shear_kernels`); without, creep is solved for implicitly.
+
+Equation (6) of docs/method.md.
 """
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers

@@ -3,6 +3,8 @@
 The outer ring's held row moves with the housing as the inner ring's does with the hub. Springs are explicit; dashpots
 act by the mean of the velocities before and after a kick, so that no damping shortens the step. The sensor is excited
 by the housing's acceleration and does not react on it: between two steps its motion is exact.
+
+Equation (1) of docs/supports.md.
 """
 
 from typing import NamedTuple

@@ -1,6 +1,8 @@
 """The contact law below the grid in the time loop: force, energy, the force of a kick, the ripple along a surface.
 
 All but the energy take scalars or eight lanes (contacts).
+
+Equation (3) of docs/method.md.
 """
 
 from math import log

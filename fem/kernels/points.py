@@ -8,6 +8,8 @@ One pressure point on one surface: between the two nodes beside it, or spread ov
 The choice is the scene's: `spread`, that of `Points`, is None or is not, and a run compiles the one it uses. Positions
 are in node spacings, and may lie one turn outside. `side` is that of the contact, 0 or 1; q the point; m a direction in
 the body's frame.
+
+Equation (4) of docs/method.md.
 """
 
 import numpy as np

@@ -10,6 +10,8 @@ correct them (corrector): the error left is the square of a few hundredths of th
 with many rollers a neighbour's compliance is as large as a contact's own, and whole load zones would gain and lose
 force alternately: there the increments that neighbours use are multiplied by a relaxation factor
 (`fem.solver.reduced.relaxation_factor`).
+
+Equation (1) of docs/reduced.md.
 """
 
 from math import cos, sin

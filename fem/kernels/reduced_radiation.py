@@ -5,6 +5,8 @@ without a delay; but where the force's rate jumps by Q̇, as a contact closes or
 ½ s² Q̇²/ω⁴. Of all such modes together that is ½ Q̇² Σ s²/ω⁴, with Q̇ the contact's stiffness times the speed at which
 it closes. Contacts take that from hub, rollers and housing by an impulse as they close; the loss
 at an opening is recorded until then: an impulse then would pull.
+
+Equation (2) of docs/reduced.md.
 """
 
 from math import log

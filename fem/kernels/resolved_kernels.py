@@ -13,6 +13,8 @@ forces follow from what the mesh lacks (`points`). Either way all are the gradie
 
 The contacts that other programs have on a coarse mesh, kept for comparison, are a single point on the line of centres:
 a penalty spring between the nodes around it. With facets U·m includes what the chords lack of the circles.
+
+Equation (5) of docs/method.md.
 """
 
 from math import sqrt

@@ -4,6 +4,8 @@ State in polar components in the ring's own frame, about the outer ring's centre
 hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8. Halos of
 `u` repeat the other end, one column on the left, all on the right, so that neither the stencil nor patches need a wrap;
 those of `w` do while the stencil is applied to it, and are room at other times, see `ring_surface`.
+
+Equation (1) of docs/method.md.
 """
 
 import numpy as np

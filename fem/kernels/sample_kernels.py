@@ -1,6 +1,8 @@
 """What a sample stores, read off the state in the middle of a step: motion, forces, energies, works.
 
 Off the hot path: once in a stride of steps.
+
+Equation (10) of docs/method.md.
 """
 
 from math import cos, sin

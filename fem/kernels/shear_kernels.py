@@ -16,6 +16,8 @@ C follows the normal force: as that grows the traction stays, as it falls the st
 
 Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Elata and Berryman, Mechanics of Materials
 24 (1996) 229, on the last.
+
+Equation (7) of docs/method.md.
 """
 
 from fem.kernels.jit import part

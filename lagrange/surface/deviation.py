@@ -6,6 +6,8 @@ force: all forces stay the gradient of one potential. At the edges of spalls lin
 a spline as well, stands in series with the contact's law; balls meet edges with their groove's law. The potential at
 a given overlap then changes along a surface by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that
 of σ.
+
+Equation (2) of docs/surfaces.md.
 """
 
 from dataclasses import dataclass, replace

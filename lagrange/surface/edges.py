@@ -4,6 +4,8 @@ Two half-planes are pressed together over the gap between the circle and the bar
 that of a sound contact under the same force, and the sinkage, and the force times a compliance A·ΔB, with the A of
 Hertz's law δ = A Q (B − ½ ln Q): on an edge of radius e alone ΔB = ½ ln(1 + R/e), where half the contact hangs over
 the edge ½. In series with a law the compliance c gives δ = δ_law(Q) + c Q.
+
+Equation (3) of docs/surfaces.md.
 """
 
 from dataclasses import dataclass

@@ -2,6 +2,8 @@
 
 A film takes up gap: surfaces meet that much earlier. Its thickness depends on the load by the power −0.13 alone, so
 that of the largest static load stands for all contacts of a raceway, in time too.
+
+Equation (1) of docs/lubricant.md.
 """
 
 from dataclasses import dataclass, replace

@@ -2,6 +2,8 @@
 
 Two circles that roll on each other come nearer than their radii allow where the one has a hole. The distance of their
 centres is least, or in a bore greatest, where the other circle touches the edge of the hole or its bottom.
+
+Equation (1) of docs/surfaces.md.
 """
 
 from math import ceil, pi, sqrt

@@ -76,6 +76,9 @@ def machine_scene(seed: int, number: int, sets: int, folder: Path) -> dict[str, 
         amplitude = bearing["roller_diameter_mm"] * values.spread(0.001, 0.05)
         order = int(values.rng.integers(2, 40))
         tables["waviness"] = [{"body": "inner_ring", "order": order, "amplitude_um": amplitude}]
+    for share, change in KINDS_OF_BEARINGS:
+        if kinds.chance(share):
+            change(tables, kinds, values)
     start = "equilibrium" if values.chance(0.7) else "rest"
     tables["numerics"] |= {"start": start, "output_interval_us": 2.0}
     return tables
@@ -167,3 +170,80 @@ def _loads(tables: dict[str, Any], values: Draw, folder: Path) -> None:
     rows = [f"{t:.6g},{x:.8g},{y:.8g}" for t, x, y in pulls]
     (folder / "load.csv").write_text("time_ms,x_N,y_N\n" + "\n".join(rows) + "\n", encoding="utf-8")
     tables["operation"]["load_table"] = "load.csv"
+
+
+def _without(tables: dict[str, Any], *names: str) -> None:
+    """Leave out tables that a feature is refused with, so that most scenes run."""
+    for name in names:
+        tables.pop(name, None)
+
+
+def _angle(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    """A contact angle and rows: element and pitch diameters stay, raceways follow."""
+    bearing = tables["bearing"]
+    inner, outer = bearing.pop("inner_raceway_diameter_mm"), bearing.pop("outer_raceway_diameter_mm")
+    bearing |= {
+        "pitch_diameter_mm": 0.5 * (inner + outer),
+        "contact_angle_deg": values.uniform(1.0, 40.0),
+        "rows": int(values.rng.integers(1, 3)),
+        "clearance_um": 1e3 * bearing["roller_diameter_mm"] * values.uniform(-1e-4, 5e-3),
+    }
+
+
+def _missing(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    tables["bearing"]["missing_rollers"] = [int(values.rng.integers(tables["bearing"]["rollers"]))]
+
+
+def _solid(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    tables["bearing"]["bore_diameter_mm"] = 0.0
+    tables["operation"].pop("inner_ring_and_shaft_kg", None)
+
+
+def _fit(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    tables["fit"] = {
+        "shaft_interference_um": 1e3 * tables["bearing"]["bore_diameter_mm"] * values.uniform(-1e-4, 5e-4),
+        "housing_interference_um": 1e3 * tables["bearing"]["outside_diameter_mm"] * values.uniform(-2e-4, 2e-4),
+        "inner_ring_C": values.uniform(20.0, 60.0),
+        "outer_ring_C": values.uniform(20.0, 60.0),
+    }
+
+
+def _balls(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    if tables["model"] == "lagrange":
+        tables["bearing"]["type"] = "ball"
+
+
+def _own_law(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    if tables["model"] == "lagrange":
+        exponent, length = values.uniform(1.0, 1.6), 1e-3 * tables["bearing"]["roller_length_mm"]
+        stiffness = [5e10 * length * 1e-5 ** (1.0 - exponent) * values.spread(0.3, 3.0) for _ in range(2)]
+        tables["lagrange"] |= {"contact_stiffness_N_per_m_n": stiffness, "contact_exponent": exponent}
+
+
+def _outer_ring(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    _without(tables, "support", "sensor", "fit")
+    inner = abs(tables["operation"].get("speed_rpm", 1000.0))
+    tables["operation"]["outer_ring_speed_rpm"] = inner * values.uniform(-1.0, 1.0)
+
+
+def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    if tables["model"] != "fem" and tables["bearing"].get("type") != "ball":
+        _without(tables, "damping", "spall", "waviness")
+        tables["operation"].pop("outer_ring_speed_rpm", None)
+        tables["operation"]["misalignment_mrad"] = values.uniform(0.0, 2.0)
+        profile = kinds.one_of("logarithmic", "crowned")
+        tables["axial"] = {"roller_profile": profile, "coupling": False, "slices": 11}
+        if profile == "crowned":
+            tables["axial"]["crown_um"] = values.uniform(2.0, 20.0)
+
+
+KINDS_OF_BEARINGS = (
+    (0.25, _angle),
+    (0.2, _missing),
+    (0.2, _solid),
+    (0.2, _fit),
+    (0.2, _balls),
+    (0.25, _own_law),
+    (0.3, _outer_ring),
+    (0.25, _axial),
+)

@@ -100,7 +100,7 @@ def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(
 
 def test_the_counter_is_not_torn(plan, tmp_path):
     """Eight aligned bytes: within one sector, and one page."""
-    places = create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
+    places = create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
     assert places.committed % 8 == 0
     with h5py.File(tmp_path / "run.nc") as file:
         assert file.attrs["committed_samples"] == MARK and np.all(np.isnan(file["time"]))
@@ -142,11 +142,11 @@ def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(
         return put(file, data)
 
     monkeypatch.setattr(HeldBack, "put", failing)
-    create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
+    create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
     for fail_at in range(1, count[0] + 1):
         count[:] = 0, fail_at
         with pytest.raises(OSError, match="No space left"):
-            create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
+            create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
     gc.collect()  # where HDF5 would crash on what it could not write
 
 

@@ -63,7 +63,7 @@ def test_a_scene_keeps_its_lubricant_and_takes_traction_from_it():
     ("settings", "words"),
     [
         (["lubricant.viscosity_Pa_s=0"], ["lubricant.viscosity_Pa_s = 0"]),
-        (["model=lagrange", "bearing.type=ball", "lubricant.viscosity_Pa_s=0.02"], ["[lubricant]", "rollers"]),
+        (["model=lagrange", "bearing.type=ball", "lubricant.viscosity_Pa_s=0.02"], ["[lubricant]", "line contacts"]),
         (["contact.model=penalty", "lubricant.viscosity_Pa_s=0.02"], ["[lubricant]", '"penalty"']),
     ],
 )

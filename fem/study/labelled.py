@@ -110,7 +110,7 @@ def _write_shards(data: Labelled, folder: Path, count: Callable[[], None]) -> li
     files = []
     for first in range(0, data.points.size, POINTS_A_SHARD):
         files.append(folder / f"signals-{first // POINTS_A_SHARD:05d}.tar")
-        with replaced(files[-1]) as part, tarfile.open(part, "w", format=tarfile.USTAR_FORMAT) as archive:
+        with replaced(files[-1]) as part, tarfile.TarFile(part, "w", format=tarfile.USTAR_FORMAT) as archive:
             for i in data.points[first : first + POINTS_A_SHARD].tolist():
                 _add(archive, f"{i:06d}.json", json.dumps(data.facts(i), allow_nan=False).encode())
                 for signal in data.signals:

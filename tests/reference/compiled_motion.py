@@ -28,7 +28,11 @@ class Motion:
         stride = ceil(interval / (longest_step(problem) if time_step is None else time_step) * (1.0 - 1e-12))
         kind = "ball" if isinstance(problem.bearing, BallBearing) else "roller"
         scene = SimpleNamespace(
-            cage=problem.cage, ideal_cage=lambda: problem.cage, model="lagrange", bearing=SimpleNamespace(type=kind)
+            cage=problem.cage,
+            ideal_cage=lambda: problem.cage,
+            model="lagrange",
+            bearing=SimpleNamespace(type=kind),
+            axial=problem.axial,
         )
         plan = LagrangianPlan(
             scene=scene,

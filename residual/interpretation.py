@@ -75,7 +75,7 @@ def _omitted(evaluation: Evaluation) -> str:
     budget, (scale, name) = evaluation.budget, evaluation.reference
     words = {
         "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
-        "other_forces": "other forces, which no column of the table tells",
+        "other_forces": "other forces, of which the table has no column",
     }  # fmt: skip
     largest = {
         term: max(rms(budget.x.terms[term]), rms(budget.y.terms[term])) for term in words if term in budget.x.terms

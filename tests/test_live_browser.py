@@ -92,7 +92,7 @@ def test_sliders_and_boxes_change_the_bearing(page):
     scene = read_scene(saved.value.path())
     assert scene.operation.speed_rpm == 3000.0 and scene.bearing.outer_raceway_diameter_mm == 56.0125
     assert scene.model == "reduced" and scene.numerics.duration_ms == 60.0
-    page.get_by_role("button", name="As it was").click()
+    page.get_by_role("button", name="Reset").click()
     wait_for_value(page, "speed_rpm", 4500)
     assert page.evaluate("window.live.bearing().values.clearance_um") == 0
 
@@ -108,7 +108,7 @@ def test_a_value_that_is_refused_is_explained_and_the_bearing_goes_on(page):
     type_value(page, "radial_load_N", "2500")
     wait_for_value(page, "radial_load_N", 2500)
     refused.wait_for(state="hidden")
-    page.get_by_role("button", name="As it was").click()
+    page.get_by_role("button", name="Reset").click()
     wait_for_value(page, "radial_load_N", 2000)
 
 
@@ -118,7 +118,7 @@ def test_a_spall_is_drawn_and_its_shocks_are_warned_of(page):
     wait_for_value(page, "spall_width_mm", 0.8)
     page.locator("#cautions").wait_for()
     page.wait_for_function("() => document.querySelector('#cautions').textContent.includes('elastic waves')")
-    page.get_by_role("button", name="As it was").click()
+    page.get_by_role("button", name="Reset").click()
     wait_for_value(page, "spall_width_mm", 0)
     page.locator("#cautions").wait_for(state="hidden")
 
@@ -130,7 +130,7 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
     page.locator("#slowness").fill("6")
     page.wait_for_function("() => document.querySelector('#factor').textContent === '1/100'")
     assert page.locator("#pace").inner_text().endswith("a twentieth of a second at 1/100.")
-    page.get_by_role("button", name="As it was").click()
+    page.get_by_role("button", name="Reset").click()
     page.wait_for_function("() => window.live.frame().time === 0")  # a paused run shows where it stands
     for wanted in (0.5, 1.0):  # ms
         page.get_by_role("button", name="Step").click()

@@ -113,8 +113,8 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
     found = evaluate(read_result(path))
     assert stated_error_rows(found) == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
     page = render_report(found, {}, ReportOptions(), "0")
-    assert "What the mesh may cost" in page and "0.0018 µm" in page
-    assert "What the mesh may cost" not in render_report(evaluate(read_result(
+    assert "Discretisation error" in page and "0.0018 µm" in page
+    assert "Discretisation error" not in render_report(evaluate(read_result(
         write_result(tmp_path / "plain.nc", run))), {}, ReportOptions(), "0")  # fmt: skip
 
 

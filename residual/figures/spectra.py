@@ -121,7 +121,7 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
     length, half_passage = found[0].length, ", half a roller passage" if passing > 0.0 else ""
     caption = (
         f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms{half_passage}, "
-        f"which tell apart {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
+        f"which resolve {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
     )
     if any(d.resonance > 0.0 for d in evaluation.directions):
         caption += " Dashed: the ring's resonance on its contacts."

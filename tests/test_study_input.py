@@ -83,7 +83,7 @@ BAD = {  # what is wrong: the study and what must be told
         + 'signals = ["inner_ay"]',
         "signals are as long in every point",
     ),
-    "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "at rest there are only the quantities first_"),
+    "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "at rest there are only the quantities"),
     "a key fixed and varied": (change("model =", '"operation.speed_rpm" = 1\nmodel ='), "stands in [fixed] and in"),
     "no time": (GOOD + "[limits]\nseconds_per_point = 0", "limits.seconds_per_point = 0"),
     "a scene that is missing": ('scene = "none.toml"\n' + GOOD, "none.toml: no such file"),

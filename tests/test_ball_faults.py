@@ -96,6 +96,7 @@ def test_balls_on_waves_move_as_the_reference_has_them():
     assert_right(Problem(bearing=bearing, operation=RUNNING, laws=HERTZ), count=21)
 
 
+@pytest.mark.slow  # compiles a loop
 def test_balls_strike_in_a_spall_at_the_ball_pass_frequency_and_keep_the_energy():
     run = simulate(Scene(**SPALLED, numerics={"duration_ms": 30.0, "output_interval_us": 1.0}))
     pass_frequency = 9 * (1800 / 60) / 2 * (52.291 / (0.5 * (52.291 + 77.706)))

@@ -159,6 +159,7 @@ spall = [{ body = "outer_ring", width_mm = 1.0 }]
 """
 
 
+@pytest.mark.slow  # compiles a loop; the page on measured records runs the command
 def test_scene_is_simulated_at_the_record_s_speed_and_rate(tmp_path):
     truth = synthetic_record(np.random.default_rng(5), GEOMETRY, SHAFT, "BPFO", 1.0, duration=0.2, rate=10_240.0)
     np.savez(tmp_path / "record.npz", acc=truth.signal.values, rate=truth.signal.rate)

@@ -78,6 +78,7 @@ def test_steps_are_halved_for_what_is_missed_of_the_dissipated_energy(share, is_
     assert state._loses_energy(samples(missed(share, plan.n_samples))) is is_lost
 
 
+@pytest.mark.slow  # compiles a loop
 def test_a_run_that_dissipates_fifty_times_what_it_exchanges_needs_no_shorter_steps(tmp_path, capsys, monkeypatch):
     """Its imbalance comes to 5e-6 of the exchanged energy and more, its energy error stays at 1e-6."""
     monkeypatch.setattr(reduced_state, "LIMIT", 3e-6)

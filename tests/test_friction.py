@@ -173,6 +173,7 @@ def test_normal_impulses_given_with_the_tractions_do_what_they_do_given_before()
         np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12 * np.abs(wanted).max())
 
 
+@pytest.mark.slow  # compiles a loop
 def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
     def tractions(touching, overlapping):
         state = without_springs(rubbing_state(mesh_size=2e-3))

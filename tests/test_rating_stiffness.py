@@ -209,6 +209,7 @@ def ringing(folder, step):
     return simulate(read_scene(folder / "scene.toml"))
 
 
+@pytest.mark.slow  # compiles a loop
 def test_hub_that_rings_down_has_the_frequency_of_the_matrix(tmp_path):
     """Of the difference of two runs, as free rollers drift out of the load zone in both."""
     bearing, operation = paper()

@@ -144,6 +144,7 @@ def tutorial():
     ]
 
 
+@pytest.mark.slow  # the plain installation of `.ci/run` types them as well
 @pytest.mark.usefixtures("plain_report")
 def test_the_tutorials_commands_run_in_order(tmp_path, monkeypatch, capsys):
     """But for the picture and the spall, which the next test tries."""

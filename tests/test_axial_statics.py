@@ -75,6 +75,10 @@ def test_hub_and_slope_have_the_stiffness_that_a_small_slope_shows():
              near.statics[0].hub_slope[1] - found.statics[0].hub_slope[1]]  # fmt: skip
     mean = 0.5 * (found.tilt_stiffness + near.tilt_stiffness)
     assert moved[0] / moved[1] == pytest.approx(mean, rel=0.02)
+    whole = 0.5 * (found.stiffness + near.stiffness)  # at constant load the hub goes where both parts cancel
+    sideways = near.statics[0].hub[1] - found.statics[0].hub[1]
+    assert sideways / moved[1] == pytest.approx(-whole[1, 3] / whole[1, 1], rel=0.02)
+    np.testing.assert_allclose(whole, whole.T, atol=1e-9 * whole.max())
 
 
 def rigid_rings(profile: str) -> TiltedBearing:

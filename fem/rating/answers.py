@@ -538,6 +538,8 @@ DECLARED: tuple[_Declared, ...] = (
      lambda c: c.at_hub()),
     ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting at constant load, mean over a pitch",
      s.TILTED, lambda c: c.tilted.tilt_stiffness),
+    ("stiffness_with_tilt", "N/m, N, N m", "stiffness by x, y and slopes in x, y, mean over a pitch", s.TILTED,
+     lambda c: c.tilted.stiffness),
     ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
      lambda c: c.lives_by_slope()),
     ("damping_N_s_per_m", "N s/m", "damping by the contacts' dampers, mean over a pitch", s.LINEARISED,

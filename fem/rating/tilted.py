@@ -61,6 +61,11 @@ class TiltedPitch:
         return found
 
     @property
+    def stiffness(self) -> np.ndarray:
+        """(4, 4), of forces and moments by the hub's place and slope, x, y each, mean over the pitch; N/m, N, N m."""
+        return np.mean([each.stiffness for each in self.statics], axis=0)
+
+    @property
     def tilt_stiffness(self) -> float:
         """∂M/∂ψ in the plane of the load at a free hub, mean over the pitch, N m/rad."""
         found = []

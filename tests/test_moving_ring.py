@@ -173,7 +173,9 @@ def assert_terms_add_up(found, rest, names):
             assert np.ptp(terms[name]) > 0.0, name
 
 
-@pytest.mark.parametrize("more", [{"speeds": RAMP}, {"settings": ("lubricant.viscosity_Pa_s=0.02",)}])
+@pytest.mark.parametrize(
+    "more", [pytest.param({"speeds": RAMP}, marks=pytest.mark.slow), {"settings": ("lubricant.viscosity_Pa_s=0.02",)}]
+)
 def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path, more):
     """Housing, sensor, shaft, dampers, unbalance, rotating load, faults, tables; a film is of a steady speed only."""
     scene = scene_with(

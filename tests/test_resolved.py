@@ -66,6 +66,7 @@ def test_a_graded_ring_is_finest_at_its_raceway(outside):
 # statics --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow  # `python -m tests.verification` has resolved statics as well
 def test_the_resolved_equilibrium_converges_to_the_exact_series():
     """Hertz's own error is (b/R)² = 0.1 %; the layer's and the mesh's shrink with the mesh."""
     exact = exact_statics(five(), LOAD, ON_A_ROLLER)

@@ -94,7 +94,7 @@ SPRINGS = (
 @pytest.mark.parametrize(
     ("model", "shape", "error"),
     [
-        ("lagrange", "steps", 2e-3),
+        pytest.param("lagrange", "steps", 2e-3, marks=pytest.mark.slow),
         ("lagrange", "linear", 2e-6),
         pytest.param("reduced", "steps", 4e-3, marks=pytest.mark.slow),
         pytest.param("reduced", "linear", 5e-6, marks=pytest.mark.slow),

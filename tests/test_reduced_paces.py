@@ -56,7 +56,12 @@ def off(found, wanted):
 
 
 @pytest.mark.parametrize(
-    ("model", "body"), [("reduced", "outer_ring"), ("reduced", "inner_ring"), ("lagrange", "outer_ring")]
+    ("model", "body"),
+    [
+        ("reduced", "outer_ring"),
+        ("reduced", "inner_ring"),
+        pytest.param("lagrange", "outer_ring", marks=pytest.mark.slow),
+    ],
 )
 def test_strikes_are_those_of_short_steps_throughout(model, body):
     """Differences are those of short steps from half as long ones, 1e-3, or less; energy errs no more."""

@@ -319,6 +319,7 @@ def test_random_bearings_stay_stable(names):
     assert tried >= 3
 
 
+@pytest.mark.slow  # compiles a loop
 def test_a_run_with_rigid_bodies_goes_on_bit_for_bit(tmp_path):
     import h5py
 

@@ -34,6 +34,7 @@ def missed(samples):
     return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
 
 
+@pytest.mark.slow  # compiles a loop
 def test_parallel_axes_move_as_in_the_plane_section():
     straight = {"roller_profile": "none", "coupling": False}
     solid, plane = moved(scene("reduced", straight)), moved(scene("reduced", None))

@@ -166,6 +166,7 @@ def runs(tmp_path_factory):
     return paths
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "expected"),
     [("healthy", set()), ("outer", {"BPFO", "2×BPFO", "3×BPFO"}), ("inner", {"BPFI−shaft", "BPFI", "BPFI+shaft"}),

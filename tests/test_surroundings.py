@@ -90,6 +90,7 @@ def compiled(folder, prepare=None, **variables):
     return int(hits), int(notices), "".join(sentences)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_kernel_is_compiled_anew_and_replaced(damage, tmp_path):
     assert compiled(tmp_path)[:2] == (0, 0)

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from fem.commands.run_fem import run_main
 from fem.interface import statics
-from fem.rating.answers import Case, Options
+from fem.rating.case import Case, Options
 from lagrange import contact_laws, kinematics
 from lagrange.contact.laws import raceway_curvature
 from lagrange.contact.raceway_laws import contact_pairs

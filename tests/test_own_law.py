@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.rating.answers import Case, Options
+from fem.rating.case import Case, Options
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import law_names
 from lagrange.scene.faults import SceneError

@@ -11,7 +11,8 @@ import pytest
 
 from fem.commands.rate_bearing import rate_main
 from fem.interface import rating
-from fem.rating.answers import DECLARED, Options
+from fem.rating.answers import DECLARED
+from fem.rating.case import Options
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
 from lagrange.rating.life import DutyCycle, basic_life
 from lagrange.scene.scene import read_scene

@@ -75,7 +75,8 @@ def _rate(
         chosen, run = _run(scene)
     else:
         chosen = read_scene(scene, tuple(overrides))
-    from fem.rating.answers import Options, rating
+    from fem.rating.answers import rating
+    from fem.rating.case import Options
     from fem.rating.report import print_rating, write_json
     from lagrange.rating.sources import Unavailable
 

@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fem.rating.answers import Case
+from fem.rating.case import Case
 from fem.study.figures import Figure, finished
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.rating.capacity import dynamic_capacity
@@ -60,11 +60,11 @@ def _clearance(case: Case) -> Figure:
     found = case.build_up
     figure, axis = plt.subplots(figsize=(WIDTH, 2.7))
     rows, level = found.rows(), 0.0
-    for place, ((_, told, _), part) in enumerate(zip(rows, [*found.parts.values(), found.total], strict=True)):
+    for place, ((_, label, _), part) in enumerate(zip(rows, [*found.parts.values(), found.total], strict=True)):
         whole = place in (0, len(rows) - 1)
         start, step = (0.0, UM * part) if whole else (level, UM * part)
         axis.bar(place, step, bottom=start, width=0.6, color=BLUE if whole else RED if part < 0.0 else GREEN)
-        axis.annotate(told, (place, max(start, start + step)), (0, 3), textcoords="offset points", ha="center")
+        axis.annotate(label, (place, max(start, start + step)), (0, 3), textcoords="offset points", ha="center")
         level = start + step
     axis.axhline(0.0, color=GREY, linewidth=0.9)
     axis.set_xticks(range(len(rows)), [words.replace(" ", "\n", 1) for words, *_ in rows], fontsize=8)

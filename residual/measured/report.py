@@ -1,8 +1,9 @@
 """What check-vibration prints and writes: the verdict first, the evidence beside it."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
 from residual.measured.width import Width
 from residual.store import write_folder
+
+if TYPE_CHECKING:
+    from residual.figures.saved import SavedFigure
 
 PROGRAM = "check-vibration"
 TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
@@ -27,38 +31,56 @@ HEADLINES = {
 }
 
 
-def write_check(check: Check, folder: Path, figures: bool = True) -> dict:
-    """Write vibration.html, figures and summary.json into a folder that appears whole or not at all.
+def write_page(
+    folder: Path,
+    template: Path,
+    draw: "Callable[[Path], list[SavedFigure]] | None",
+    facts: Mapping[str, Any],
+    summary: dict[str, Any],
+) -> dict[str, Any]:
+    """Write vibration.html of these facts, its figures and summary.json into a folder that appears whole or not at all.
+
+    `draw` : draws into a folder, by matplotlib; None: no figures
 
     Errors
     ------
     InputError: the folder holds something else. OSError: it can't be written.
     """
 
-    def fill(fresh: Path) -> dict:
-        drawn = []
-        if figures:
-            load_matplotlib()
-            from residual.figures.measured import measured_figures
-
-            drawn = measured_figures(check, fresh)
+    def fill(fresh: Path) -> dict[str, Any]:
         from residual.report import embedded
 
-        record, found = check.record, check.record.diagnosis
-        page = render_page(
-            TEMPLATE, name=record.signal.name, version=VERSION, headline=HEADLINES[found.verdict],
-            reasons=found.reasons, notes=notes(record), facts=facts(check), findings=findings(check),
-            lines=line_rows(record), comparison=comparison(check), assumed=assumed_rows(check), command=check.command,
-            other=None if check.other is None else check.other.signal.name,
-            gates=(DECOYS, CLEAR, DEEP), figures=[(figure, embedded(figure)) for figure in drawn],
-        )  # fmt: skip
+        drawn = []
+        if draw is not None:
+            load_matplotlib()
+            drawn = draw(fresh)
+        figures = [(figure, embedded(figure)) for figure in drawn]
+        page = render_page(template, version=VERSION, figures=figures, **facts)
         (fresh / "vibration.html").write_text(page, encoding="utf-8")
-        summary = summarise(check) | {"files": sorted({path.name for path in fresh.iterdir()} | {"summary.json"})}
-        said = json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False)
+        whole = summary | {"files": sorted({path.name for path in fresh.iterdir()} | {"summary.json"})}
+        said = json.dumps(whole, indent=1, allow_nan=False, ensure_ascii=False)
         (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
-        return summary
+        return whole
 
     return write_folder(folder, fill, PROGRAM)
+
+
+def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, Any]:
+    """Write the page of a check; as `write_page`."""
+
+    def draw(fresh: Path) -> "list[SavedFigure]":
+        from residual.figures.measured import measured_figures
+
+        return measured_figures(check, fresh)
+
+    record, found = check.record, check.record.diagnosis
+    shown_facts = dict(
+        name=record.signal.name, headline=HEADLINES[found.verdict], reasons=found.reasons, notes=notes(record),
+        facts=facts(check), findings=findings(check), lines=line_rows(record), comparison=comparison(check),
+        assumed=assumed_rows(check), command=check.command,
+        other=None if check.other is None else check.other.signal.name, gates=(DECOYS, CLEAR, DEEP),
+    )  # fmt: skip
+    return write_page(folder, TEMPLATE, draw if figures else None, shown_facts, summarise(check))
 
 
 def print_check(check: Check, folder: Path) -> None:

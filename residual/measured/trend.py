@@ -1,22 +1,22 @@
 """A series of records of one bearing: verdicts, levels and depths over the series, and whether they grow."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagrange.files.pages import load_matplotlib, render_page
 from lagrange.messages import shown
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.formatting import text
 from residual.measured.checks import Judged, Options, Question, check_record
 from residual.measured.diagnosis import BODIES, DEEP
-from residual.measured.report import HEADLINES, PROGRAM
-from residual.store import write_folder
+from residual.measured.report import HEADLINES, PROGRAM, write_page
+
+if TYPE_CHECKING:
+    from residual.figures.saved import SavedFigure
 
 TEMPLATE = Path(__file__).parents[1] / "templates" / "trend.html.j2"
 FEWEST = 3  # usable records of a series
@@ -154,36 +154,19 @@ def rows(trend: Trend) -> list[list[str]]:
     return found
 
 
-def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict:
-    """Write vibration.html, the figure and summary.json into a folder that appears whole or not at all.
+def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict[str, Any]:
+    """Write the page of a series; as `residual.measured.report.write_page`."""
 
-    Errors
-    ------
-    InputError: the folder holds something else. OSError: it can't be written.
-    """
+    def draw(fresh: Path) -> "list[SavedFigure]":
+        from residual.figures.measured import trend_figure
 
-    def fill(fresh: Path) -> dict:
-        drawn = []
-        if figures:
-            load_matplotlib()
-            from residual.figures.measured import trend_figure
+        return [trend_figure(trend, fresh)]
 
-            drawn = [trend_figure(trend, fresh)]
-        from residual.report import embedded
-
-        unit = trend.used[0].unit or "own unit"
-        page = render_page(
-            TEMPLATE, name=f"{trend.entries[0].name} to {trend.entries[-1].name}", version=VERSION,
-            sentences=trend.sentences, rows=rows(trend), unit=unit, lines=list(BODIES), deep=DEEP,
-            figures=[(figure, embedded(figure)) for figure in drawn],
-        )  # fmt: skip
-        (fresh / "vibration.html").write_text(page, encoding="utf-8")
-        summary = summarise(trend) | {"files": sorted({path.name for path in fresh.iterdir()} | {"summary.json"})}
-        said = json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False)
-        (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
-        return summary
-
-    return write_folder(folder, fill, PROGRAM)
+    facts = dict(
+        name=f"{trend.entries[0].name} to {trend.entries[-1].name}", sentences=trend.sentences, rows=rows(trend),
+        unit=trend.used[0].unit or "own unit", lines=list(BODIES), deep=DEEP,
+    )  # fmt: skip
+    return write_page(folder, TEMPLATE, draw if figures else None, facts, summarise(trend))
 
 
 def summarise(trend: Trend) -> dict[str, Any]:

@@ -167,7 +167,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         )
     for line in lines:
         console.print(line, soft_wrap=True)
-    _print_warnings(console, state.warnings)  # the plan's have been told at the start
+    _print_warnings(console, state.warnings)  # the plan's stand at the start
     console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 

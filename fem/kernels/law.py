@@ -204,7 +204,7 @@ def seamless(position, coefficients):
     t = x - to_float(base)
     base = base - to_int(to_float(base) * (1.0 / n)) * n
     base = select((base >= 0) & (base < n), base, 0)  # round-off may leave it n
-    value, slope = _spline(t, gather_quads(coefficients, base))
+    value, slope = spline(t, gather_quads(coefficients, base))
     return value, slope * (1.0 * KNOTS_PER_NODE)
 
 
@@ -214,7 +214,7 @@ def with_seam(coefficients: np.ndarray) -> np.ndarray:
 
 
 @part
-def _spline(t, coefficients):
+def spline(t, coefficients):
     """A cubic B-spline and its slope per knot a fraction t beyond the second of four knots."""
     r = 1.0 - t
     c0, c1, c2, c3 = coefficients
@@ -237,4 +237,4 @@ def spline_at(x, coefficients, first, n):
     beyond = select(after >= n - 1, after + (1 - n), after + 1)
     c0, c1 = gather(coefficients, before + first), gather(coefficients, base + first)
     c2, c3 = gather(coefficients, after + first), gather(coefficients, beyond + first)
-    return _spline(t, (c0, c1, c2, c3))
+    return spline(t, (c0, c1, c2, c3))

@@ -11,6 +11,7 @@ from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import gather_quads
 from fem.kernels.lanes import select, to_float, to_int
+from fem.kernels.law import spline
 from lagrange.axial.table import SPAN, ContactTable
 
 
@@ -89,12 +90,9 @@ def _surface(law, approach, slope):
 
 @part
 def _spline(t, coefficients):
-    """A cubic B-spline, its slope and its bend per knot a fraction t beyond the second of four knots."""
+    """`law.spline` and its bend per knot squared."""
     r = 1.0 - t
     c0, c1, c2, c3 = coefficients
-    value = (
-        r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
-    ) * (1.0 / 6.0)
-    slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
+    value, slope = spline(t, coefficients)
     bend = r * c0 + (3.0 * t - 2.0) * c1 + (3.0 * r - 2.0) * c2 + t * c3
     return value, slope, bend

@@ -392,10 +392,10 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
 
 @part
 def _repaid(forces, at, Q, P, residual, ways):
-    """Kicks and residual energies of contacts that open, paid as `reduced_kick.repay` does."""
+    """Kicks and residual energies of contacts that open, released as by `reduced_kick.repay`."""
     behind, ahead = ways
     most = load(forces.force, at)
-    behind = select(behind < 0.0, behind, 0.0)  # what is not known is not paid
+    behind = select(behind < 0.0, behind, 0.0)  # no release of an unknown residual
     onward = behind + ahead * (1.0 / TWELFTH)
     opens = (Q <= 0.0) & (most > 0.0) & (behind < -SHORTEST)
     more = (2.0 * residual - onward * P) / minimum(minimum(onward + behind, behind), -SHORTEST)

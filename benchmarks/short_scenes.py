@@ -60,7 +60,9 @@ SCENES = (
     _scene("lagrange-damped", 1.0, "model=lagrange lagrange.damping_N_s_m=200"),
     _scene("lagrange-rattling", 5.0, "model=lagrange numerics.start=rest numerics.load_ramp_ms=0 "
            "bearing.outer_raceway_diameter_mm=56.1 operation.radial_load_N=20"),
-    _scene("lagrange-ball-bearing", 2.0, "model=lagrange bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"),
+    _scene(
+        "lagrange-ball-bearing", 2.0, "model=lagrange bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"
+    ),
 )  # fmt: skip
 
 # every table with each model that takes it: its keys, and models that refuse it

@@ -114,6 +114,8 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
     assert not any("give the hub" in note for note in state.warnings), "it says that shocks excite waves"
     state.forces.fastest[:] = 0.0
     assert f"up to {most:.3g} N off the contacts' forces" in state.warnings[-1]
+    state._largest[:] = 0.0
+    assert state._unequal_kicks == ()
 
 
 @pytest.mark.slow

@@ -122,7 +122,7 @@ class ReducedState(RigidState):
     def _unequal_kicks(self) -> tuple[str, ...]:
         """A sentence on samples whose forces are not what the hub was given, if they are off by more than BEYOND."""
         most, largest = float(self.forces.beyond[0]), float(self._largest[0])
-        if most <= BEYOND * largest:
+        if most <= BEYOND * largest or largest == 0.0:  # without a force there is nothing to compare with
             return ()
         key = "output_interval_us" if self.plan.stride == 1 else "time_step_safety"  # what makes steps shorter
         return (

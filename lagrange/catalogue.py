@@ -157,8 +157,8 @@ def instead(designation: str) -> str:
     """What to give for a bearing that the table lacks."""
     written = _written(designation)
     for pattern, advice in _OTHERS:
-        if re.match(pattern, written):
-            return advice
+        if (found := re.match(pattern, written)) is not None:
+            return found.expand(advice)
     for name, members in _series().items():
         if _row_of(written).startswith(name):
             return f"of its series the table has {members[0]} to {members[-1]}"
@@ -167,14 +167,29 @@ def instead(designation: str) -> str:
 
 
 _NO_SUCH = r"N2[23]\d\d"  # nobody makes them
-_OTHERS = (
+_ON_THE_SHAFT = (
+    "the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, outside_diameter_mm,"
+)
+_OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL19 are SKF's NCF, NJG
     (_NO_SUCH, "NU of the same number has that section"),
-    (r"SL18\d{4}", "NCF with the last four figures is that size of another maker"),
+    (r"SL18(29|30)(\d\d)", r"NCF\1\2 is that size of another maker"),
+    (r"SL1923(\d\d)", r"NJG23\1 is that size of another maker"),
+    (r"SL1[89]|NCF(?!29|30)", "give its sizes, and as many rollers as fit, without [cage]"),
     (r"NNU?\d|NNC", "of two rows: give its sizes and rows = 2"),
     (r"3[0-3]\d{3}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
     (r"7\d{3}", 'angular contact: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg'),
     (r"2[1-4]\d{3}", "rows of barrels that align themselves are not in this program"),
-    (r"RNA|NK|HK|BK|K\d", "give its sizes, with the shaft's raceway as inner_raceway_diameter_mm"),
+    (r"RNA49(\d\d)", r"it is NA49\1 without inner ring: designation = 'NA49\1' with bore_diameter_mm = 0"),
+    (
+        r"(?:NK|HK|BK)0?(\d{1,3})(\d\d)(?!\d)",
+        _ON_THE_SHAFT.format(r"\1") + r" and number, diameter and length (below the width, \2 mm) of its needles",
+    ),
+    (
+        r"K(\d+)X(\d+)X(\d+)",
+        _ON_THE_SHAFT.format(r"\1")
+        + r" outer_raceway_diameter_mm = \2, and number and length (below \3 mm) of its needles",
+    ),
+    (r"NKIS?\d|NKS|K\d", "give its sizes; of needles number, diameter and length"),
 )
 
 

@@ -4,10 +4,9 @@ from meshes.bearing import BearingShapes, bearing_shapes, graded_shapes
 from meshes.cache import mesh_of
 from meshes.export import Quality, quality
 from meshes.graded import GradedAnnulus, GradedDisc
-from meshes.refined import RefinedDisc, RefinedSector, Spot, refined_mesh
 from meshes.shapes import Annulus, Disc, Mesh, Shape
 
 __all__ = [
-    "Annulus", "BearingShapes", "Disc", "GradedAnnulus", "GradedDisc", "Mesh", "Quality", "RefinedDisc",
-    "RefinedSector", "Shape", "Spot", "bearing_shapes", "graded_shapes", "mesh_of", "quality", "refined_mesh",
+    "Annulus", "BearingShapes", "Disc", "GradedAnnulus", "GradedDisc", "Mesh", "Quality", "Shape", "bearing_shapes",
+    "graded_shapes", "mesh_of", "quality",
 ]  # fmt: skip

@@ -6,13 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import NotFound
-from fem.statics.quadratic_statics import quadratic_statics
 from lagrange.surface.faults import UnequalRoller
-from meshes import RefinedDisc, RefinedSector, Spot, quality, refined_mesh
+from meshes import quality
 from tests.reference.bearings import LENGTH, LOAD, STEEL, paper
 from tests.reference.line_contact import half_width, squeezed_disc_approach
+from tests.reference.quadratic_elements import contact_nodes, disc_spot_compliance, ring_spot_compliance
+from tests.reference.quadratic_statics import quadratic_statics
+from tests.reference.refined_mesh import RefinedDisc, RefinedSector, Spot, refined_mesh
 from tests.reference.resolved_bearing import RESOLVED
 
 B = 5e-5  # m

@@ -3,7 +3,6 @@
 assembly, bodies, stress  scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; stresses
 continuum                 exact series of discs and rings; `tangential`: under tangential tractions, and spinning
 vibration                 own vibrations of discs and rings
-quadratic                 the same bodies on quadratic elements that resolve the contacts
-kept                      matrices and step limits kept on disk between starts
-rigid                     bodies declared rigid; `supported`: a ring held at points; `bored`: in a bore
+cache                     matrices and step limits kept on disk between starts
+rigid, outer_support      bodies declared rigid; rings held at points, or in a bore
 """

@@ -3,10 +3,7 @@
 contact_balance   hub and rollers on elastic contacts
 pressure_balance  hub and rollers on contacts of many points that push or stand open
 equilibrium       of a model, by either of the two
-exact_statics     the whole bearing without a mesh, a yardstick; `equilibrium` of a model against it
+exact_statics     the whole bearing without a mesh, the reference of `equilibrium`
 reduced_bearing   the same series as the dynamics of the reduced model take them
 vibrating_bearing modes of its bodies, and laws less what they carry
-quadratic_statics the whole bearing on refined quadratic elements, another
-expected_forces   the largest contact force of a scene, before anything is meshed
-quantities        what a researcher reads off a run
 """

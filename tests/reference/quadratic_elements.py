@@ -14,7 +14,7 @@ from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity
 
 from lagrange import Material
-from meshes import RefinedDisc, RefinedSector, Spot, refined_mesh
+from tests.reference.refined_mesh import RefinedDisc, RefinedSector, Spot, refined_mesh
 
 QUADRATURE = 4  # order; exact for the stiffness of straight triangles
 HERMITIAN = {"SymmetricMode": True}  # SuperLU's way with positive definite matrices: half the fill

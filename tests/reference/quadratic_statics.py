@@ -10,13 +10,13 @@ import numpy as np
 
 from fem.contacts.contact_law import NoLaw
 from fem.contacts.model import PressurePoints
-from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Bearing
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import roller_angles
-from meshes import RefinedDisc, RefinedSector, Spot
+from tests.reference.quadratic_elements import contact_nodes, disc_spot_compliance, ring_spot_compliance
+from tests.reference.refined_mesh import RefinedDisc, RefinedSector, Spot
 
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)
 

@@ -21,8 +21,8 @@ import numpy as np
 from residual.measured.diagnosis import BODIES, DEEP, Diagnosis, Geometry, diagnose
 from residual.measured.envelope import HARMONICS
 from residual.measured.signals import Signal
-from residual.measured.synthetic import Truth, drawn, synthetic_record
 from residual.measured.width import damage_width
+from tests.reference.synthetic_record import Truth, drawn, synthetic_record
 
 SPEEDS_OFF = 0.05  # of synthetic records, at most
 NEAR = np.linspace(-3e-3, 3e-3, 31)  # of a line, where its depth is looked for

@@ -13,7 +13,7 @@ from residual.check_vibration import main
 from residual.measured import simulated
 from residual.measured.diagnosis import BODIES, Geometry
 from residual.measured.pulse import mean_pulse
-from residual.measured.synthetic import synthetic_record
+from tests.reference.synthetic_record import synthetic_record
 
 NU206 = ("--bearing", "NU206", "--speed", "1480")
 SHAFT = 1480.0 / 60.0  # Hz

@@ -9,7 +9,7 @@ from residual.errors import InputError
 from residual.measured.diagnosis import BODIES, Geometry, diagnose
 from residual.measured.envelope import envelope_spectrum
 from residual.measured.signals import Signal
-from residual.measured.synthetic import drawn, synthetic_record
+from tests.reference.synthetic_record import drawn, synthetic_record
 
 SKF_6205 = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
 SHAFT = 29.95  # Hz

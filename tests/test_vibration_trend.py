@@ -7,8 +7,8 @@ import pytest
 
 from residual.check_vibration import main
 from residual.measured.diagnosis import Geometry
-from residual.measured.synthetic import synthetic_record
 from residual.measured.trend import Entry, growth
+from tests.reference.synthetic_record import synthetic_record
 
 NU206 = ("--bearing", "NU206", "--speed", "1480", "--unit", "g", "--quiet")
 GEOMETRY = Geometry(elements=13, element_diameter=9e-3, pitch_diameter=46.5e-3)

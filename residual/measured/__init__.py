@@ -2,6 +2,5 @@
 
 `signals` reads one, `text` and `formats` know kinds of files, `envelope` finds lines in it and `diagnosis` judges what
 they say of a bearing, `width` measures a ring's damage and `pulse` a strike; `checks` and `report` make the whole of
-one record or two, `simulated` the second from a scene, `trend` that of a series; `synthetic` makes records whose truth
-is known.
+one record or two, `simulated` the second from a scene, `trend` that of a series.
 """

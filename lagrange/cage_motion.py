@@ -53,11 +53,6 @@ class CageRows:
         )  # fmt: skip
 
 
-def row_width(n_rollers: int, cage: Cage | None) -> int:
-    """Numbers of a sample of a free cage."""
-    return 0 if cage is None else 11 + 2 * n_rollers
-
-
 def first_row(n_rollers: int, speed: float) -> np.ndarray:
     """A cage at the start: concentric, turning with the elements, rad/s; nothing touches."""
     row = np.zeros(11 + 2 * n_rollers)

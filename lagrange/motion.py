@@ -139,24 +139,6 @@ def radial_equations(
     return inertia - contacts.inner_force * contacts.radial + contacts.outer_force
 
 
-def printed_radial_equations(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: ContactState, rho_acceleration
-) -> np.ndarray:
-    """Left sides of (21) as the paper prints it, N, for comparison only: not Lagrange's equation of this V.
-
-    It takes V = Σ ½ k δ² with the secant stiffness k = Q/δ, whose derivative adds ½ (∂k/∂δ) δ²: the contact force is
-    ½ (Q + δ dQ/dδ), (n + 1)/2 times Q for a power law: 5.6 % too large for rollers, 25 % for balls. (22), (23) have no
-    such term, so the hub's force on the roller isn't opposite to the roller's on the hub. No damping. The sign of
-    m ρ θ̇² is unreadable in our copy; the right one is used.
-    """
-    own = contacts.laws(laws)
-    inner = 0.5 * (own.inner.force(contacts.inner) + contacts.inner * own.inner.slope(contacts.inner))
-    outer = 0.5 * (own.outer.force(contacts.outer) + contacts.outer * own.outer.slope(contacts.outer))
-    m = bearing.roller_mass
-    inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * np.sin(state.theta))
-    return inertia - inner * contacts.radial + outer
-
-
 def angular_equations(
     bearing: Bearing, operation: Operation, state: State, contacts: ContactState, theta_acceleration
 ) -> np.ndarray:
@@ -268,16 +250,3 @@ def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
         return np.sum(contacts.tilted.energy, axis=-1)
     own = contacts.laws(laws)
     return np.sum(own.inner.potential(contacts.inner) + own.outer.potential(contacts.outer), axis=-1)
-
-
-def gravity_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:
-    """V of the weights, J, (...,): M g y + Σ m g ρ sin θ. Source: (3), (14)."""
-    elements = np.sum(state.rho * np.sin(state.theta), axis=-1)
-    return operation.gravity * (operation.inner_mass * np.asarray(state.y) + bearing.roller_mass * elements)
-
-
-def potential_energy(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: ContactState
-) -> np.ndarray:
-    """V, J, (...,): contacts and weights; the load W is a generalised force, not part of it. Source: (3)."""
-    return contact_energy(laws, contacts) + gravity_energy(bearing, operation, state)

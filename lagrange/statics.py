@@ -34,11 +34,6 @@ class Statics:
     outer_force: np.ndarray
     stiffness: np.ndarray  # (2, 2), N/m, of the hub's place as elements follow it; negative across what it balances on
 
-    @property
-    def n_loaded(self) -> int:
-        """Elements that carry load between the rings."""
-        return int(np.sum(self.inner_force > 0.0))
-
 
 def static_equilibrium(
     bearing: Bearing,

@@ -44,7 +44,7 @@ def test_papers_bearing_with_harris_law(first_angle, loads, approach):
         PAPER, replace(STANDING, first_roller_angle=first_angle), contact_laws("harris", PAPER), roller_mass=0.0
     )
     np.testing.assert_allclose(np.sort(found.inner_force)[::-1][: len(loads)], loads, atol=0.15)
-    assert found.n_loaded == len(loads)
+    assert np.sum(found.inner_force > 0.0) == len(loads)
     assert -1e6 * found.y == pytest.approx(approach, abs=0.01)
     np.testing.assert_allclose(found.inner_force, found.outer_force, atol=1e-6)
 
@@ -89,7 +89,7 @@ def test_ball_loads_of_harris_example():
         DGBB_209, replace(STANDING, radial_load=8900.0), contact_laws("hertz", DGBB_209), roller_mass=0.0
     )
     assert found.inner_force.max() == pytest.approx(4536.0, rel=2e-3)
-    assert found.n_loaded == 5
+    assert np.sum(found.inner_force > 0.0) == 5
     # the same by hand: springs in series along the fixed directions of the balls
     laws = contact_laws("hertz", DGBB_209)
     series = sum(law.stiffness ** (-2 / 3) for law in laws) ** -1.5
@@ -131,13 +131,13 @@ def test_unloaded_bearing_with_clearance_stays_put():
         roller_mass=0.0,
         start=(1e-6, 2e-6),
     )
-    assert (found.x, found.y, found.n_loaded) == (1e-6, 2e-6, 0)
+    assert (found.x, found.y) == (1e-6, 2e-6) and not found.inner_force.any()
 
 
 def test_preload_carries_the_load_on_all_rollers():
     bearing = replace(PAPER, outer_raceway_radius=0.02798)
     found = static_equilibrium(bearing, STANDING, contact_laws("harris", bearing), roller_mass=0.0)
-    assert found.n_loaded == 13
+    assert np.all(found.inner_force > 0.0)
     squeezed = static_equilibrium(
         bearing, replace(STANDING, radial_load=0.0), contact_laws("harris", bearing), roller_mass=0.0
     )

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from fem.elastic.continuum import cubic_bspline_patch, patch_displacement, ring_harmonic_compliance
+from fem.elastic.continuum import patch_displacement, ring_harmonic_compliance
 from fem.statics.exact_statics import HALF_WIDTH
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange.scene.scene import Scene
+from tests.reference.half_plane import cubic_bspline_patch
 from tests.test_reduced import plan_of, samples_of
 
 PAPER = Scene().ideal_bearing()

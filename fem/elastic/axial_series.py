@@ -23,7 +23,6 @@ DECOUPLED = 40.0  # e-folds between held and loaded surface, beyond which neithe
 HIGHEST = 40.0  # waves along the axis per radius or thickness: beyond, bodies are half-spaces
 SHORTEST = 100.0  # waves per slice; shorter ones are summed in closed form
 STARTED = 30  # orders above the last from which ratios of I_n are recurred downwards
-EULER = 0.5772156649015329
 
 
 @dataclass(frozen=True, kw_only=True)

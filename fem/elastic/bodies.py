@@ -45,10 +45,6 @@ class DiscBody:
         """Σ m |X|², kg m²."""
         return float(self.mass @ np.sum(self.points**2, axis=1))
 
-    @property
-    def centre_of_mass(self) -> np.ndarray:
-        return self.mass @ self.points / self.total_mass
-
     def blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Stiffness in 2 x 2 blocks: row starts (n_nodes + 1,), column nodes (n_blocks,), blocks (n_blocks, 2, 2)."""
         rows = self.stiffness.tobsr((2, 2))

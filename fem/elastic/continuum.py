@@ -4,11 +4,10 @@ The yardstick for a coarse mesh's contact compliance: what an infinitely fine me
 
 - `ring_harmonic_compliance`, `disc_harmonic_compliance`: surface displacement per unit pressure cos nθ.
 - `ring_sag`: what a ring's own weight does to its raceway.
-- `hertz_patch`, `cubic_bspline_patch`: Fourier transform of a unit line load spread over a patch.
+- `hertz_patch`: Fourier transform of a unit line load spread over a patch.
 - `patch_displacement`: the two combined, displacement per unit line load (N per m of roller length).
 - `ring_hertz_approach`, `disc_hertz_approach`: centre displacement under Hertz pressure, slow tails summed
   in closed form.
-- `flat_patch_difference`: the same for the half plane, difference between a Hertz and a spline patch.
 
 A displacement is positive in the direction of the push, which is into the body. Writing u_r = U(r) cos nθ,
 u_θ = V(r) sin nθ, Muskhelishvili's φ = z^(1±n) and ψ = z^(−1±n) give the four solutions of Navier's
@@ -16,7 +15,7 @@ equations.
 """
 
 from collections.abc import Callable
-from math import comb, factorial, log, pi
+from math import log, pi
 
 import numpy as np
 
@@ -146,11 +145,6 @@ def hertz_patch(n: np.ndarray, half_width: float, radius: float) -> np.ndarray:
     return np.where(is_zero, 1.0, 2.0 * j1(x) / x)
 
 
-def cubic_bspline_patch(n: np.ndarray, half_width: float, radius: float) -> np.ndarray:
-    """Transform (sin x / x)⁴, x = n a/(4R), of the cubic B-spline of unit resultant on [−a, a], a = 2h."""
-    return np.sinc(_harmonics(n) * (half_width / (4.0 * pi * radius))) ** 4
-
-
 def patch_displacement(
     compliance: np.ndarray,
     transform_load: np.ndarray,
@@ -245,31 +239,6 @@ def disc_hertz_approach(radius: float, material: Material, half_width: float, n_
         return disc_harmonic_compliance(n, radius, material)
 
     return hertz_centre(compliance, radius, material, half_width, n_patches, 1.0)
-
-
-def flat_patch_difference(spline_half_width: float, hertz_half_width: float, material: Material) -> float:
-    """Half plane: centre under a Hertz load minus spline mean under a spline load, m per N/m of either.
-
-    (2/(π E')) [ln(2a/b) + c_w + ½], with c_w = CUBIC_BSPLINE_LOG_MOMENT. On a circle it errs in the
-    bracket by O(a/R) (1−2ν)/(2−2ν): a normal line load's displacement has a kink there, as the tangential
-    part, which jumps, turns into the normal one.
-    """
-    bracket = log(2.0 * spline_half_width / hertz_half_width) + CUBIC_BSPLINE_LOG_MOMENT + 0.5
-    return 2.0 / (pi * material.plane_strain_modulus) * bracket
-
-
-def _cubic_bspline_log_moment() -> float:
-    """∬ w(s) w(s') ln|s−s'| ds ds' for the cubic B-spline w on [−1, 1].
-
-    w∗w is the B-spline of eight boxes of h = ½, so the integral is the eighth central difference, over h⁸,
-    of the eighth antiderivative of ln|x|, x⁸ (ln|x| − H₈)/8!.
-    """
-    harmonic_number = sum(1.0 / i for i in range(1, 9))
-    difference = 2.0 * sum((-1) ** k * comb(8, k) * (4 - k) ** 8 * log(4 - k) for k in range(4))
-    return log(0.5) - harmonic_number + difference / factorial(8)
-
-
-CUBIC_BSPLINE_LOG_MOMENT = _cubic_bspline_log_moment()  # −1.518311
 
 
 def hertz_centre(

@@ -15,7 +15,6 @@ BATH, LOADED = 2.2, 3e-4  # Palmgren's f0 and f1
 STEADY = 2000.0  # ν n, mm²/s/min, below which M0 does not depend on it
 HEAT_FLOW, HEATED = 0.016, 50.0  # W/mm², at so many K above the surroundings
 LARGEST_SURFACE = 50_000.0  # mm², for which that heat flow holds
-UNCERTAINTY = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -130,15 +130,6 @@ def _room(surface, beyond, own: float, other: float, meeting: Meeting) -> np.nda
     return np.where(np.abs(across) < other, found, np.inf)
 
 
-def deepest(spall: Spall, own: float, other: float, meeting: Meeting) -> float:
-    """Sinkage between the sharp edges of a gap of the spall's width, m: a greater depth changes nothing."""
-
-    def rise(radius):
-        return radius - np.sqrt(radius**2 - 0.25 * spall.width**2)
-
-    return float(rise(other) + rise(own) if meeting == "outside" else abs(rise(other) - rise(own)))
-
-
 def outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:
     """Places beside the spall's middle, along the chord, and their depths, m."""
     rounding = min(spall.edge_radius, opening)

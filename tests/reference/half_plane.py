@@ -28,6 +28,11 @@ def flamant(points, sources, forces):
     ], axis=-1)  # fmt: skip
 
 
+def cubic_bspline_patch(n, half_width, radius):
+    """Transform (sin x / x)⁴, x = n a/(4R), of the cubic B-spline of unit resultant on [−a, a] of a circle."""
+    return np.sinc(np.asarray(n) * (half_width / (4.0 * np.pi * radius))) ** 4
+
+
 def cubic_bspline(t):
     """The cardinal B-spline on [−2, 2], of unit integral."""
     t = np.abs(t)

@@ -6,14 +6,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
-from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.axial.facts import Axial
 from lagrange.axial.profile import Kind, Profile
 from lagrange.bearing import Bearing
 from lagrange.files.input import columns
-from lagrange.scene.columns import DECIMAL
-from lagrange.scene.faults import Check, Table
+from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 
 MM, UM = 1e-3, 1e-6
 SHAPES: dict[str, Kind] = {
@@ -24,22 +22,21 @@ FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
 PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a file beside the scene, CSV with the '
 PROFILE += "columns z_mm, drop_um"
-DIGEST = "digest of that file's text, to be sure that it is the one meant"
 
 
 class AxialTable(Table):
     """Rollers that tilt, in slices along their length; without the table the bearing is a plane section."""
 
-    roller_profile: str = Field("logarithmic", min_length=1, max_length=1000, description=f"of the rollers: {PROFILE}")
-    roller_profile_sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$", description=DIGEST)
-    roller_profile_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
-    inner_raceway_profile: str = Field("none", min_length=1, max_length=1000, description="likewise")
-    inner_raceway_profile_sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$", description=DIGEST)
-    inner_raceway_profile_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
-    outer_raceway_profile: str = Field("none", min_length=1, max_length=1000, description="likewise")
-    outer_raceway_profile_sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$", description=DIGEST)
-    outer_raceway_profile_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
-    decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    roller_profile: FileName = Field("logarithmic", description=f"of the rollers: {PROFILE}")
+    roller_profile_sha256: Digest = None
+    roller_profile_content: FileText = None
+    inner_raceway_profile: FileName = Field("none", description="likewise")
+    inner_raceway_profile_sha256: Digest = None
+    inner_raceway_profile_content: FileText = None
+    outer_raceway_profile: FileName = Field("none", description="likewise")
+    outer_raceway_profile_sha256: Digest = None
+    outer_raceway_profile_content: FileText = None
+    decimal: DecimalSign = None
     crown_um: float | None = Field(
         None, gt=0.0, le=1e4, description='drop of surfaces that are "crowned" at a roller\'s ends, an arc between'
     )

@@ -22,7 +22,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 from lagrange.messages import G
 
 LONGEST_NAME = 200  # characters
-DECIMAL = 'the file\'s decimal sign; "." if left out'  # meaning of a key beside each other table
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "in": 0.0254}
 ANGLE = {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0}

@@ -8,9 +8,10 @@ import difflib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from copy import deepcopy
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import ErrorDetails
 
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
@@ -25,6 +26,15 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),
 }
+# keys of a file beside the scene, and the text that a result file keeps of it
+FileName = Annotated[str, Field(min_length=1, max_length=1000)]
+Digest = Annotated[
+    str | None,
+    Field(pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"),
+]
+DecimalSign = Annotated[Literal[".", ","] | None, Field(description='the file\'s decimal sign; "." if left out')]
+FileText = Annotated[SkipJsonSchema[str | None], Field(exclude=True, repr=False)]
+
 Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
 

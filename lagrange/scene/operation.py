@@ -7,13 +7,11 @@ from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
-from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Operation
 from lagrange.load_history import TIME, Shape, joined, points_of, steady, turn_of
 from lagrange.mounting import Shaft
-from lagrange.scene.columns import DECIMAL
-from lagrange.scene.faults import Check, Table
+from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 
 RPM = 2.0 * pi / 60.0
 FROM_LOAD = -90.0  # degrees, of the direction of radial_load_N from +x
@@ -81,46 +79,40 @@ class OperationTable(Table):
     shaft_damping_N_s_m: float | None = Field(
         None, ge=0.0, le=1e9, description="of the dashpots beside them; 0 if left out"
     )
-    speed_table: str | None = Field(
-        None, min_length=1, max_length=1000,
+    speed_table: FileName | None = Field(
+        None,
         description="file beside the scene, CSV with the columns time_ms, speed_rpm (or time_s, speed_rad/s): in place "
         "of speed_rpm",
-    )  # fmt: skip
-    speed_table_sha256: str | None = Field(
-        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
-    speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    speed_table_sha256: Digest = None
+    speed_table_decimal: DecimalSign = None
     speed_table_shape: Literal["smooth", "linear"] | None = Field(
         None, description="what joins its points: a smooth curve (the default), or straight lines"
     )
-    speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
-    outer_ring_speed_table: str | None = Field(
-        None, min_length=1, max_length=1000,
+    speed_table_content: FileText = None
+    outer_ring_speed_table: FileName | None = Field(
+        None,
         description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of outer_ring_speed_rpm",
-    )  # fmt: skip
-    outer_ring_speed_table_sha256: str | None = Field(
-        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
-    outer_ring_speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    outer_ring_speed_table_sha256: Digest = None
+    outer_ring_speed_table_decimal: DecimalSign = None
     outer_ring_speed_table_shape: Literal["smooth", "linear"] | None = Field(
         None, description="what joins its points, as of speed_table"
     )
-    outer_ring_speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
-    load_table: str | None = Field(
-        None, min_length=1, max_length=1000,
+    outer_ring_speed_table_content: FileText = None
+    load_table: FileName | None = Field(
+        None,
         description="file beside the scene, CSV with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN): in place "
         "of radial_load_N",
-    )  # fmt: skip
-    load_table_sha256: str | None = Field(
-        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
-    load_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    load_table_sha256: Digest = None
+    load_table_decimal: DecimalSign = None
     load_table_shape: Shape | None = Field(
         None,
         description="what joins its points: a smooth curve (the default), straight lines, or steps that hold until the "
         "next row",
     )
-    load_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    load_table_content: FileText = None
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:

@@ -4,13 +4,11 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
-from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import OwnLaw
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.raceway_laws import OWN
-from lagrange.scene.columns import DECIMAL
-from lagrange.scene.faults import Check, Table
+from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 from lagrange.scene.law_table import fitted_law
 
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
@@ -102,16 +100,14 @@ class LagrangeTable(Table):
         description="K of an inner and of an outer contact of the own law Q = K δⁿ, SI",
     )
     contact_exponent: float | None = Field(None, ge=1.0, le=3.0, description="n of the own law")
-    law_table: str | None = Field(
-        None, min_length=1, max_length=1000,
+    law_table: FileName | None = Field(
+        None,
         description="file beside the scene, CSV with the columns force [N], approach [um] of one contact, to which the "
         "own law is fitted, in place of K and n",
-    )  # fmt: skip
-    law_table_sha256: str | None = Field(
-        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
-    law_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
-    law_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    law_table_sha256: Digest = None
+    law_table_decimal: DecimalSign = None
+    law_table_content: FileText = None
     angles: Literal["kinematic", "free"] = Field(
         "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
     )

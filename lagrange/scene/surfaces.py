@@ -9,12 +9,10 @@ from typing import Literal
 
 import numpy as np
 from pydantic import Field
-from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Bearing
 from lagrange.files.input import HeightTable, height_table
-from lagrange.scene.columns import DECIMAL
-from lagrange.scene.faults import Check, Table
+from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius
 
 MM, UM = 1e-3, 1e-6
@@ -112,15 +110,11 @@ class ProfileTable(SurfaceTable):
     `content` is the file's text, which whoever reads the scene puts in.
     """
 
-    file: str = Field(
-        min_length=1, max_length=1000, description="beside the scene, CSV with the columns angle_deg, height_um"
-    )
-    sha256: str | None = Field(
-        None, pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"
-    )
+    file: FileName = Field(description="beside the scene, CSV with the columns angle_deg, height_um")
+    sha256: Digest = None
     angle_deg: float = Field(0.0, ge=-360.0, le=360.0, description="of the table's angle 0 at t = 0")
-    decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
-    content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    decimal: DecimalSign = None
+    content: FileText = None
 
     def checks(self) -> tuple[Check, ...]:
         return (*super().checks(), self._readable)

@@ -1,4 +1,4 @@
-"""The finite elements as a solver: everything decided before the first step."""
+"""The finite elements as a solver: everything decided before the first step, and the state that the steps change."""
 
 from dataclasses import dataclass
 from math import ceil, sqrt
@@ -10,15 +10,16 @@ from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.errors import UsageError
+from fem.kernels import time_loop
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
 from fem.solver.compiling import CompiledPlan
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
-from fem.solver.element_state import ElementState
+from fem.solver.frames import frame_of
 from fem.solver.limits import check_contacts, check_speed, check_widths
 from fem.solver.part_arrays import time_along_a_knot, with_damping
-from fem.solver.row_state import LONGEST_UNWATCHED
+from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
@@ -33,6 +34,32 @@ from lagrange.scene.tables import MODEL_NAMES
 
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
+
+
+class ElementState(RowState):
+    """The arrays of all elastic bodies."""
+
+    def __init__(self, plan: "ElementPlan"):
+        super().__init__(plan)
+        self.arrays = plan.arrays()
+
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        return self.arrays.named()
+
+    def digest(self) -> str:
+        return self.arrays.digest()
+
+    def check(self) -> None:
+        self.arrays.check()
+
+    def frame(self):
+        return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
+
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        arrays = self.arrays
+        return time_loop.advance(
+            arrays.bodies, arrays.groups, arrays.contacts, arrays.drive, arrays.scratch, first, stride, rows
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,10 +14,9 @@ import numpy as np
 
 from fem.errors import RunFailed
 from fem.run_summary import largest_loads
-from fem.solver.compiling import CompiledPlan
 from fem.solver.lagrangian_start import Beginning, StartState, beginning
 from fem.solver.pace import in_words, pace
-from fem.solver.sections import Sections, sections_of, step_rows
+from fem.solver.sections import RigidPlan, sections_of
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import RunState, sample_count
 from fem.solver.warnings import of_scene
@@ -47,30 +46,14 @@ class Ideal(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class LagrangianPlan(CompiledPlan):
+class LagrangianPlan(RigidPlan):
     """A problem and its time steps, before any refinement."""
 
-    scene: Scene
     problem: Problem
-    interval: float  # s, between samples
-    n_samples: int
-    stride: int  # steps between samples, the shortest ones
-    sections: Sections | None  # of two step lengths; None: of one
     law_warning: str | None  # on law and material, which concern this run alone
-    warnings: tuple[str, ...] = ()
     model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
     lacks = "rings that bend, elastic waves"
-
-    @property
-    def time_step(self) -> float:
-        return self.interval / self.stride
-
-    @property
-    def long_step(self) -> float:
-        """Away from edges of spalls, s."""
-        cut = self.sections
-        return self.time_step if cut is None else self.interval / (cut.count * cut.far)
 
     def halved(self, times: int) -> "LagrangianPlan":
         """The same with a step halved so many times."""
@@ -105,7 +88,7 @@ class LagrangianPlan(CompiledPlan):
     def model(self) -> Ideal:
         return Ideal(self.problem.bearing, self.begin.angle)
 
-    start, looks = model, 1
+    start = model
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -118,12 +101,6 @@ class LagrangianPlan(CompiledPlan):
         hub = self.problem.hub_tilt
         more += 0 if hub is None else self.problem.bearing.n_rollers + (2 if hub.is_free else 0)
         return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + more
-
-    @property
-    def steps(self) -> int:
-        """Of the run; of two lengths, about."""
-        cut = self.sections
-        return round((self.stride if cut is None else cut.count * cut.mean) * (self.n_samples - 1))
 
     @property
     def expected_seconds(self) -> float:
@@ -171,7 +148,7 @@ class LagrangianPlan(CompiledPlan):
             "contact law": f"{options.law}, {problem.laws.inner.range}",
             "damping of a contact": problem.damping.words,
             **problem.operation.mounting.rows,
-            **step_rows(self, ", halved where contacts rattle"),
+            **self.step_rows(", halved where contacts rattle"),
             "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
             "largest static forces": largest_loads(problem.bearing, *largest, tilts=problem.axial is not None),
@@ -200,7 +177,6 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     return LagrangianPlan(
         scene=scene,
         problem=problem,
-        interval=interval,
         n_samples=sample_count(scene),
         stride=max(1, steps) if sections is None else sections.count * sections.near,
         sections=sections,

@@ -14,7 +14,6 @@ from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
 from fem.solver.cage_arrays import cage_seat, critical_with_cage
-from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
 from fem.solver.part_arrays import time_along_a_knot
@@ -22,7 +21,7 @@ from fem.solver.reduced_limits import critical_time_step, relaxation_factor, str
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
-from fem.solver.sections import Sections, sections_of, step_rows, time_along_a_wave
+from fem.solver.sections import RigidPlan, sections_of, time_along_a_wave
 from fem.solver.solver import sample_count
 from fem.solver.tilted_start import narrow_slices, tables_of, tilted_start
 from fem.solver.validity import may_strike
@@ -43,10 +42,9 @@ SECONDS_PER_LANES, SECONDS_PER_MODE = 0.33e-6, 6e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedPlan(CompiledPlan):
+class ReducedPlan(RigidPlan):
     """A bearing reduced to its contacts, its start and its time steps."""
 
-    scene: Scene
     model: ReducedBearing
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
@@ -58,29 +56,9 @@ class ReducedPlan(CompiledPlan):
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
-    stride: int  # steps between samples, the shortest ones
-    looks: int  # at the energy per sample
-    sections: Sections | None  # of two step lengths; None: of one
-    n_samples: int
-    warnings: tuple[str, ...] = ()
     model_name = MODEL_NAMES["reduced"]
     finer = "lower numerics.time_step_safety"
     lacks = "elastic waves, but for what strikes lose to them; it warns where shocks excite them"
-
-    @property
-    def interval(self) -> float:
-        """Between samples, s."""
-        return 1e-6 * self.scene.numerics.output_interval_us
-
-    @property
-    def time_step(self) -> float:
-        return self.interval / self.stride
-
-    @property
-    def long_step(self) -> float:
-        """Away from edges of spalls, s."""
-        cut = self.sections
-        return self.time_step if cut is None else self.interval / (self.looks * cut.count * cut.far)
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -89,13 +67,6 @@ class ReducedPlan(CompiledPlan):
         axial = self.scene.ideal_axial()
         tilts = 0 if axial is None else n + 2 * axial.has_free_slope
         return 2 + 3 * n + tilts + (0 if modes is None else modes.count(n))
-
-    @property
-    def steps(self) -> int:
-        """Of the run; of two lengths, about."""
-        cut = self.sections
-        each = self.stride if cut is None else self.looks * cut.count * cut.mean
-        return round(each * (self.n_samples - 1))
 
     @property
     def expected_seconds(self) -> float:
@@ -128,7 +99,7 @@ class ReducedPlan(CompiledPlan):
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
             **self.operation.mounting.rows,
-            **step_rows(self),
+            **self.step_rows(),
             "expected time": in_words("reduced", self.expected_seconds),
             "largest static forces": largest_loads(
                 self.model.bearing,

@@ -9,7 +9,7 @@ import numpy as np
 from fem.kernels.fields import filled
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import Before, ReducedDrive, ReducedForces, RigidBodies
-from fem.solver.paces import paces_of
+from fem.solver.rigid_arrays import paces_of
 from fem.solver.row_state import RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader

@@ -2,23 +2,20 @@
 
 from dataclasses import dataclass, replace
 from math import ceil, inf, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.solver.compiling import CompiledPlan
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
+from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import profiles
-
-if TYPE_CHECKING:
-    from fem.solver.lagrangian import LagrangianPlan
-    from fem.solver.reduced import ReducedPlan
 
 WAY = 0.02  # of a spall with its edges, that contacts go in a section at most: what is looked at no more often
 REACH = 2.0  # sections' ways, from which on a contact is near
 WORTH = 0.7  # of the steps of one length, that those of two must come down to
 AFTER = 1.3  # times the way near edges: steps stay short while strikes die away
-INSTANTS = 400  # of a turn of the cage, by which the share of short steps is told
+INSTANTS = 400  # of a turn of the cage, by which the share of short steps is found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,20 +103,47 @@ def time_along_a_wave(bearing: Bearing, ideal: Kinematics) -> float:
     return inf if surfaces is None or speed == 0.0 else surfaces.shortest_of_waves / speed
 
 
-def step_rows(plan: "ReducedPlan | LagrangianPlan", more: str = "") -> dict[str, str]:
-    """What --dry-run shows of a plan's steps; `more` : on their length."""
-    critical, duration = plan.critical_time_step, f"{1e3 * (plan.n_samples - 1) * plan.interval:g} ms"
-    long = (
-        f"{1e6 * plan.long_step:.3g} µs{more} ({plan.long_step / critical:.2f} of the critical {1e6 * critical:.3g} µs)"
-    )
-    if plan.sections is None:
+@dataclass(frozen=True, kw_only=True)
+class RigidPlan(CompiledPlan):
+    """A plan for the time loop of rigid bodies: steps of one length, or of two where spalls are."""
+
+    scene: Scene
+    n_samples: int
+    stride: int  # steps between samples, the shortest ones
+    looks: int = 1  # at the energy per sample
+    sections: Sections | None  # of two step lengths; None: of one
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def time_step(self) -> float:
+        return self.interval / self.stride
+
+    @property
+    def long_step(self) -> float:
+        """Away from edges of spalls, s."""
+        cut = self.sections
+        return self.time_step if cut is None else self.interval / (self.looks * cut.count * cut.far)
+
+    @property
+    def steps(self) -> int:
+        """Of the run; of two lengths, about."""
+        cut = self.sections
+        each = self.stride if cut is None else self.looks * cut.count * cut.mean
+        return round(each * (self.n_samples - 1))
+
+    def step_rows(self, more: str = "") -> dict[str, str]:
+        """What --dry-run shows of the steps; `more` : on their length."""
+        critical, duration = self.critical_time_step, f"{1e3 * (self.n_samples - 1) * self.interval:g} ms"
+        share = f"{self.long_step / critical:.2f} of the critical {1e6 * critical:.3g} µs"
+        long = f"{1e6 * self.long_step:.3g} µs{more} ({share})"
+        if self.sections is None:
+            return {
+                "time step": long,
+                "steps": f"{self.steps} for {duration}",
+                "samples": f"{self.n_samples}, one each {self.stride} steps",
+            }
         return {
-            "time step": long,
-            "steps": f"{plan.steps} for {duration}",
-            "samples": f"{plan.n_samples}, one each {plan.stride} steps",
+            "time step": f"{long}, {1e6 * self.time_step:.3g} µs near edges and until strikes have died away",
+            "steps": f"about {self.steps} for {duration}",
+            "samples": f"{self.n_samples}, one each {self.stride} steps at most",
         }
-    return {
-        "time step": f"{long}, {1e6 * plan.time_step:.3g} µs near edges and until strikes have died away",
-        "steps": f"about {plan.steps} for {duration}",
-        "samples": f"{plan.n_samples}, one each {plan.stride} steps at most",
-    }

@@ -182,7 +182,6 @@ class Plan(ABC):
 
     scene: Scene
     n_samples: int
-    interval: float  # s, between samples
     time_step: float  # s
     critical_time_step: float  # s, at which the scheme becomes unstable
     degrees_of_freedom: int
@@ -192,6 +191,11 @@ class Plan(ABC):
     notices: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
     lacks: str  # what the model leaves out of a bearing
+
+    @property
+    def interval(self) -> float:
+        """Between samples, s."""
+        return 1e-6 * self.scene.numerics.output_interval_us
 
     @property
     @abstractmethod

@@ -33,11 +33,11 @@ class Motion:
             model="lagrange",
             bearing=SimpleNamespace(type=kind),
             axial=problem.axial,
+            numerics=SimpleNamespace(output_interval_us=1e6 * interval),
         )
         plan = LagrangianPlan(
             scene=scene,
             problem=problem,
-            interval=interval,
             n_samples=10**6,
             stride=stride,
             sections=None,

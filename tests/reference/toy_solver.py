@@ -18,7 +18,6 @@ GONE = 1e5  # rpm, from which on the spring breaks
 @dataclass(frozen=True, kw_only=True)
 class ToyPlan(Plan):
     scene: Scene
-    interval: float
     n_samples: int
     model_name, lacks, expected_seconds = "toy", "all but a spring", 0.0
     degrees_of_freedom = 1
@@ -71,4 +70,4 @@ class ToyState(RunState):
 
 
 def make_plan(scene):
-    return ToyPlan(scene=scene, interval=1e-6 * scene.numerics.output_interval_us, n_samples=sample_count(scene))
+    return ToyPlan(scene=scene, n_samples=sample_count(scene))

@@ -155,7 +155,7 @@ DECLARED: tuple[_Declared, ...] = (
     ("hub_um", "µm", "hub's displacement x, y, mean over a pitch", s.LINEARISED,
      lambda c: 1e6 * c.pitch.place.mean(axis=0)),
     ("film_um", "µm", "least film thickness, the thinner of both raceways", s.FILM,
-     lambda c: 1e6 * c.films.thinner),
+     lambda c: 1e6 * c.film),
     ("lambda", "1", "film thickness over roughness, λ", s.FILM, lambda c: c.lambda_ratio()),
     ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
      lambda c: {name: torque.total for name, torque in c.torques.items()}),

@@ -18,7 +18,6 @@ from lagrange.mounting import HELD
 from lagrange.rating.basic import Basic
 from lagrange.rating.capacity import Dimensions, dynamic_capacity
 from lagrange.rating.contact_stress import LineContact, line_contact
-from lagrange.rating.film import Films, films
 from lagrange.rating.friction import Torque, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     EXPONENT,
@@ -38,6 +37,7 @@ from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitc
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
 from lagrange.spinning import growths, outer_growth
+from lagrange.surface.film import film_thicknesses
 
 if TYPE_CHECKING:
     from fem.rating.tilted import TiltedPitch
@@ -303,12 +303,17 @@ class Case:
         return {pair.kind: line_contact(pair, float(q)) for pair, q in zip(pairs, forces, strict=False)}
 
     @cached_property
-    def films(self) -> Films:
+    def film(self) -> float:
+        """Least thickness at either raceway, m."""
         if self.scene.lubricant is None:
             raise Unavailable("no film: the scene has no [lubricant]")
         _ = self.line_contacts
         forces = float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
-        return films(self.bearing, self.relative_speed, self.scene.lubricant.lubricant(), *forces)
+        speeds, oil = (self.relative_speed, 0.0), self.scene.lubricant.lubricant()
+        found = film_thicknesses(self.bearing, speeds, forces, oil) if min(forces) > 0.0 else ()
+        if not found:
+            raise Unavailable("the bearing does not turn or carries no load: no film forms")
+        return min(found)
 
     @property
     def diameters(self) -> tuple[float, float]:
@@ -394,7 +399,7 @@ class Case:
     def lambda_ratio(self) -> float:
         if self.options.roughness is None:
             raise Unavailable("no roughness of the surfaces: give --roughness, rms of both together, in µm")
-        return 1e6 * self.films.thinner / self.options.roughness
+        return 1e6 * self.film / self.options.roughness
 
     def elastic_life(self) -> float:
         acting = self.on_bearing

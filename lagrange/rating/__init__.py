@@ -4,7 +4,6 @@ capacity            ISO 281 C, ISO 76 C0, fatigue load limit; static safety
 life                L10, reliability, viscosity ratio, a_ISO; duty cycles
 reference_life      ISO/TS 16281: life of rollers in laminae under any load distribution
 contact_stress      Hertz's pressure and the stresses below it
-film                film thickness, λ
 friction            torque by SKF's and Palmgren's models, heat, temperature
 stiffness           2 × 2 matrices of the hub over a pitch of the rollers, damping, springs in series
 run_loads           load, roller loads and dissipation of a run

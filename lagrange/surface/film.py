@@ -46,17 +46,29 @@ def film_thickness(pair: Pair, rolling_speed: float, force: float, lubricant: Lu
     return radius * 2.65 * speed**0.70 * material**0.54 * load**-0.13
 
 
-@lru_cache(maxsize=16)
-def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple[Film, ...]:
-    """Films of both raceways of a bearing without faults, under its largest static loads; none where nothing rolls."""
-    ideal = kinematics(bearing, *operation.ring_speeds)
+def film_thicknesses(
+    bearing: Bearing, ring_speeds: tuple[float, float], loads: tuple[float, float], lubricant: Lubricant
+) -> tuple[float, ...]:
+    """Least thickness at the inner and at the outer raceway, m, under their largest loads, N; none where nothing rolls.
+
+    `ring_speeds` : of the inner and of the outer ring, rad/s
+    """
+    ideal = kinematics(bearing, *ring_speeds)
     rolling = (ideal.roller - ideal.cage) * bearing.roller_radius
     if rolling == 0.0:
         return ()
+    pairs = contact_pairs(bearing)[:2]
+    return tuple(film_thickness(pair, rolling, load, lubricant) for pair, load in zip(pairs, loads, strict=True))
+
+
+@lru_cache(maxsize=16)
+def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple[Film, ...]:
+    """Films of both raceways of a bearing without faults, under its largest static loads; none where nothing rolls."""
+    speeds = operation.ring_speeds
+    if speeds[0] == speeds[1]:
+        return ()
     still = static_equilibrium(bearing, replace(operation, gravity=0.0), contact_laws(LAW, bearing))
-    loads = still.inner_force.max(), still.outer_force.max()
+    loads = [max(float(force.max()), LEAST_LOAD) for force in (still.inner_force, still.outer_force)]
     bodies: tuple[Body, Body] = "inner_ring", "outer_ring"
-    return tuple(
-        Film(body=body, thickness=film_thickness(pair, rolling, max(float(force), LEAST_LOAD), lubricant))
-        for body, pair, force in zip(bodies, contact_pairs(bearing), loads, strict=False)
-    )
+    found = film_thicknesses(bearing, speeds, (loads[0], loads[1]), lubricant)
+    return tuple(Film(body=body, thickness=thickness) for body, thickness in zip(bodies, found, strict=False))

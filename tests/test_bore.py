@@ -39,9 +39,9 @@ from tests.reference.bearings import LENGTH, STEEL
 from tests.reference.fitted_ring import pressed_ring, ring_with_play
 from tests.reference.free_vibration import ring_frequency
 from tests.reference.going_on import assert_same_bits, rest_of_run
+from tests.reference.outer_ring import FINE, INNER, OUTER, free_modes, outer_ring, pinched, thin_ring
 from tests.reference.swinging import drive
 from tests.reference.synthetic_run import make_run, run_variables, write_result
-from tests.test_points import FINE, INNER, OUTER, free_modes, outer_ring, pinched, thin_ring
 
 WALL = 2.0 * STEEL.lame_mu / OUTER  # Pa/m, of a thick wall
 BEARING_LOADS = [

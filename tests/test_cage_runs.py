@@ -8,7 +8,7 @@ from fem.solver.simulate import make_plan
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
-from tests.reference.going_on import assert_same_bits, rest_of_run
+from tests.reference.going_on import assert_same_bits, balance_of, rest_of_run
 from tests.reference.operation_tables import RAMP, scene_with
 
 pytestmark = pytest.mark.slow  # each compiles a time loop
@@ -107,15 +107,6 @@ def test_a_run_with_a_cage_goes_on_bit_for_bit(model):
     expected, found = rest_of_run(plan, 100, 101)
     assert np.ptp(expected["cage_x"]) > 0.0
     assert_same_bits(found, expected)
-
-
-def balance_of(result):
-    """What the run's energies leave, J, over what is exchanged and dissipated."""
-    energies = result.energies
-    left = sum(energies[name] for name in energies if name.startswith("energy_"))
-    left = left - energies["work_external"] + energies["work_dissipated"]
-    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
-    return np.abs(left - left[0]).max() / passed
 
 
 @pytest.mark.parametrize(("model", "limit"), [("fem", 1e-5), ("reduced", 5e-4), ("lagrange", 1e-6)])

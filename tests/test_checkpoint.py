@@ -13,8 +13,7 @@ from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
 from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
-from tests.reference.commands import command
-from tests.test_runner import start_run
+from tests.reference.commands import command, start_run
 from tests.waiting import GIVE_UP
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")

@@ -19,25 +19,9 @@ from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.free_vibration import disc_frequency
+from tests.reference.reduced_runs import CLEARANCE, STILL, plan_of, samples_of
 
-CLEARANCE = ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200")
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
-STILL = ("operation.speed_rpm=0", "contact.friction_coefficient=0")
-
-
-def plan_of(*settings: str, stride: int | None = None) -> ReducedPlan:
-    plan = make_plan(read_scene(None, ("model=reduced", *settings)))
-    return plan if stride is None else dataclasses.replace(plan, stride=stride)
-
-
-def samples_of(plan, change=lambda state: None, count: int | None = None) -> dict[str, np.ndarray]:
-    """All samples, of a start that `change` has changed; never restarted."""
-    state = plan.first_state()
-    change(state)
-    rows, status, *_ = state.take_steps((plan.n_samples if count is None else count) * plan.looks)
-    assert status == 0
-    read = state.reader.read(rows)
-    return read.values | {"imbalance": read.imbalance, "exchanged": read.exchanged}
 
 
 def frequency(time, values, near: float) -> float:

@@ -7,7 +7,7 @@ import pytest
 
 from fem.errors import UsageError
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from tests.test_reduced import CLEARANCE, STILL, plan_of, samples_of
+from tests.reference.reduced_runs import CLEARANCE, STILL, plan_of, samples_of
 
 MODES = ("reduced.modes_up_to_kHz=300",)
 

@@ -12,7 +12,7 @@ from fem.statics.vibrating_bearing import bearing_modes, unseen_waves
 from lagrange.scene.scene import read_scene
 from tests.reference.bearings import LENGTH, STEEL, paper
 from tests.reference.disc_impact import thrown_at_flat
-from tests.test_reduced import CLEARANCE, plan_of
+from tests.reference.reduced_runs import CLEARANCE, plan_of
 
 RATTLING = (*CLEARANCE, "numerics.start=rest", "numerics.load_ramp_ms=0", "numerics.duration_ms=4")
 

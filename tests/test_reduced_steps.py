@@ -1,22 +1,12 @@
 """Runs of the reduced model that restart with shorter steps, and those that don't; how hard their shocks are."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from fem.solver import row_state
 from fem.solver.simulate import make_plan, run
 from lagrange.scene.scene import parse_scene
-from tests.test_reduced import CLEARANCE, plan_of, samples_of
-
-RATTLES = {
-    "model": "reduced",
-    "bearing": {"outer_raceway_diameter_mm": 56.04},
-    "operation": {"radial_load_N": 200.0},
-    "contact": {"friction_coefficient": 0.0},
-    "numerics": {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 20.0, "time_step_safety": 0.9},
-}
+from tests.reference.reduced_runs import CLEARANCE, RATTLES, in_longer_steps, plan_of, ran, samples_of
 
 SOFT = {  # 41 plastic rollers in plastic rings: forces on others give a contact as much as its own
     "model": "reduced",
@@ -33,25 +23,6 @@ SOFT = {  # 41 plastic rollers in plastic rings: forces on others give a contact
     "operation": {"speed_rpm": 1380.0, "radial_load_N": 4900.0, "inner_ring_and_shaft_kg": 68.0},
     "numerics": {"duration_ms": 2.0, "start": "rest", "load_ramp_ms": 0.2},
 }  # fmt: skip
-
-
-def in_longer_steps(settings):
-    """A plan with steps half as long again as it would take: 0.68 of the critical one."""
-    plan = make_plan(parse_scene(settings, "test"))
-    assert (plan.stride, plan.looks) == (3, 1)
-    return replace(plan, stride=2)
-
-
-def ran(plan):
-    """Its state at the end, the last pass' samples of the hub's height, and what it was told."""
-    state, blocks, told = plan.first_state(), [], []
-
-    def restart(reason):
-        told.append((reason, state.void_steps))
-        blocks.clear()
-
-    run(plan, blocks.append, state=state, restart=restart)
-    return state, np.concatenate([block["inner_y"] for block in blocks]), told
 
 
 def test_a_run_whose_energy_does_not_balance_restarts_with_half_the_step():

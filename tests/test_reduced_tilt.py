@@ -2,35 +2,13 @@
 
 import numpy as np
 
-from fem.elastic.continuum import patch_displacement, ring_harmonic_compliance
-from fem.statics.exact_statics import HALF_WIDTH
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange.scene.scene import Scene
-from tests.reference.half_plane import cubic_bspline_patch
-from tests.test_reduced import plan_of, samples_of
+from tests.reference.reduced_runs import couplings, plan_of, samples_of
 
 PAPER = Scene().ideal_bearing()
 FRICTIONLESS = ("contact.friction_coefficient=0", "operation.gravity_m_s2=0", "numerics.output_interval_us=0.5")
 STRAYED = 1e-3 * np.array([0.0, 3.1, -2.4, 1.7, 0.8, -3.0, 2.2, -1.1, 2.7, -0.6, 1.3, -2.8, 0.4])  # rad
-
-
-def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:
-    """Of rollers at any angles, by the series themselves, (2, n, n), m/N."""
-    bearing, n = model.bearing, len(angle)
-    found = np.zeros((2, n, n))
-    rings = (
-        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
-        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
-    )
-    for row, ring in enumerate(rings):
-        width = HALF_WIDTH * bearing.roller_radius
-        harmonics = np.arange(int(30.0 * ring[0] / width))
-        series, load = ring_harmonic_compliance(harmonics, *ring), cubic_bspline_patch(harmonics, width, ring[0])
-        for i in range(n):
-            for j in range(i):
-                value = patch_displacement(series, load, 1.0, ring[0], float(angle[i] - angle[j]))
-                found[row, i, j] = found[row, j, i] = value / bearing.roller_length
-    return found
 
 
 def elastic_energy(model: ReducedBearing, coupling, reach: float, track: float, hub, centre) -> float:

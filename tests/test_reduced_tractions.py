@@ -6,8 +6,7 @@ import pytest
 from fem.statics.exact_statics import crossings_at
 from lagrange.scene.scene import Scene
 from tests.reference.bearings import LENGTH, ring
-from tests.test_reduced import plan_of, samples_of
-from tests.test_reduced_tilt import couplings
+from tests.reference.reduced_runs import couplings, plan_of, samples_of
 
 PAPER = Scene().ideal_bearing()
 SLIDING = ("contact.friction_coefficient=0.3", "operation.gravity_m_s2=0")

@@ -17,8 +17,8 @@ from lagrange import Material
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene
 from tests.reference.collocated_contact import approach
+from tests.reference.reduced_runs import RATTLES, in_longer_steps, ran
 from tests.stability.random_scenes import random_scene
-from tests.test_reduced_steps import RATTLES, in_longer_steps, ran
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RING = 0.018, 0.0125, STEEL, 0.01  # raceway, bore, m, material, thickness, m

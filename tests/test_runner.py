@@ -21,7 +21,8 @@ from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
 from lagrange.scene.scene import Scene
-from tests.waiting import GIVE_UP, wait_until
+from tests.reference.commands import start_run
+from tests.waiting import GIVE_UP
 
 ROOT = Path(__file__).resolve().parent.parent
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
@@ -326,24 +327,6 @@ def test_the_command_names_its_models_without_loading_any():
                           capture_output=True, text=True, check=True)  # fmt: skip
     assert all(f"{model}" in done.stdout for model in SOLVERS)
     assert done.stdout.splitlines()[-1] == "[]"
-
-
-def start_run(path, *options, duration="2000"):
-    """The command in a process of its own, once it has committed samples."""
-    run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
-    command = [*run_fem, "--mesh-size", "2", "--duration", duration, "--output", str(path)]
-    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
-
-    def has_committed() -> bool:
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                return file.attrs["committed_samples"] > 0
-        except (OSError, KeyError):
-            return False
-
-    wait_until(has_committed, process, pause=0.1)
-    assert process.poll() is None, process.communicate()
-    return process
 
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX signals")

@@ -20,27 +20,8 @@ from fem.study.sampling import design_of
 from fem.study.solving import checked_points
 from fem.study.study_file import read_study
 from lagrange.scene.scene import read_scene
+from tests.reference.small_study import BASE, GRID, many, same
 from tests.waiting import GIVE_UP, wait_until
-
-BASE = """
-[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-"""
-GRID = (
-    BASE
-    + """
-[sampling]
-method = "grid"
-[parameters]
-"operation.speed_rpm" = [1500.0, 3000.0, 4500.0]
-"bearing.outer_raceway_diameter_mm" = { from = 56.0, to = 56.02, count = 2 }
-[keep]
-quantities = ["hub_mean_y", "largest_force"]
-signals = ["inner_ay", "inner_force"]
-signal_rate_kHz = 25.0
-"""
-)
 
 
 @pytest.fixture
@@ -60,18 +41,6 @@ def points_of(text, name="study.toml"):
     Path(name).write_text(text, encoding="utf-8")
     study = read_study(Path(name))
     return checked_points(study, design_of(study))
-
-
-def same(one, other):
-    """Whether two datasets hold the same bits but for the time that each point took."""
-    with xarray.open_dataset(one) as a, xarray.open_dataset(other) as b:
-        assert set(a.variables) == set(b.variables)
-        a, b = a.load(), b.load()
-    for name in set(a.variables) - {"seconds"}:
-        mine, theirs = a[name].values, b[name].values
-        assert mine.dtype == theirs.dtype and mine.shape == theirs.shape
-        equal = mine.tobytes() == theirs.tobytes() if mine.dtype.kind != "O" else np.array_equal(mine, theirs)
-        assert equal, name
 
 
 def test_a_point_is_what_run_fem_gives_bit_for_bit(here):
@@ -342,10 +311,6 @@ def ended_after(process, folder, count, number):
     wait_until(lambda: len(list(folder.glob("*.point"))) >= count, process, pause=0.005)
     process.send_signal(number)
     return process.wait(GIVE_UP)
-
-
-def many(n):
-    return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ import pytest
 import xarray
 
 from fem.commands.run_study import study_main
-from tests.test_study import BASE, GRID, many, same
+from tests.reference.small_study import BASE, GRID, many, same
 from tests.waiting import GIVE_UP, wait_until
 
 pytest.importorskip("distributed")

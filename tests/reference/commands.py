@@ -5,7 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.waiting import GIVE_UP
+import h5py
+
+from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
@@ -39,3 +41,21 @@ def command(name: str, *arguments: object, folder: Path | None = None, prepare=N
         text=True,
         timeout=GIVE_UP,
     )
+
+
+def start_run(path, *options, duration="2000"):
+    """The command in a process of its own, once it has committed samples."""
+    run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
+    command = [*run_fem, "--mesh-size", "2", "--duration", duration, "--output", str(path)]
+    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+
+    def has_committed() -> bool:
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                return file.attrs["committed_samples"] > 0
+        except (OSError, KeyError):
+            return False
+
+    wait_until(has_committed, process, pause=0.1)
+    assert process.poll() is None, process.communicate()
+    return process

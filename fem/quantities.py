@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.run_summary import LOADED, RunStatistics
-from lagrange import Bearing, kinematics
-from lagrange.columns import DERIVED
+from lagrange import kinematics
 from lagrange.kinematics import Kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
@@ -40,12 +39,20 @@ OF_RECORD = {
     "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y; 3 of normal noise"),
     "peak_to_peak_x": ("m", "width of the hub's path, x"),
     "peak_to_peak_y": ("m", "width of the hub's path, y"),
-    "largest_inner_pressure": ("Pa", "largest Hertz pressure on the inner raceway"),
-    "largest_outer_pressure": ("Pa", "largest Hertz pressure on the outer raceway"),
+    "largest_inner_pressure": ("Pa", "largest pressure on the inner raceway"),
+    "largest_outer_pressure": ("Pa", "largest pressure on the outer raceway"),
     "largest_inner_half_width": ("m", "half-width of that contact on the inner raceway"),
     "largest_outer_half_width": ("m", "half-width of that contact on the outer raceway"),
+    "largest_inner_moment": ("N m", "largest moment of a contact along the axis, inner raceway"),
+    "largest_outer_moment": ("N m", "largest moment of a contact along the axis, outer raceway"),
+    "largest_tilt": ("rad", "largest tilt of a roller"),
 }
 OF_STATICS = {"static_stiffness": ("N/m", "radial stiffness against the load, rollers as at the start")}
+LARGEST = {  # columns of those quantities
+    **{f"largest_{side}_pressure": f"{side}_peak_pressure" for side in ("inner", "outer")},
+    **{f"largest_{side}_{what}": f"{side}_{what}" for what in ("half_width", "moment") for side in ("inner", "outer")},
+    "largest_tilt": "roller_tilt",
+}
 OF_RUN = OF_START | OF_MOTION | OF_RECORD  # all that a run's samples tell
 
 
@@ -86,11 +93,15 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     return quantities_of(OF_MOTION, found)
 
 
-def run_quantities(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
+def run_quantities(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     """All of OF_RUN, of OF_START alone where there is one sample; `ideal` as in `run_summary`.
 
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
-    turns both ways, pressures of balls.
+    turns both ways, pressures of balls and at edges, moments and tilts of rollers whose axes stay parallel.
+
+    Parameters
+    ----------
+    samples : by the result file's names, pressures with them
     """
     first = samples["inner_force"][0]
     hub = from_outer_ring(samples, "inner")
@@ -103,7 +114,7 @@ def run_quantities(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[
     found = quantities_of(OF_START, start)
     if len(samples["time"]) < 2:
         return found
-    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(bearing, ideal, samples))]
+    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(ideal, samples))]
 
 
 def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, float]) -> list[Quantity]:
@@ -111,7 +122,7 @@ def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, flo
     return [Quantity(name, *about, values[name]) for name, about in table.items()]
 
 
-def _of_record(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
     seen, cage = RunStatistics(), 0.0 if ideal is None else ideal.cage
     seen.add(samples)
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
@@ -125,23 +136,8 @@ def _of_record(bearing: Bearing, ideal: Kinematics | None, samples: Mapping[str,
         "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,
         "peak_to_peak_x": float(width[0]),
         "peak_to_peak_y": float(width[1]),
-        **_pressures(bearing, samples),
+        **{name: float(np.abs(samples[of]).max()) if of in samples else nan for name, of in LARGEST.items()},
     }
-
-
-def _pressures(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """Largest pressures and half-widths of both raceways; NaN of balls, and of rollers that tilt."""
-    from lagrange.rating.contact_stress import hertz_columns
-    from lagrange.rating.sources import Unavailable
-
-    largest = {f"{side}_force": samples[f"{side}_force"].max() for side in ("inner", "outer")}
-    try:
-        if "roller_tilt" in samples:
-            raise Unavailable("rollers tilt")
-        found = hertz_columns(bearing, largest)
-    except Unavailable:
-        found = dict.fromkeys(DERIVED, np.array(nan))
-    return {f"largest_{name.replace('peak_', '')}": float(value) for name, value in found.items()}
 
 
 OF_SPALL = {"angle_deg": "deg", "width_mm": "mm", "depth_um": "um"}  # units

@@ -17,6 +17,7 @@ from fem.result.later_columns import events_of, with_sinkages
 from fem.result.layout import PER_ROLLER, readable, variables_of
 from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
+from fem.statics.tilted_pressures import peak_columns
 from lagrange import mounting
 from lagrange.kinematics import mean_kinematics
 from lagrange.rating.contact_stress import hertz_columns
@@ -115,10 +116,14 @@ class Result:
     def pressures(self) -> dict[str, np.ndarray]:
         """Hertz pressures, Pa, and half-widths, m, of every contact, (n_times, n_rollers), by `DERIVED`'s names.
 
+        Of rollers that tilt the largest pressures along them, by `OF_TILTED`'s.
+
         Errors
         ------
         Unavailable: of a ball bearing.
         """
+        if self.scene.axial is not None:
+            return peak_columns(self.scene, self.values)
         return hertz_columns(self.scene.perfect_bearing(), self.values)
 
     @property
@@ -149,7 +154,8 @@ class Result:
         """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
         bearing = self.scene.ideal_bearing()
         ideal = mean_kinematics(bearing, self.scene.ideal_operation(), float(self.time[-1]))
-        return {each.name: each for each in run_quantities(bearing, ideal, self.values)}
+        pressures = self.pressures if self.scene.bearing.type == "roller" else {}
+        return {each.name: each for each in run_quantities(ideal, {**self.values, **pressures})}
 
     def to_xarray(self) -> "xarray.Dataset":
         """The samples with dimensions, units and the result file's attributes.

@@ -100,7 +100,13 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
 }
 
 
-# of line contacts by Hertz, from the forces: computed where they are asked for, stored nowhere
+# of rollers that tilt, from forces and moments: computed where they are asked for, stored nowhere
+EDGES = "NaN where an end is loaded whose profile ends with an edge: pressure has no limit there"
+OF_TILTED = {
+    f"{side}_peak_pressure": Column(PER_ROLLER, "Pa", f"largest pressure along the roller, {side} raceway; {EDGES}")
+    for side in ("inner", "outer")
+}
+# of line contacts by Hertz, from the forces, likewise
 DERIVED = {
     "inner_peak_pressure": Column(PER_ROLLER, "Pa", "largest Hertz pressure, inner raceway and roller"),
     "outer_peak_pressure": Column(PER_ROLLER, "Pa", "largest Hertz pressure, outer raceway and roller"),

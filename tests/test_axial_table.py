@@ -6,10 +6,11 @@ import pytest
 from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
 from lagrange.axial import ContactTable
+from lagrange.axial.pressure import peak_table, pressures
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import tabulated
-from lagrange.contact.raceway_laws import johnson
+from lagrange.contact.raceway_laws import contact_pairs, johnson
 from tests.reference.bearings import paper
 
 PAPER = paper()
@@ -18,7 +19,7 @@ LARGEST, STEEPEST = 1900.0, 4e-3  # N, rad
 
 def slices(kind: str, count: int = 21) -> Slices:
     place = (np.arange(count) + 0.5 - 0.5 * count) * PAPER.roller_length / count
-    return Slices(law=johnson(PAPER, "inner"), place=place, drop=Profile(kind=kind).drop(place, PAPER))
+    return Slices(law=johnson(PAPER, "inner"), place=place, drop=Profile(kind=kind, crown=1e-5).drop(place, PAPER))
 
 
 def table_of(own: Slices) -> ContactTable:
@@ -44,6 +45,25 @@ def test_a_table_gives_the_forces_and_moments_of_its_slices(kind):
     assert np.sqrt(np.mean((found.force - exact.force) ** 2)) < 1e-4 * 1900.0  # N, of the largest
     assert np.sqrt(np.mean((found.moment - exact.moment) ** 2)) < 1e-4 * 3.0  # N m
     assert found.force.min() >= 0.0
+
+
+@pytest.mark.parametrize("kind, sharp", [("logarithmic", False), ("crowned", True)])
+def test_peaks_by_force_and_moment_are_those_of_the_slices(kind, sharp):
+    own, pair, largest = slices(kind), contact_pairs(PAPER)[0], 800.0
+    rng = np.random.default_rng(2)
+    slope = rng.uniform(-2e-3, 2e-3, 1000)
+    opening = own.opening(slope)
+    approach = opening + rng.uniform(0.0, 1.0, slope.size) * (own.approach_under(largest, slope) - opening)
+    forces, exact = own.forces(approach, slope), pressures(own, pair, approach, slope).max(axis=1)
+    table = peak_table(own, pair, sharp, largest, STEEPEST)
+    found = table.at(forces.sum(axis=1), forces @ own.place)
+    edges = sharp & (forces[:, [0, -1]].max(axis=1) > 0.0)
+    assert np.isnan(found[edges]).all() and edges.any() == sharp
+    sound = np.isfinite(found)
+    assert np.isnan(found[~edges]).mean() < 0.05  # of contacts that hardly miss the edge
+    assert np.sqrt(np.mean((found - exact)[sound] ** 2)) < 1e-3 * exact.max()
+    assert np.abs(found - exact)[sound].max() < 0.01 * exact.max()
+    assert table.at(np.zeros(2), np.zeros(2)).tolist() == [0.0, 0.0]
 
 
 def test_the_kernel_and_numpy_read_a_table_alike(table):

@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 
+from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
 from fem.solver.simulate import make_plan, run
 from lagrange import contact_laws, simulate
+from lagrange.axial.pressure import placed, pressures
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import Scene, SceneError
+from lagrange.tilt import sliced_laws
 from residual.evaluation import evaluate
 from residual.figures.motion import tilt_figure
 from residual.sources import read_result
@@ -57,6 +61,26 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     assert samples["inner_moment"] == pytest.approx(tilt.inner_moment, abs=5e-3 * tilt.inner_moment.max())
     assert tilt.inner_moment.max() > 0.5  # N m
     assert missed(samples) < 1e-6
+
+
+def test_peak_pressures_of_a_run_are_those_of_its_forces_and_moments():
+    found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
+    result, bearing = interface.simulate(found), found.ideal_bearing()
+    laws = sliced_laws(bearing, found.ideal_axial(), contact_laws(found.lagrange.law, bearing))
+    for side, slices, pair in zip(("inner", "outer"), laws, contact_pairs(bearing), strict=False):
+        force, moment, peak = (result[f"{side}_{name}"][-1] for name in ("force", "moment", "peak_pressure"))
+        for j in np.flatnonzero(force > 50.0):
+            exact = pressures(slices, pair, *placed(slices, force[j], moment[j])).max()
+            assert peak[j] == pytest.approx(exact, rel=0.01)
+        assert result.quantities[f"largest_{side}_pressure"].value == result[f"{side}_peak_pressure"].max() > 8e8
+    assert result.quantities["largest_inner_moment"].value == np.abs(result["inner_moment"]).max()
+
+
+def test_a_loaded_edge_of_a_run_has_no_peak_pressure():
+    straight = interface.simulate(scene("lagrange", {"roller_profile": "none"}, operation__misalignment_mrad=1.0))
+    peak, force = straight["outer_peak_pressure"], straight["outer_force"]
+    assert np.isnan(peak[force > 1.0]).all() and not peak[force == 0.0].any()
+    assert np.isnan(straight.quantities["largest_outer_pressure"].value)
 
 
 @pytest.mark.slow

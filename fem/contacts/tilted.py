@@ -29,8 +29,7 @@ def tilted_tables(
     ----------
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
     """
-    power = 10.0 ** floor(log10(max(largest_force, 1.0)))
-    force, slope = ceil(2.0 * largest_force / power) * 0.5 * power, ceil(largest_slope / SLOPES) * SLOPES
+    force, slope = rounded_range(largest_force, largest_slope)
 
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)
@@ -51,6 +50,12 @@ def tilted_tables(
         for side in SIDES
     )
     return inner, outer
+
+
+def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, float]:
+    """Force, N, and slope, rad, up to which a table is made: steps of a digit's half, and of SLOPES."""
+    power = 10.0 ** floor(log10(max(largest_force, 1.0)))
+    return max(ceil(2.0 * largest_force / power), 1) * 0.5 * power, ceil(largest_slope / SLOPES) * SLOPES
 
 
 SIDES = "inner", "outer"
@@ -105,11 +110,16 @@ def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
     squeezed = across_roller(bearing) * n / length * (np.eye(n) - 1.0 / n)
     if not axial.coupling:
         return squeezed, squeezed
-    roller, inner, outer = (
-        slice_compliance(body, length, width, n)
-        for body, width in zip(bodies(bearing), (length, axial.ring_width, axial.ring_width), strict=True)
-    )
-    return roller + inner + squeezed, roller + outer + squeezed
+
+    def make() -> dict[str, np.ndarray]:
+        roller, inner, outer = (
+            slice_compliance(body, length, width, n)
+            for body, width in zip(bodies(bearing), (length, axial.ring_width, axial.ring_width), strict=True)
+        )
+        return {"inner": roller + inner, "outer": roller + outer}
+
+    found = kept("slices", repr((bearing, n, axial.ring_width)), make)
+    return found["inner"] + squeezed, found["outer"] + squeezed
 
 
 def across_roller(bearing: Bearing) -> float:

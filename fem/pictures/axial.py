@@ -7,8 +7,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
-from fem.rating.tilted import contacts_of
-from lagrange import contact_laws
+from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.files.output import replaced
@@ -43,10 +42,9 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
     axial, bearing = scene.ideal_axial(), scene.perfect_bearing()
     if axial is None:
         raise UsageError(f"{stored.path}: the scene has no [axial]; --view axial is of rollers that tilt")
-    laws = contact_laws(scene.lagrange.law, bearing) if scene.model == "lagrange" else None
     x, y = stored.column("roller_x")[sample], stored.column("roller_y")[sample]
     angle = np.angle(1j * (x + 1j * y))
-    slices, _ = contacts_of(bearing, axial, laws, np.arctan2(y, x))
+    slices = scene_slices(scene)
     pressure, slope = np.zeros((2, angle.size, axial.slices)), np.zeros((2, angle.size))
     for k, (side, pair) in enumerate(zip(SIDES, contact_pairs(bearing), strict=False)):
         forces, moments = (stored.column(f"{side}_{name}")[sample] for name in ("force", "moment"))

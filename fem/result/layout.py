@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.columns import DERIVED, PER_ROLLER, Column, columns_of
+from lagrange.columns import DERIVED, OF_TILTED, PER_ROLLER, Column, columns_of
 from lagrange.files.hdf5 import CHECKSUM, hdf5_to_write
 from lagrange.scene.scene import Scene
 
@@ -64,7 +64,8 @@ def variables_of(scene: Scene) -> Variables:
 
 def readable(scene: Scene) -> Variables:
     """What a run of this scene can be asked for: its columns, and what is computed from them when it is read."""
-    return {**variables_of(scene), **(DERIVED if scene.bearing.type == "roller" and scene.axial is None else {})}
+    tilted_or_not = OF_TILTED if scene.axial is not None else DERIVED
+    return {**variables_of(scene), **(tilted_or_not if scene.bearing.type == "roller" else {})}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -183,7 +183,7 @@ def reduced_bearing(
     that of their rolling speed. What flows through a contact makes its own law softer, but no other compliance.
     UsageError: contacts roll nearly as fast as waves (`moving_softening`).
     """
-    contacts, between = _kept_contacts(bearing)
+    contacts, between = kept_contacts(bearing)
     contacts = replace(
         contacts,
         inner_law=_rolling(contacts.inner_law, bearing, motion),
@@ -243,7 +243,7 @@ def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
     return ring_sag(*inner, gravity), ring_sag(*outer, gravity)
 
 
-def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
+def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
     angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
     arrays = _kept_series(_sound(bearing))

@@ -56,13 +56,18 @@ class Slices:
 
     def straight_approach(self, force: float) -> float:
         """Of a contact without slope under a force, N; m."""
-        low = float(self.opening(np.zeros(1))[0])
+        return float(self.approach_under(force, np.zeros(1))[0])
+
+    def approach_under(self, force: float, slope: np.ndarray) -> np.ndarray:
+        """Of contacts with slopes, rad, each under a force, N; m, (n,) as the slopes."""
+        low = self.opening(slope)
         high = low + FIRST
-        while self.sums(np.array([high]), np.zeros(1)).force[0] < force:
-            high = low + 2.0 * (high - low)
+        while np.any(short := self.sums(high, slope).force < force):
+            high = np.where(short, low + 2.0 * (high - low), high)
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.sums(np.array([middle]), np.zeros(1)).force[0] < force else (low, middle)
+            short = self.sums(middle, slope).force < force
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
         return high
 
     def opening(self, slope) -> np.ndarray:

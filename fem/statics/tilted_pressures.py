@@ -1,0 +1,56 @@
+"""Slices of a scene with [axial], and the peak pressures of its runs by forces and moments."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fem.contacts.tilted import rounded_range, tilted_slices
+from fem.elastic.cache import kept
+from fem.statics.reduced_bearing import kept_contacts
+from lagrange.axial.pressure import PeakTable, peak_table, sharp_ends
+from lagrange.axial.slices import Slices
+from lagrange.axial.tabulate import contact_slices
+from lagrange.contact.raceway_laws import contact_laws, contact_pairs
+from lagrange.scene.scene import Scene
+
+LEAST = 1e-6  # rad: of a run whose axes stay parallel
+
+
+def scene_slices(scene: Scene) -> tuple[Slices, Slices]:
+    """Slices of the inner and the outer contact: forces along a roller.
+
+    Of the Lagrangian model its law's; of other models those of elastic bodies, whose laws are as at rest.
+    """
+    bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
+    assert axial is not None
+    if scene.model == "lagrange":
+        return contact_slices(bearing, axial, contact_laws(scene.lagrange.law, bearing))
+    contacts, _ = kept_contacts(bearing)
+    return tilted_slices(bearing, axial, (contacts.inner_law, contacts.outer_law))
+
+
+def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of `lagrange.columns.OF_TILTED` from a run's samples, each (n_times, n_rollers), Pa.
+
+    Tables are kept on disk. Errors: those of `peak_table`.
+    """
+    bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
+    assert axial is not None
+    slope = np.abs(samples["roller_tilt"]).max() + np.hypot(samples["inner_slope_x"], samples["inner_slope_y"]).max()
+    force = max(samples[f"{side}_force"].max() for side in ("inner", "outer"))
+    within = rounded_range(float(force), max(float(slope), LEAST))
+
+    def make() -> dict[str, np.ndarray]:
+        each = zip(scene_slices(scene), contact_pairs(bearing), sharp_ends(bearing, axial), strict=False)
+        tables = [peak_table(slices, pair, bool(sharp), *within) for slices, pair, sharp in each]
+        return {"peaks": np.stack([table.peaks for table in tables])}
+
+    law = scene.lagrange if scene.model == "lagrange" else None
+    peaks = kept("peaks", repr((bearing, axial, law, within)), make)["peaks"]
+    arm = float(axial.centres(bearing)[-1])
+    return {
+        f"{side}_peak_pressure": PeakTable(root=within[0] ** 0.5, arm=arm, peaks=of).at(
+            samples[f"{side}_force"], samples[f"{side}_moment"]
+        )
+        for side, of in zip(("inner", "outer"), peaks, strict=True)
+    }

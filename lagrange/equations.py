@@ -143,6 +143,19 @@ def touching_distances(bearing: Bearing) -> tuple[float, float]:
     )
 
 
+THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
+
+
+def farthest_place(bearing: Bearing) -> float:
+    """How far the hub can be from the middle, and rollers from the pitch circle, m: beyond are other units or bearings.
+
+    A run's hub by twice the sum of clearance and overlap, its rollers by once more.
+    """
+    surfaces = profiles(bearing)
+    give = THROUGH * bearing.roller_radius + (0.0 if surfaces is None else surfaces.deepest)
+    return max(0.2 * bearing.pitch_radius, 3.0 * (abs(bearing.radial_clearance) + give))
+
+
 def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, turns: Turns | None = None) -> Overlaps:
     """Overlaps of a record, which are the approaches δ_in, δ_out of rigid bodies; each (n_times, n_rollers).
 

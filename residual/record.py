@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.equations import Overlaps, approaches
+from lagrange.equations import Overlaps, approaches, farthest_place
 from lagrange.scene.columns import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
@@ -22,7 +22,6 @@ SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or rattle, not under a smaller load
-SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -258,14 +257,15 @@ def checked(record: Record) -> Record:
     _check_time(source, time, record.interval)
     rho = np.hypot(record.roller_x, record.roller_y)
     pitch = record.bearing.pitch_radius
+    farthest = farthest_place(record.bearing)
     worst = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape)
-    if abs(rho[worst] - pitch) > SAME_RUN * pitch:
+    if abs(rho[worst] - pitch) > farthest:
         raise InputError(
             f"{source}: roller {worst[1]} is {rho[worst]:.4g} m from the centre at sample {worst[0]}, the "
             f"scene's pitch radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
         )
     hub = np.hypot(record.inner_x, record.inner_y)
-    if hub.max() > SAME_RUN * pitch:
+    if hub.max() > farthest:
         i = int(np.argmax(hub))
         raise InputError(
             f"{source}: the inner ring's centre (inner_x, inner_y) is {hub[i]:.4g} m off at sample {i}, the scene's "

@@ -3,12 +3,16 @@
 import h5py
 import numpy as np
 import pytest
+from scipy.special import elliprd
 
 from fem.commands.run_fem import run_main
 from fem.interface import simulate
-from fem.solver.guards import run_warnings
+from fem.solver.guards import n_in_place, run_warnings
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
+from lagrange.contact.laws import contact_ellipse, raceway_curvature
 from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.equations import THROUGH, farthest_place
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.commands import command
 
@@ -89,6 +93,39 @@ def test_the_limit_is_a_tenth_of_the_rollers_radius_for_each_kind_of_contact(whi
     for factor, count in ((0.999, 0), (1.001, 1)):
         forces[which] = factor * force
         assert len(run_warnings(bearing, np.array(forces))) == count
+
+
+def test_balls_are_watched_by_the_ellipse_in_their_groove():
+    """Hertz's pressure on the ellipse closes the gap of the curvatures, by potential theory's integrals."""
+    bearing = parse_scene({"model": "lagrange", "bearing": {"designation": "6205"}}, "").ideal_bearing()
+    force = 2000.0
+    a, b = contact_ellipse(bearing, "inner", force)
+    compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / bearing.inner_ring.plane_strain_modulus
+    pressure = 1.5 * force / (np.pi * a * b)
+    curvature = raceway_curvature(bearing, "inner")
+    along, across = curvature.ball_2 + curvature.raceway_2, curvature.ball_1 + curvature.raceway_1
+    for axis, other, of in ((a, b, along), (b, a, across)):  # Johnson, Contact Mechanics, 3.35
+        integral = 2.0 / 3.0 * elliprd(0.0, other**2, axis**2)  # ∫ dw/((axis² + w)^(3/2) √((other² + w) w)), 0 to ∞
+        assert pressure * a * b * compliance * integral == pytest.approx(of, rel=1e-9)
+    limit = (0.6 * bearing.element_radius / a) ** 3 * force
+    for factor, count in ((0.999, 0), (1.001, 1)):
+        assert len(run_warnings(bearing, np.array([factor * limit, 0.0, 0.0]))) == count
+
+
+def test_the_checker_reads_whatever_a_run_goes_on_with():
+    """A hub between four rollers, as far off as rigid bodies may be in one another."""
+    table = {"rollers": 4, "roller_diameter_mm": 3.0, "roller_length_mm": 4.4, "inner_raceway_diameter_mm": 3.3}
+    table |= {"outer_raceway_diameter_mm": 9.32, "bore_diameter_mm": 2.7, "outside_diameter_mm": 12.9}
+    bearing = parse_scene({"model": "lagrange", "bearing": table}, "").ideal_bearing()
+    give = THROUGH * bearing.roller_radius
+    off = 1.999 * (bearing.radial_clearance + give)
+    angle = np.radians([0.0, 90.0, 180.0, 270.0])
+    x, y = bearing.pitch_radius * np.cos(angle), bearing.pitch_radius * np.sin(angle) + off
+    values = {"inner_x": np.zeros(1), "inner_y": np.array([off]), "roller_x": x[None], "roller_y": y[None]}
+    values["roller_rho"] = np.full((1, 4), bearing.pitch_radius)
+    samples = Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1))
+    assert n_in_place(bearing, give, samples) == 1
+    assert 0.2 * bearing.pitch_radius < off < farthest_place(bearing)
 
 
 def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_told_where_nothing_else_is():

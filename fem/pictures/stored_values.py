@@ -8,6 +8,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.fields import read_frame, read_values, stored_samples
 from lagrange import Bearing
+from lagrange.equations import farthest_place
 from lagrange.files.hdf5 import Damaged, has, read_numbers, read_scene_files, read_scene_text, refusal_in_child
 
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
@@ -19,7 +20,6 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
 FASTEST = 1e5  # m/s, of a roller's surface: as in the time loop
 LARGEST = 1e15  # SI: far above any force and energy of a bearing
-ASTRAY = 0.2  # of the pitch radius, from where a body belongs
 
 
 class StoredValues:
@@ -66,21 +66,22 @@ class StoredValues:
 
     def _check(self, bearing: Bearing, has_cage: bool) -> None:
         count, pitch = len(self.times), bearing.pitch_radius
+        farthest = farthest_place(bearing)
         _check_numbers("time", self.times, LARGEST, self.times)
         if np.any(np.diff(self.times) <= 0.0):
             raise Damaged("time does not rise")
         limits = dict.fromkeys((*PER_TIME, *PER_ROLLER), LARGEST)
-        limits |= {"roller_spin": FASTEST / bearing.roller_radius, "inner_x": ASTRAY * pitch, "inner_y": ASTRAY * pitch}
+        limits |= {"roller_spin": FASTEST / bearing.roller_radius, "inner_x": farthest, "inner_y": farthest}
         if has_cage:
-            limits |= {"cage_x": ASTRAY * pitch, "cage_y": ASTRAY * pitch, "cage_angle": LARGEST}
+            limits |= {"cage_x": farthest, "cage_y": farthest, "cage_angle": LARGEST}
         for name, limit in limits.items():
             values, wanted = self.column(name), (count, bearing.n_rollers)[: 2 if name in PER_ROLLER else 1]
             if values.shape != wanted:
                 raise Damaged(f"its scene has {bearing.n_rollers} rollers, {name} has shape {values.shape}")
             _check_numbers(name, values, limit, self.times)
         rho = np.hypot(self.column("roller_x"), self.column("roller_y"))
-        if np.abs(rho - pitch).max() > ASTRAY * pitch:
-            raise Damaged(f"a roller is more than {ASTRAY:g} of the pitch radius, {pitch:.4g} m, from where it belongs")
+        if np.abs(rho - pitch).max() > farthest:
+            raise Damaged(f"a roller is more than {farthest:.4g} m off the pitch circle")
 
     def _read(self, what):
         """Something of the open file; every way it can be unusable becomes a UsageError."""

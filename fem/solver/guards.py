@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.solver.solver import Samples
-from lagrange import Bearing
+from lagrange import BallBearing, Bearing
+from lagrange.contact.laws import Side, contact_ellipse
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.equations import touching_distances
 from lagrange.mounting import from_outer_ring
@@ -67,7 +68,6 @@ DOUBTFUL = 0.005  # of it: a run that ends says so
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
 ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
-THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
 
 
 def good_rows(rows: np.ndarray) -> int:
@@ -149,6 +149,7 @@ def velocity_trouble(plan: "ElementPlan", step: int, body: int) -> str:
 
 
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
+LONGEST_CONTACT = 0.6  # a ball's contact ellipse along its groove over the radius; at C0 of deep-groove bearings 0.55
 CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
 
 
@@ -159,6 +160,8 @@ def largest_forces(samples: Samples) -> np.ndarray:
 
 def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
+    if isinstance(bearing, BallBearing):
+        return _ball_warnings(bearing, largest)
     pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
     half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
     widest = WIDEST_CONTACT * bearing.roller_radius
@@ -167,7 +170,27 @@ def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
     return (
         f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
-        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
-        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
-        "a stiffer material",
+        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): {MISTRUST}",
     )
+
+
+MISTRUST = (
+    "forces and deformation near such contacts are not to be trusted; lower operation.radial_load_N, raise "
+    "numerics.load_ramp_ms or take a stiffer material"
+)
+
+
+def _ball_warnings(bearing: BallBearing, largest: np.ndarray) -> tuple[str, ...]:
+    """The same of balls on raceways."""
+    sides: tuple[Side, Side] = ("inner", "outer")
+    for side, force in zip(sides, largest.tolist(), strict=False):
+        axes = contact_ellipse(bearing, side, force)
+        limits = LONGEST_CONTACT * bearing.element_radius, WIDEST_CONTACT * bearing.element_radius
+        if axes[0] > limits[0] or axes[1] > limits[1]:
+            found, most = (" by ".join(f"{1e3 * axis:.3g}" for axis in each) for each in (axes, limits))
+            where = f"{force:.4g} N on the {side} raceway"
+            return (
+                f"the largest force of the run, {where}, makes a contact ellipse with semi-axes of {found} mm, beyond "
+                f"Hertz's theory and small strains (at most {most} mm here): {MISTRUST}",
+            )
+    return ()

@@ -7,7 +7,6 @@ import numpy as np
 
 from fem.solver.guards import run_warnings
 from fem.solver.solver import Numbers, Samples
-from lagrange import BallBearing
 from lagrange.first_state import Problem
 from lagrange.step_size import critical_time_step, fastest_mode
 
@@ -102,7 +101,7 @@ class Judge:
         """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""
         problem = self._problem
         of_start = problem.first_state.warning
-        wide = () if isinstance(problem.bearing, BallBearing) else run_warnings(problem.bearing, largest)
+        wide = run_warnings(problem.bearing, largest)
         return (*(() if of_start is None else (of_start,)), *self._shocked, *wide)
 
     @property

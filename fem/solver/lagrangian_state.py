@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
-from fem.solver.guards import THROUGH, n_in_place, through_trouble
+from fem.solver.guards import n_in_place, through_trouble
 from fem.solver.lagrangian_arrays import bodies_of, contact_forces, contact_laws_of
 from fem.solver.lagrangian_judge import ENERGY_TOLERANCE, Judge, Verdict
 from fem.solver.rigid_arrays import outer_drive
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import Block, Numbers, Samples
+from lagrange.equations import THROUGH
 from lagrange.first_state import Problem
 from lagrange.kinematics import turned
 from lagrange.motion import State, contact_state, hub_equations, rotation_energy

@@ -221,6 +221,20 @@ def approach_constant(ball: Material, raceway: Material) -> float:
     return 0.5 * (1.5 * compliance) ** (2.0 / 3.0)
 
 
+def contact_ellipse(bearing: BallBearing, side: Side, force: float) -> tuple[float, float]:
+    """Semi-axes of a ball's contact on a raceway under a force, N: the longer and the shorter one, m.
+
+    Source: Hertz 1881; Harris, Rolling Bearing Analysis: a* = (2κ²E/π)^(1/3), b* = a*/κ, over (3 Q c/(2 Σρ))^(1/3).
+    """
+    curvature = raceway_curvature(bearing, side)
+    ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
+    compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / ring.plane_strain_modulus
+    ratio = ellipticity(curvature.difference)
+    _, E = _elliptic_integrals(ratio**-2.0)
+    longer = (2.0 * ratio**2 * E / np.pi * 1.5 * force * compliance / curvature.sum) ** (1.0 / 3.0)
+    return longer, longer / ratio
+
+
 def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
     """Q = K δ^(3/2) of one ball on one raceway: equations (9) to (11), K = (C δ*)^(-3/2) Σρ^(-1/2), N/m^1.5.
 

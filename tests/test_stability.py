@@ -8,13 +8,16 @@ from itertools import count
 
 import numpy as np
 import pytest
+import tomli_w
 
 from fem.errors import RunFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
+from lagrange.scene.surfaces import SURFACES
 from tests.stability import forked
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
+from tests.stability.machine_scenes import machine_scene
 from tests.stability.random_scenes import RANGES, random_scene
 from tests.stability.step_limit import SAFE_SIDE, at_ratio, energy_drift
 
@@ -54,6 +57,25 @@ def test_random_scenes_fill_their_ranges():
 def test_a_scene_is_the_same_again():
     assert random_scene(3, 7, 1.0) == random_scene(3, 7, 1.0)
     assert random_scene(3, 7, 1.0) != random_scene(3, 8, 1.0)
+
+
+def test_random_machines_have_all_that_stands_around_a_bearing_and_most_are_no_contradiction(tmp_path):
+    found, refused, sets = set[str](), 0, 60
+    for number in range(sets):
+        tables = machine_scene(SEED, number, sets, tmp_path)
+        (tmp_path / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
+        for name in ("bearing", "operation", "lagrange"):
+            found |= tables.get(name, {}).keys()
+        found |= tables.keys() | {f"{table['body']} {name}" for name in SURFACES for table in tables.get(name, ())
+                                  if "body" in table}  # fmt: skip
+        try:
+            read_scene(tmp_path / "scene.toml")
+        except SceneError:
+            refused += 1
+    assert refused < 0.25 * sets
+    wanted = "cage support sensor damping fit axial missing_rollers contact_angle_deg contact_exponent law_table type"
+    wanted += " outer_ring_speed_rpm outer_ring_speed_table speed_table load_table unbalance_g_mm misalignment_mrad"
+    assert {*wanted.split(), "unequal_roller", "profile", "roller spall", "inner_ring spall"} <= found
 
 
 def endless():

@@ -6,6 +6,7 @@ import multiprocessing
 import signal
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -121,30 +122,42 @@ def _place(error: Exception) -> str:
     return f"{Path(frame.filename).name}:{frame.lineno}"
 
 
-def _work(pipe) -> None:
+class Lost(Exception):
+    """A worker did not come to the end of a task."""
+
+
+def _work(pipe, work: Callable[..., Any]) -> None:
     while (task := pipe.recv()) is not None:
-        *scene, limit = task
+        *parts, limit = task
         limit_processor_time(limit)
-        pipe.send(try_scene(*scene))
+        pipe.send(work(*parts))
 
 
 class Worker:
-    """A process that runs scenes one by one, so that a hang or a crash of one is an outcome, not the end."""
+    """A process that does one task after another, so that a hang or a crash of one is an outcome, not the end."""
 
-    def __init__(self):
+    def __init__(self, work: Callable[..., Any] = try_scene):
         self._context = multiprocessing.get_context("spawn")
         self._process = None
+        self._does = work
 
     def __call__(self, seed: int, number: int, tables: dict[str, Any], limit: float | None = None) -> Outcome:
         """Outcome of a scene; FAILED after `limit` s of its processor time (default: TIME_LIMIT per 5 ms)."""
         if limit is None:
             limit = TIME_LIMIT * max(1.0, tables["numerics"]["duration_ms"] / 5.0)
+        try:
+            return self.do(seed, number, tables, limit=limit)
+        except Lost as error:
+            return Outcome(seed=seed, number=number, what=str(error), scene=tables)
+
+    def do(self, *task: Any, limit: float) -> Any:
+        """The work's answer to a task, `limit` s of processor time at most. Lost: there is none."""
         if self._process is None:
             self._pipe, other = self._context.Pipe()
-            self._process = self._context.Process(target=_work, args=(other,), daemon=True)
+            self._process = self._context.Process(target=_work, args=(other, self._does), daemon=True)
             self._process.start()
             other.close()
-        self._pipe.send((seed, number, tables, limit))
+        self._pipe.send((*task, limit))
         try:
             if self._pipe.poll(ASLEEP * limit):
                 return self._pipe.recv()
@@ -154,7 +167,7 @@ class Worker:
             over = self._process.exitcode == -signal.SIGXCPU
             what = f"no end after {limit:.0f} s" if over else f"the process died (exit code {self._process.exitcode})"
         self.close()
-        return Outcome(seed=seed, number=number, what=what, scene=tables)
+        raise Lost(what)
 
     def close(self) -> None:
         if self._process is not None:

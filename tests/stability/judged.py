@@ -15,12 +15,14 @@ from scipy.optimize import brentq
 from fem.errors import UsageError
 from fem.solver.simulate import make_plan
 from lagrange.contact.raceway_laws import contact_laws
+from lagrange.equations import contact_resultant
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import SceneError, parse_scene_text
 from residual.errors import InputError
-from residual.evaluation import evaluate
+from residual.evaluation import Evaluation, evaluate
 from residual.record import Record
 from residual.sources import read_result
+from residual.tilt import moment_resultant
 from tests.stability.campaign import ASTRAY, LARGEST_IMBALANCE, ROUND_OFF
 
 SUM = 1e-9  # of the load, or of the largest term: what the checker's terms may miss of its errors
@@ -31,6 +33,7 @@ BALANCE = {  # of the largest force: what the hub's momentum may miss at a sampl
 KICKS = re.compile(r"at such samples that is up to (\S+) N off")  # the reduced model's note on its steps
 ROUNDED = 1.01  # its three digits, and what the rest of the balance misses
 STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
+LAWFUL = 1e-6  # of the largest force or moment, what a Lagrangian run's may be off its own law at its own places
 OTHER_MODEL = {"fem": "reduced", "reduced": "fem"}
 MESH = 0.05  # of the hub's place, what coarse meshes of soft rings may miss of series
 GROWTH = 0.01  # of what rings grow by as they spin
@@ -61,7 +64,7 @@ def faults_of(path: Path) -> list[str]:
         missed = float(np.max(np.abs(budget.terms["ring_flexibility"])))
         if record.scene.model in BALANCE and not missed <= _told(record.notes, BALANCE[record.scene.model] * load):
             found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
-    return found + _unstatic(record) + _unlike(record)
+    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record)
 
 
 def _told(notes: Sequence[str], unsaid: float) -> float:
@@ -90,20 +93,57 @@ def _energy(record: Record) -> tuple[float, float, float]:
     moved = e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e)
     owed = stored + moved - e["work_external"] + e["work_dissipated"]
     exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))
+    if record.scene.model == "lagrange":  # what its own verdict goes by
+        exchanged = np.max(stored) + np.ptp(moved) + e["work_dissipated"][-1]
     return float(np.max(np.abs(owed - owed[0]))), float(exchanged), float(np.max(e["energy_kinetic"]))
+
+
+def _unlawful(check: Evaluation, load: float) -> list[str]:
+    """Whether a Lagrangian run's forces and moments are not those of its law, which the checker has from its places."""
+    if check.record.scene.model != "lagrange":
+        return []
+    missed = max(float(np.max(np.abs(direction.budget.terms["contact_law"]))) for direction in check.directions)
+    found = [f"the contacts' force is {missed:.2g} N off their law, of {load:.3g} N"] if missed > LAWFUL * load else []
+    if check.tilt is not None:
+        moments = check.record.inner_moment, check.record.outer_moment
+        largest = max(float(np.max(np.abs(moment))) for moment in moments if moment is not None)
+        missed = float(np.max(np.abs(check.tilt.contact_law)))
+        if missed > LAWFUL * largest:
+            found.append(f"the contacts' moment is {missed:.2g} N m off their law, of {largest:.3g} N m")
+    return found
 
 
 def _unstatic(record: Record) -> list[str]:
     """Whether the first sample of a Lagrangian run from equilibrium is none, by sums of its own.
 
     Each roller is balanced between its two contacts by bisection (centrifugal force, weight), at the run's own hub and
-    angles; the hub's forces must then add up. The program finds hub and rollers together, by Newton's method.
+    angles; the hub's forces must then add up. The program finds hub and rollers together, by Newton's method. Where
+    rollers tilt, the run's own forces and moments are added up, which `_unlawful` has compared with the law.
     """
     scene, bearing, operation = record.scene, record.bearing, record.acting
     steady = record.operation.history is None and scene.numerics.load_ramp_ms == 0.0
     if scene.model != "lagrange" or scene.numerics.start != "equilibrium" or bearing.faults or not steady:
         return []
-    laws = contact_laws(scene.lagrange.law, bearing)
+    pushes = np.array(_tilted_pushes(record)) if scene.axial is not None else _pushes(record)
+    shaft = operation.mounting.shaft
+    if shaft is not None:
+        pushes -= shaft.stiffness * np.array(record.hub)[:, 0]
+    wanted = [-operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity]
+    missed, load = float(np.max(np.abs(pushes - wanted))), max(float(np.max(np.abs(wanted))), 1.0)
+    return [f"the start is no equilibrium: {missed:.2g} N of {load:.3g} N"] if not missed <= STATIC * load else []
+
+
+def _tilted_pushes(record: Record) -> list[float]:
+    """Force of rollers that tilt on the hub at the first sample, N, by the run's own forces and moments."""
+    pushes = contact_resultant(record.contacts, record.inner_force)
+    aside = moment_resultant(record, record.contacts, record.inner_moment)
+    return [float(push[0] + more[0]) for push, more in zip(pushes, aside, strict=True)]
+
+
+def _pushes(record: Record) -> np.ndarray:
+    """Force of the rollers on the hub at the first sample, (2,), N, each balanced between its contacts."""
+    bearing, operation = record.bearing, record.acting
+    laws = contact_laws(record.scene.lagrange.law, bearing)
     x, y = record.inner_x[0], record.inner_y[0]
     theta = np.arctan2(record.roller_y[0], record.roller_x[0])
     cage = 0.5 * operation.speed * bearing.inner_raceway_radius / bearing.pitch_radius
@@ -122,12 +162,7 @@ def _unstatic(record: Record) -> list[str]:
         rho = brentq(lambda rho: outward(rho)[0], low, high, xtol=1e-16)
         place = np.array([rho * np.cos(angle) - x, rho * np.sin(angle) - y])
         pushes -= outward(rho)[1] * place / np.hypot(*place)
-    shaft = operation.mounting.shaft
-    if shaft is not None:
-        pushes -= shaft.stiffness * np.array(record.hub)[:, 0]
-    wanted = [-operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity]
-    missed, load = float(np.max(np.abs(pushes - wanted))), max(float(np.max(np.abs(wanted))), 1.0)
-    return [f"the start is no equilibrium: {missed:.2g} N of {load:.3g} N"] if not missed <= STATIC * load else []
+    return pushes
 
 
 def _unlike(record: Record) -> list[str]:

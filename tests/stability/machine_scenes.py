@@ -5,7 +5,7 @@ set compiles a time loop of its own, so that a thousand scenes of a few dozen se
 what changes no compiled loop, are drawn for each scene.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import exp, log, pi, sin
 from pathlib import Path
@@ -27,9 +27,10 @@ MATERIALS = (  # GPa, kg/m³, Poisson's ratio of steel, ceramic, polymer
 
 @dataclass(frozen=True)
 class Draw:
-    """Numbers of one generator."""
+    """Numbers of one generator, and the folder of the scene's files."""
 
     rng: np.random.Generator
+    folder: Path = Path()
 
     def uniform(self, low: float, high: float) -> float:
         return float(self.rng.uniform(low, high))
@@ -44,15 +45,24 @@ class Draw:
     def one_of(self, *choices: str) -> str:
         return str(self.rng.choice(choices))
 
+    def table(self, name: str, header: str, rows: Iterable[Iterable[float]]) -> str:
+        """Name of a new file with these columns."""
+        lines = [header, *(",".join(f"{value:.8g}" for value in row) for row in rows)]
+        (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return name
+
 
 def model_of(seed: int, number: int, sets: int) -> str:
     """The model of a scene."""
     return str(_of_set(seed, number, sets).rng.choice(MODELS, p=SHARES))
 
 
-def machine_scene(seed: int, number: int, sets: int, folder: Path) -> dict[str, Any]:
-    """Tables of a scene of one of so many sets; what its speed and load do is written to files in the folder."""
-    kinds, values = _of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]))
+def machine_scene(seed: int, number: int, sets: int, folder: Path, axial: bool = False) -> dict[str, Any]:
+    """Tables of a scene of one of so many sets; the files that it names are written to the folder.
+
+    `axial`: with that table in any case.
+    """
+    kinds, values = _of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]), folder)
     model = str(kinds.rng.choice(MODELS, p=SHARES))
     tables = random_scene(seed, number, DURATION, 2e8) | {"name": f"machine {number}", "model": model}
     bearing, operation = tables["bearing"], tables["operation"]
@@ -66,21 +76,16 @@ def machine_scene(seed: int, number: int, sets: int, folder: Path) -> dict[str, 
     tables["contact"]["friction_coefficient"] = 0.0 if kinds.chance(0.2) else values.uniform(0.0, 1.0)
     if model == "lagrange":
         tables["lagrange"] = {"angles": kinds.one_of("kinematic", "free")}
-    for share, add in ((0.6, _damping), (0.6, _cage), (0.6, _housing), (0.5, _shaft), (0.5, _turning), (0.5, _spall)):
+    for share, add in AROUND_A_BEARING:
         if kinds.chance(share):
             add(tables, kinds, values)
-    for share, add_file in ((0.4, _speeds), (0.3, _loads)):
-        if kinds.chance(share):
-            add_file(tables, values, folder)
-    if kinds.chance(0.4):
-        amplitude = bearing["roller_diameter_mm"] * values.spread(0.001, 0.05)
-        order = int(values.rng.integers(2, 40))
-        tables["waviness"] = [{"body": "inner_ring", "order": order, "amplitude_um": amplitude}]
-    for share, change in KINDS_OF_BEARINGS:
-        if kinds.chance(share):
+    drawn = [change for share, change in KINDS_OF_BEARINGS if kinds.chance(share) or (axial and change is _axial)]
+    for change in drawn:
+        if not any(change in few and other in drawn for few, other in REFUSED_TOGETHER):
             change(tables, kinds, values)
     start = "equilibrium" if values.chance(0.7) else "rest"
-    tables["numerics"] |= {"start": start, "output_interval_us": 2.0}
+    interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
+    tables["numerics"] |= {"start": start, "output_interval_us": interval}
     return tables
 
 
@@ -145,31 +150,51 @@ def _turning(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
     }
 
 
-def _spall(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
-    d = tables["bearing"]["roller_diameter_mm"]
-    tables["spall"] = [{
-        "body": kinds.one_of("outer_ring", "inner_ring"),
-        "angle_deg": values.uniform(-60.0, 60.0),
-        "width_mm": d * values.uniform(0.03, 0.25),
-        "depth_um": d * values.spread(0.5, 20.0),
-        "edge_radius_mm": d * values.spread(0.002, 0.02),
-    }]  # fmt: skip
+def _surfaces(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    """Spalls, waves, a measured profile and an unequal element, in their kinds' order."""
+    d, n = tables["bearing"]["roller_diameter_mm"], tables["bearing"]["rollers"]
+
+    def body() -> dict[str, Any]:
+        name = kinds.one_of("outer_ring", "inner_ring", "roller")
+        return {"body": name} | ({"roller": int(values.rng.integers(n))} if name == "roller" else {})
+
+    if kinds.chance(0.7):
+        tables["spall"] = [body() | {
+            "angle_deg": values.uniform(-60.0, 60.0),
+            "width_mm": d * values.uniform(0.03, 0.25),
+            "depth_um": d * values.spread(0.5, 20.0),
+            "edge_radius_mm": d * values.spread(0.002, 0.02),
+        }]  # fmt: skip
+    if kinds.chance(0.5):
+        order, amplitude = int(values.rng.integers(2, 40)), d * values.spread(0.001, 0.05)
+        tables["waviness"] = [body() | {"order": order, "amplitude_um": amplitude}]
+    if kinds.chance(0.2):
+        deviation = d * values.uniform(-0.5, 0.5)
+        tables["unequal_roller"] = [{"roller": int(values.rng.integers(n)), "diameter_deviation_um": deviation}]
+    if kinds.chance(0.2):
+        angles, high = np.arange(0.0, 360.0, 0.25), d * values.spread(0.01, 0.3)
+        heights = high * np.cos(np.radians(int(values.rng.integers(1, 9)) * angles))
+        file = values.table("heights.csv", "angle_deg,height_um", zip(angles, heights, strict=True))
+        tables["profile"] = [{"body": kinds.one_of("outer_ring", "inner_ring"), "file": file}]
 
 
-def _speeds(tables: dict[str, Any], values: Draw, folder: Path) -> None:
-    speed = tables["operation"].pop("speed_rpm")
+def _speeds_of(tables: dict[str, Any], values: Draw, name: str, key: str) -> None:
+    operation = tables["operation"]
+    speed, shape = operation.pop(key), values.one_of("smooth", "linear")
     times = [0.0, *sorted(values.uniform(0.2, 0.9) * DURATION for _ in range(2)), DURATION]
-    rows = [f"{t:.6g},{speed * values.uniform(0.7, 1.3):.8g}" for t in times]
-    (folder / "ramp.csv").write_text("time_ms,speed_rpm\n" + "\n".join(rows) + "\n", encoding="utf-8")
-    tables["operation"]["speed_table"] = "ramp.csv"
+    file = values.table(f"{name}.csv", "time_ms,speed_rpm", [(t, speed * values.uniform(0.7, 1.3)) for t in times])
+    operation |= {name: file, f"{name}_shape": shape}
 
 
-def _loads(tables: dict[str, Any], values: Draw, folder: Path) -> None:
-    load = tables["operation"].pop("radial_load_N")
+def _speeds(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    _speeds_of(tables, values, "speed_table", "speed_rpm")
+
+
+def _loads(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    operation = tables["operation"]
+    load, shape = operation.pop("radial_load_N"), values.one_of("smooth", "linear", "steps")
     pulls = [(t, load * values.uniform(-0.3, 0.3), -load * values.uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION)]
-    rows = [f"{t:.6g},{x:.8g},{y:.8g}" for t, x, y in pulls]
-    (folder / "load.csv").write_text("time_ms,x_N,y_N\n" + "\n".join(rows) + "\n", encoding="utf-8")
-    tables["operation"]["load_table"] = "load.csv"
+    operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
 
 
 def _without(tables: dict[str, Any], *names: str) -> None:
@@ -178,8 +203,15 @@ def _without(tables: dict[str, Any], *names: str) -> None:
         tables.pop(name, None)
 
 
+def _without_rollers_surfaces(tables: dict[str, Any]) -> None:
+    for name in ("spall", "waviness"):
+        if tables.get(name, [{}])[0].get("body") == "roller":
+            del tables[name]
+
+
 def _angle(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
     """A contact angle and rows: element and pitch diameters stay, raceways follow."""
+    _without_rollers_surfaces(tables)
     bearing = tables["bearing"]
     inner, outer = bearing.pop("inner_raceway_diameter_mm"), bearing.pop("outer_raceway_diameter_mm")
     bearing |= {
@@ -191,6 +223,8 @@ def _angle(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
 
 
 def _missing(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    _without_rollers_surfaces(tables)
+    _without(tables, "unequal_roller")
     tables["bearing"]["missing_rollers"] = [int(values.rng.integers(tables["bearing"]["rollers"]))]
 
 
@@ -214,36 +248,80 @@ def _balls(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
 
 
 def _own_law(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    """K and n, or a table of forces and approaches around them."""
     if tables["model"] == "lagrange":
         exponent, length = values.uniform(1.0, 1.6), 1e-3 * tables["bearing"]["roller_length_mm"]
         stiffness = [5e10 * length * 1e-5 ** (1.0 - exponent) * values.spread(0.3, 3.0) for _ in range(2)]
-        tables["lagrange"] |= {"contact_stiffness_N_per_m_n": stiffness, "contact_exponent": exponent}
+        if values.chance(0.3):
+            approaches = [2.0, 5.0, 10.0, 20.0, 40.0]  # µm
+            rows = [(stiffness[0] * (1e-6 * x) ** exponent * values.uniform(0.95, 1.05), x) for x in approaches]
+            tables["lagrange"]["law_table"] = values.table("law.csv", "force [N],approach [um]", rows)
+        else:
+            tables["lagrange"] |= {"contact_stiffness_N_per_m_n": stiffness, "contact_exponent": exponent}
 
 
 def _outer_ring(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
+    """Both rings turn, at a steady speed or by a table."""
     _without(tables, "support", "sensor", "fit")
-    inner = abs(tables["operation"].get("speed_rpm", 1000.0))
-    tables["operation"]["outer_ring_speed_rpm"] = inner * values.uniform(-1.0, 1.0)
+    if tables.get("cage", {}).get("guidance") == "outer_ring":
+        tables["cage"]["guidance"] = "inner_ring"
+    operation = tables["operation"]
+    operation["outer_ring_speed_rpm"] = abs(operation.get("speed_rpm", 1000.0)) * values.uniform(-1.0, 1.0)
+    if "rotating_load_N" in operation:
+        operation["rotating_load_with"] = values.one_of("inner_ring", "outer_ring")
+    if values.chance(0.5):
+        _speeds_of(tables, values, "outer_ring_speed_table", "outer_ring_speed_rpm")
 
 
 def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
-    if tables["model"] != "fem" and tables["bearing"].get("type") != "ball":
-        _without(tables, "damping", "spall", "waviness")
-        tables["operation"].pop("outer_ring_speed_rpm", None)
-        tables["operation"]["misalignment_mrad"] = values.uniform(0.0, 2.0)
-        profile = kinds.one_of("logarithmic", "crowned")
-        tables["axial"] = {"roller_profile": profile, "coupling": False, "slices": 11}
-        if profile == "crowned":
-            tables["axial"]["crown_um"] = values.uniform(2.0, 20.0)
+    """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
+    if tables["model"] == "fem":
+        return
+    _without(tables, "damping", "spall", "waviness", "unequal_roller", "profile")
+    bearing, operation = tables["bearing"], tables["operation"]
+    d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
+    coupled = tables["model"] == "reduced" and kinds.chance(0.7)
+    slices = 5 + 2 * int(values.rng.integers(19))
+    axial: dict[str, Any] = {"coupling": coupled, "slices": slices}
+    for surface, none in (("roller", 0.1), ("inner_raceway", 0.7), ("outer_raceway", 0.7)):
+        kind = "none" if values.chance(none) else values.one_of("logarithmic", "crowned", "lundberg", "measured")
+        if kind == "measured":
+            z = np.linspace(-0.5 * length, 0.5 * length, 21)
+            drop = d * values.uniform(0.2, 2.0) * np.abs(2.0 * z / length) ** values.uniform(1.5, 6.0)
+            kind = values.table(f"{surface}.csv", "z_mm,drop_um", zip(z, drop, strict=True))
+        axial[f"{surface}_profile"] = kind
+    if "crowned" in axial.values():
+        axial["crown_um"] = d * values.spread(0.1, 3.0)
+    if "lundberg" in axial.values():
+        axial["lundberg_load_N"] = max(values.spread(0.05, 2.0) * operation.get("radial_load_N", 1000.0), 1.0)
+    if values.chance(0.5):
+        axial["ring_width_mm"] = length * values.uniform(1.0, 3.0)
+    if kinds.chance(0.3):
+        outer, mass = bearing["outer_raceway_diameter_mm"], operation.get("inner_ring_and_shaft_kg", 1.0)
+        axial["hub_tilt_inertia_kg_m2"] = mass * (1e-3 * outer) ** 2 * values.spread(0.1, 1.0)
+        axial["shaft_tilt_stiffness_N_m_rad"] = values.spread(1e2, 1e6)
+    operation["misalignment_mrad"] = values.uniform(-1.0, 1.0) * values.spread(0.05, 5.0)
+    tables["axial"] = axial
 
 
+AROUND_A_BEARING = (
+    (0.6, _damping),
+    (0.6, _cage),
+    (0.6, _housing),
+    (0.5, _shaft),
+    (0.5, _turning),
+    (0.6, _surfaces),
+    (0.4, _speeds),
+    (0.3, _loads),
+)
 KINDS_OF_BEARINGS = (
     (0.25, _angle),
     (0.2, _missing),
-    (0.2, _solid),
     (0.2, _fit),
-    (0.2, _balls),
+    (0.2, _solid),
+    (0.25, _balls),
     (0.25, _own_law),
     (0.3, _outer_ring),
     (0.25, _axial),
 )
+REFUSED_TOGETHER = (((_angle, _missing, _balls, _outer_ring), _axial), ((_fit,), _angle), ((_fit,), _solid))

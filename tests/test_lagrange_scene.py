@@ -55,6 +55,7 @@ def test_override_of_one_body_leaves_the_others():
         ("[contact]\nzzz = 1", ["contact.zzz", "known here: model, penalty_stiffness_N_per_m, friction_coefficient"]),
         ("[operation]\naxial_load_N = 1", ["axial_load_N: not in this program: axial loads; see docs/limits"]),
         ("[bearing]\ncrown_um = 1", ["did you mean axial.crown_um?"]),
+        ("[bearing]\nroller_bore_diameter_mm = 5", ["not in this program: hollow rollers; see docs/limits"]),
         ("[operation]\ntemperature = 1", ["not in this program: temperature"]),
         ("[support]\nfit_clearence_um = 1", ["did you mean fit_clearance_um?"]),
         ("[bearing]\nrollers = 2", ["bearing.rollers = 2", "3"]),

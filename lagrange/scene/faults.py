@@ -25,6 +25,7 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),
+    "hollow rollers": ("hollow", "roller_bore"),
 }
 # keys of a file beside the scene, and the text that a result file keeps of it
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]

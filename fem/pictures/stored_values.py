@@ -73,7 +73,7 @@ class StoredValues:
         limits = dict.fromkeys((*PER_TIME, *PER_ROLLER), LARGEST)
         limits |= {"roller_spin": FASTEST / bearing.roller_radius, "inner_x": farthest, "inner_y": farthest}
         if has_cage:
-            limits |= {"cage_x": farthest, "cage_y": farthest, "cage_angle": LARGEST}
+            limits |= {"cage_x": pitch, "cage_y": pitch, "cage_angle": LARGEST}  # loose ones go far
         for name, limit in limits.items():
             values, wanted = self.column(name), (count, bearing.n_rollers)[: 2 if name in PER_ROLLER else 1]
             if values.shape != wanted:

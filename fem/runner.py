@@ -26,8 +26,8 @@ from lagrange.scene.scene import Scene
 if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate
 
-CHECKPOINT_SECONDS = 10.0  # of wall time, unless told otherwise
-CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless told otherwise: a slow disk gets checkpoints less often
+CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
+CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless given: a slow disk gets checkpoints less often
 PATIENCE = 5.0  # s, of planning without a word
 PLANNING = "planning: meshes, matrices, static equilibrium and critical step; of a million nodes in a minute and 1.2 GB"
 GO_ON = "the same command with --resume goes on"
@@ -211,6 +211,6 @@ def _left(path: Path, store: ResultFile, in_place: bool) -> str:
 
 
 def _ended(outcome: Outcome, **facts: object) -> Outcome:
-    if text := outcome.told(**facts):
+    if text := outcome.sentence(**facts):
         say(text)
     return outcome

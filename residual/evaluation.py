@@ -120,8 +120,8 @@ class Evaluation:
     @property
     def force(self) -> np.ndarray:
         """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it holds them, or the law's."""
-        told = self.record.inner_force
-        return self.budget.law_force if told is None else told
+        stored = self.record.inner_force
+        return self.budget.law_force if stored is None else stored
 
     @property
     def hub_acceleration(self) -> tuple[np.ndarray, np.ndarray]:

@@ -90,7 +90,7 @@ def sinkage_maps(motion: RollerMotion, contact: Contact, known: Sequence[Spalled
     times = np.arange(stride, n_times - stride, thinned)
     middle, roller = (index.ravel() for index in np.meshgrid(times, np.arange(n_rollers), indexing="ij"))
     every = ThreeSamples(motion, contact, middle, roller)
-    sunk = {side: _told(every, side, known) for side in ("outer", "inner")}
+    sunk = {side: _explaining(every, side, known) for side in ("outer", "inner")}
     maps = []
     for place in motion.places():
         travel = thinned * motion.travel(place)
@@ -116,7 +116,7 @@ def _beside(each: SinkageMap, spall: np.ndarray) -> np.ndarray:
     return away < spall[1] + MAP_BESIDE[1]
 
 
-def _told(every: ThreeSamples, side: Side, known: Sequence[Spalled]) -> np.ndarray:
+def _explaining(every: ThreeSamples, side: Side, known: Sequence[Spalled]) -> np.ndarray:
     """Sinkage under the contacts of a side that explains three samples each, (n,), m; NaN where rollers are off."""
     missed = every.over(known)[0]
     deeper = (0.0, PROBE) if side == "outer" else (PROBE, 0.0)

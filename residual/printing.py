@@ -60,11 +60,11 @@ def _print_errors(console: Console, evaluation: Evaluation) -> None:
         found = []
         for peak in direction.peaks[:4]:
             name = peak_name(peak)
-            told = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
-            found.append(f"{hertz(peak.frequency)} ({told})")
+            label = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
+            found.append(f"{hertz(peak.frequency)} ({label})")
         console.print(f"Peaks of error_{direction.name}: {'; '.join(found) or 'none stands out'}", soft_wrap=True)
     for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
-        told = "" if resolved == "yes" else ", not resolved"
-        console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
+        note = "" if resolved == "yes" else ", not resolved"
+        console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){note}", soft_wrap=True)
     for sentence in fit_sentences(evaluation):
         console.print(sentence, soft_wrap=True, markup=False)

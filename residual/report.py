@@ -179,8 +179,8 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
     if t.reverses:
         mean = "turns both ways, its centre moves"
-    told = f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N"
-    return [*rows, ("Cage", told)]
+    sentence = f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N"
+    return [*rows, ("Cage", sentence)]
 
 
 def embedded(figure: SavedFigure) -> str:
@@ -206,13 +206,13 @@ def picture_of(run: Path) -> Picture | None:
         if path.stat().st_mtime < run.stat().st_mtime or path.stat().st_size > LARGEST:
             return None
         with Image.open(path) as image:
-            told = dict(getattr(image, "text", {}))
-        if told.get("Source") != run.name:
+            about = dict(getattr(image, "text", {}))
+        if about.get("Source") != run.name:
             return None
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     except (OSError, UnidentifiedImageError):
         return None
-    return Picture(address=f"data:image/png;base64,{data}", caption=told.get("Description", ""))
+    return Picture(address=f"data:image/png;base64,{data}", caption=about.get("Description", ""))
 
 
 def spectra_json(evaluation: Evaluation, equations: bool = True) -> str:

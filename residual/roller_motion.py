@@ -243,8 +243,8 @@ class ThreeSamples:
     def _missed(self, sunk: Sunk, settled: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         """Excess of the outer samples' sum over that of the equation of motion, (..., n), m."""
         outer, apart, (velocity, slope) = self._outer(sunk), self._after - self._before, settled
-        told = outer(velocity, 1) - outer(velocity, -1)
-        velocity = velocity + _move(apart - told, slope, self.lapse)
+        moved = outer(velocity, 1) - outer(velocity, -1)
+        velocity = velocity + _move(apart - moved, slope, self.lapse)
         return self._after + self._before - outer(velocity, 1) - outer(velocity, -1)
 
     def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
@@ -301,12 +301,12 @@ class ThreeSamples:
 def _velocity(outer, apart: np.ndarray, lapse: float) -> tuple[np.ndarray, np.ndarray]:
     """Velocities at the middle samples that fit the outer ones' difference, m/s, and its change by them, s."""
     last = 0.5 * apart / lapse
-    new, told = last + FIRST_VELOCITY_STEP, outer(last, 1) - outer(last, -1)
+    new, moved = last + FIRST_VELOCITY_STEP, outer(last, 1) - outer(last, -1)
     for _ in range(VELOCITY_STEPS):
-        change, before = new - last, told
-        told = outer(new, 1) - outer(new, -1)
-        slope = (told - before) / np.where(change == 0.0, 1.0, change)
-        last, new = new, new + _move(apart - told, slope, lapse)
+        change, before = new - last, moved
+        moved = outer(new, 1) - outer(new, -1)
+        slope = (moved - before) / np.where(change == 0.0, 1.0, change)
+        last, new = new, new + _move(apart - moved, slope, lapse)
     return new, slope
 
 

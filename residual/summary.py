@@ -20,7 +20,7 @@ from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
 from residual.tilt import tilt_summary
 from residual.vibration import BandLevel, FaultLine, Vibration
-from residual.vibration_tables import told_angle, unseen
+from residual.vibration_tables import reported_angle, unseen
 
 PROGRAM = "check-residual"
 Export = Literal["csv", "curves", "mat", "wav"]
@@ -40,7 +40,7 @@ class ReportOptions:
 
 def _angles(found: FoundSpall) -> np.ndarray:
     """Interval of a spall's angle, degrees, as scenes give it."""
-    return told_angle(found.place, found.angle) + degrees(found.angle_error) * np.array([-1.0, 1.0])
+    return reported_angle(found.place, found.angle) + degrees(found.angle_error) * np.array([-1.0, 1.0])
 
 
 def _item(name: str, key: int | str) -> Callable[[Any], Any]:
@@ -82,7 +82,7 @@ KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
         "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "record_needed_s": "record_needed",
     },
     FoundSpall: {
-        "body": "place.body", "roller": "place.roller", "angle_deg": lambda s: told_angle(s.place, s.angle),
+        "body": "place.body", "roller": "place.roller", "angle_deg": lambda s: reported_angle(s.place, s.angle),
         "angle_interval_deg": _angles, "width_mm": lambda s: 1e3 * s.width,
         "width_interval_mm": lambda s: 1e3 * s.width + 1e3 * s.width_error * np.array([-1.0, 1.0]),
         "interval_sigmas": lambda _: SIGMAS, "stands_out": "stands_out", "explained": "explained",

@@ -281,8 +281,8 @@ def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers:
     there = [any(name in header for name in columns.header(quantity, j)[0]) for j in range(n_rollers + 1)]
     count = there.index(False) if False in there else n_rollers + 1
     if (0 < count < n_rollers and not any(there[count:])) or there[n_rollers]:
-        told = f"at least {n_rollers + 1}" if there[n_rollers] else count
-        raise InputError(f"{path}: the table holds {told} rollers, the scene says {n_rollers}")
+        held = f"at least {n_rollers + 1}" if there[n_rollers] else count
+        raise InputError(f"{path}: the table holds {held} rollers, the scene says {n_rollers}")
 
 
 def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_rollers: int):

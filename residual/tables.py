@@ -223,8 +223,8 @@ def _remains(evaluation: Evaluation, found: Identification) -> str:
     parts = []
     for d in evaluation.directions:
         left = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
-        told = [f"{term_label(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
-        parts.append(f"in {d.name} {', '.join(told)}")
+        terms = [f"{term_label(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
+        parts.append(f"in {d.name} {', '.join(terms)}")
     return (
         f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
         "(coupling through the ring, damping); the rest no contact law can change."

@@ -123,15 +123,15 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     lines = f"Lines that stand out of the envelope's floor: {'; '.join(standing)}" if standing else "No line stands out"
     spalled = {fault.body for fault in faults if isinstance(fault, Spall)}
     expected = dict(line for body, line in EXPECTED.items() if body in spalled)
-    told = [f"Expected of such faults: {', '.join(expected.values())}."] if expected else []
-    told += [
+    sentences = [f"Expected of such faults: {', '.join(expected.values())}."] if expected else []
+    sentences += [
         f"{line.name} is not resolved from {line.nearest} in this record: that takes "
         f"{text(1e3 * line.record_needed, 3)} ms."
         for line in evaluation.x.vibration.lines
         if line.name in expected and not line.resolved
     ]
     return [
-        " ".join([f"{scene} {lines}.", *told]),
+        " ".join([f"{scene} {lines}.", *sentences]),
         f"Envelope (Hilbert) of the {evaluation.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} to "
         f"{text(1e-3 * found.high, 3)} kHz; where --band gives no other, from {ENVELOPE_FROM:g} BPFI up to 0.9 "
         "of the Nyquist frequency, at most 50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from "
@@ -164,7 +164,7 @@ def search_sentences(search: FaultSearch) -> list[str]:
 
 
 def _found(found: FoundSpall) -> str:
-    angle = f"{told_angle(found.place, found.angle):.2f}".replace("-", "−")
+    angle = f"{reported_angle(found.place, found.angle):.2f}".replace("-", "−")
     reference = "in its own frame" if found.place.roller is not None else "from the load's direction"
     return (
         f"Found a spall on {body_name(found.place)}: {1e3 * found.width:.2f} ± {1e3 * found.width_error:.2f} mm wide, "
@@ -194,21 +194,21 @@ def body_name(place: Place | Fault) -> str:
     return f"the {place.body.replace('_', ' ')}" if place.roller is None else f"roller {place.roller}"
 
 
-def told_angle(place: Place, angle: float) -> float:
+def reported_angle(place: Place, angle: float) -> float:
     """An angle as scenes give it, degrees: of rings from the load's direction, of rollers in their own frame."""
     turned = angle if place.roller is not None else angle + FROM_LOAD
     return degrees((turned + pi) % (2.0 * pi) - pi)
 
 
 def _seen(search: FaultSearch) -> str:
-    told, rollers = [], [100.0 * m.seen for m in search.maps if m.place.roller is not None]
+    shares, rollers = [], [100.0 * m.seen for m in search.maps if m.place.roller is not None]
     for each in search.maps:
         if each.place.roller is None:
             gaps = "; ".join(f"{low:.0f} to {high:.0f}°".replace("-", "−") for low, high in unseen(each))
-            told.append(f"{100 * each.seen:.0f} % of {body_name(each.place)}" + (f" (not {gaps})" if gaps else ""))
+            shares.append(f"{100 * each.seen:.0f} % of {body_name(each.place)}" + (f" (not {gaps})" if gaps else ""))
     low, high = min(rollers), max(rollers)
     span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
-    return f"Seen by rollers that touch it: {', '.join([*told, span])}."
+    return f"Seen by rollers that touch it: {', '.join([*shares, span])}."
 
 
 def unseen(each: SinkageMap) -> list[tuple[float, float]]:

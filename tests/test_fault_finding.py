@@ -17,7 +17,7 @@ from residual.errors import InputError
 from residual.fault_finding import SinkageMap, find_faults
 from residual.record import Record
 from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
-from residual.vibration_tables import search_sentences, told_angle, unseen
+from residual.vibration_tables import reported_angle, search_sentences, unseen
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
@@ -113,9 +113,9 @@ def test_a_spall_is_found_in_noise_on_its_own_body(body, angle, settings):
     (found,) = find_faults(record).found
     (spall,) = record.bearing.faults
     assert (found.place.body, found.place.roller) == (spall.body, spall.roller)
-    assert told_angle(found.place, found.angle) == pytest.approx(angle, abs=1.0)
+    assert reported_angle(found.place, found.angle) == pytest.approx(angle, abs=1.0)
     assert found.width == pytest.approx(spall.width, rel=0.1)
-    assert abs(told_angle(found.place, found.angle) - angle) < 1.5 * np.degrees(found.angle_error)
+    assert abs(reported_angle(found.place, found.angle) - angle) < 1.5 * np.degrees(found.angle_error)
     assert abs(found.width - spall.width) < 1.5 * found.width_error
 
 
@@ -128,7 +128,7 @@ def test_two_spalls_are_both_found():
     told = {each.place.body: each for each in search.found}
     assert len(search.found) == 2 and not search.says_more
     for body, angle, width in (("outer_ring", 15.0, 0.6e-3), ("inner_ring", 100.0, 1.2e-3)):
-        assert told_angle(told[body].place, told[body].angle) == pytest.approx(angle, abs=1.0)
+        assert reported_angle(told[body].place, told[body].angle) == pytest.approx(angle, abs=1.0)
         assert told[body].width == pytest.approx(width, rel=0.1)
     assert "No other spall found" in " ".join(search_sentences(search))
 
@@ -190,7 +190,7 @@ def test_arcs_that_were_not_seen_are_told_as_scenes_count_angles():
     assert arcs == [(-180.0, -135.0), (135.0, 180.0)]
     roller = Place(body="roller", roller=3, radius=5e-3)
     assert unseen(SinkageMap(place=roller, height=height)) == [(0.0, 90.0)]
-    assert told_angle(OUTER, radians(-90.0)) == pytest.approx(0.0)
+    assert reported_angle(OUTER, radians(-90.0)) == pytest.approx(0.0)
 
 
 def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():

@@ -158,9 +158,9 @@ def test_the_player_stands_at_the_top_and_shows_where_it_is_told(page):
     canvas = page.locator("#player canvas")
     box = canvas.bounding_box()
     assert box["y"] < 700 and box["width"] > 0.85 * min(page.viewport_size["width"], 900) and box["height"] > 150
-    first = page.locator("#player-told").inner_text()
+    first = page.locator("#player-state").inner_text()
     page.evaluate("window.player.show(1e9)")
-    last = page.locator("#player-told").inner_text()
+    last = page.locator("#player-state").inner_text()
     assert first != last and "largest load" in last and last.startswith("4.00 ms")
     page.get_by_role("button", name="play").click()
     assert page.evaluate("window.player.playing()")

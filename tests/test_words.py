@@ -17,6 +17,7 @@ BANNED = re.compile(
     r"\b(owe[ds]?|owing|pays|paid|told|felt|feels?|lest|aside|(?:gives?|gave) way|gone on with|set right|"
     r"don't tell of|off the middle|less its mean|hangs on)\b|\b[Ww]hat\b[^.;:!?|]*?\bby\b"
 )
+IDENTIFIERS = re.compile(r"(?:^|_)(told|debts?|paid|stuck|put_down)(?:$|_)", re.I)  # parts of names in the code
 DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
 LONGEST_LINE = 160
 MOST_LINES = 3400  # of the pages for readers
@@ -62,6 +63,23 @@ def test_messages_help_and_docstrings_keep_to_the_fields_words(package):
     assert found == []
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_names_in_the_code_keep_to_the_fields_words(package):
+    found = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for name in (
+            getattr(node, "id", None),
+            getattr(node, "attr", None),
+            getattr(node, "name", None),
+            getattr(node, "arg", None),
+        )
+        if isinstance(name, str) and IDENTIFIERS.search(name)
+    }
+    assert found == set()
+
+
 def test_banned_words_are_found():
     for text in (
         "a contact owes energy",
@@ -70,6 +88,7 @@ def test_banned_words_are_found():
         "it felt the load",
     ):
         assert BANNED.search(" ".join(text.split())), text
+    assert IDENTIFIERS.search("told_angle") and IDENTIFIERS.search("PAID_BY") and not IDENTIFIERS.search("repaid")
     assert not BANNED.search("What follows is the law. A spring held by the ring gives a force.")
     assert DIARY.search("at commit 5f9d253") and DIARY.search("of d3a7804, before") and not DIARY.search("1234567 N")
 

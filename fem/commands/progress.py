@@ -36,8 +36,8 @@ def _display(*columns):
 def _bar(plan: Plan):
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-    told = "{task.fields[speed]} steps/s, energy imbalance {task.fields[imbalance]}"
-    columns = (TextColumn("{task.fields[simulated]}"), BarColumn(), TaskProgressColumn(), TextColumn(told))
+    pace = "{task.fields[speed]} steps/s, energy imbalance {task.fields[imbalance]}"
+    columns = (TextColumn("{task.fields[simulated]}"), BarColumn(), TaskProgressColumn(), TextColumn(pace))
     with _display(*columns, TimeRemainingColumn()) as display:
         task = display.add_task("", total=plan.n_samples, simulated="0 ms", speed="-", imbalance="-")
 

@@ -262,7 +262,7 @@ def render_fem() -> None:
     except UsageError as error:
         from lagrange.messages import say
 
-        say(Outcome.UNUSABLE.told(reason=error))
+        say(Outcome.UNUSABLE.sentence(reason=error))
         code = Outcome.UNUSABLE.code
     leave(code)
 

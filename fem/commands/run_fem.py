@@ -227,7 +227,7 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         ended, reason = Outcome.UNUSABLE, error
     from lagrange.messages import say, telling  # with it come libraries that --help does without
 
-    say(ended.told(reason=reason))
+    say(ended.sentence(reason=reason))
     with telling():
         pass
     return ended.code
@@ -238,7 +238,7 @@ def interrupted(error: KeyboardInterrupt) -> int:
     hold_signals()  # a second one, of a terminal or the parent process, means the same
     ended = Outcome.ENDED_BY_TERM if isinstance(error, Terminated) else Outcome.ENDED
     with suppress(OSError):
-        print(ended.told(), file=sys.stderr, flush=True)
+        print(ended.sentence(), file=sys.stderr, flush=True)
     return ended.code
 
 

@@ -132,7 +132,7 @@ def _collect(points: "Points", folder: "Folder", export: "Form | None", quiet: b
     from fem.study.dataset import write_dataset
     from fem.study.page import write_page
     from fem.study.solving import COMPLETE
-    from fem.study.summary import print_outcome, told_outcome
+    from fem.study.summary import outcome_lines, print_outcome
     from lagrange.messages import say, telling
 
     with count_display("points collected", len(points), quiet) as count:
@@ -150,7 +150,7 @@ def _collect(points: "Points", folder: "Folder", export: "Form | None", quiet: b
         with telling():
             print_outcome(points, folder, statuses)
     elif not is_complete:
-        for line in told_outcome(points, folder, statuses):
+        for line in outcome_lines(points, folder, statuses):
             say(line)
     return (Outcome.COMPLETE if is_complete else Outcome.FAILED).code
 

@@ -124,12 +124,12 @@ class Outcome(Enum):
     ESTIMATE_INTERRUPTED = 130, "interrupted; {path} is complete, without an estimate", None
     ESTIMATE_TERMINATED = 143, "interrupted; {path} is complete, without an estimate", None
 
-    def __init__(self, code: int, sentence: str, status: str | None):
-        self.code, self._sentence, self._status = code, sentence, status
+    def __init__(self, code: int, text: str, status: str | None):
+        self.code, self._text, self._status = code, text, status
 
-    def told(self, **facts: object) -> str:
+    def sentence(self, **facts: object) -> str:
         """What to tell the user."""
-        return self._sentence.format(**facts)
+        return self._text.format(**facts)
 
     def status(self, reason: object = "") -> str:
         """What the result file says of it."""

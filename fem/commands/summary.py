@@ -51,11 +51,11 @@ def print_plan(plan: Plan) -> None:
 def print_meshes(name: str, found: "MeshTable") -> None:
     """Statics on meshes, Richardson's values and those of the exact series."""
     console = Console(highlight=False)
-    told = found.meshes[0].quantities
+    quantities = found.meshes[0].quantities
     table = Table(title=f"Statics of {escape(shown(name))} by mesh", title_justify="left")
-    for heading in ("mesh, mm", "nodes", *(quantity.meaning for quantity in told)):
+    for heading in ("mesh, mm", "nodes", *(quantity.meaning for quantity in quantities)):
         table.add_column(heading, justify="right")
-    units = [engineering(quantity.unit) for quantity in told]
+    units = [engineering(quantity.unit) for quantity in quantities]
 
     def row(values: Iterable[float | None]) -> list[str]:
         pairs = zip(values, units, strict=True)

@@ -220,10 +220,10 @@ def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float)
     found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
     held = float(ring.radii[ring.held_row])
     exact = ring_hertz_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
-    stuck = ring_stick_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
+    sticking = ring_stick_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
     loads = np.stack([ring_patch_traction(ring, angle) for angle in angles], axis=-1)
-    stuck -= np.einsum("rcsp,rcsp->p", loads, ring.held(loads)).mean()
-    return _missing(exact, found, stuck, half_width, line_compliance(ring.material, thickness))
+    sticking -= np.einsum("rcsp,rcsp->p", loads, ring.held(loads)).mean()
+    return _missing(exact, found, sticking, half_width, line_compliance(ring.material, thickness))
 
 
 def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
@@ -234,9 +234,9 @@ def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float)
     angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
     found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
     exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
-    stuck = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
-    stuck -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
-    return _missing(exact, found, stuck, half_width, line_compliance(disc.material, thickness))
+    sticking = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
+    sticking -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
+    return _missing(exact, found, sticking, half_width, line_compliance(disc.material, thickness))
 
 
 CALIBRATIONS = {
@@ -285,11 +285,11 @@ def rigid_surface(half_width: float) -> SurfaceCompliance:
 def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
     """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
     exact = disc_hertz_approach(radius, material, half_width) / thickness
-    stuck = disc_stick_approach(radius, material, half_width) / thickness
-    return _missing(exact, np.zeros(KNOTS_PER_NODE), stuck, half_width, line_compliance(material, thickness))
+    sticking = disc_stick_approach(radius, material, half_width) / thickness
+    return _missing(exact, np.zeros(KNOTS_PER_NODE), sticking, half_width, line_compliance(material, thickness))
 
 
-def _missing(exact: float, found: np.ndarray, stuck: float, half_width: float, unit: float) -> SurfaceCompliance:
+def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:
     return SurfaceCompliance(
         whole=float(exact),
         missing=float(exact - found.mean()),
@@ -297,7 +297,7 @@ def _missing(exact: float, found: np.ndarray, stuck: float, half_width: float, u
         unit=unit,
         ripple=_spline_coefficients(found.mean() - found),
         spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0,
-        missing_shear=float(stuck),
+        missing_shear=float(sticking),
     )
 
 

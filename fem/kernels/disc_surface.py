@@ -37,7 +37,7 @@ def _take_pairs(array, patches, at):
 
 
 @locate_patch.of(DiscSurface)
-def _put_down(disc, patches, side, group):
+def _locate_patch(disc, patches, side, group):
     place_patch(patches, side, group, disc.n_nodes)
 
 

@@ -18,9 +18,9 @@ from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.reduced_surfaces import push_along
 from fem.kernels.state import LoadHistory
 
-# of what contacts of surfaces that vibrate owe as they open: kicks drive their fastest modes, and with three tenths
-# rollers strike 6 % more often
-PAID_BY_WAVES = 0.1
+# share of the residual energy that contacts of vibrating surfaces release as they open: kicks drive their fastest
+# modes, and with three tenths rollers strike 6 % more often
+RELEASED_TO_WAVES = 0.1
 
 
 @verb
@@ -58,7 +58,7 @@ def kick(bodies, compliance, forces, drive, before):
     columns, n, halo, dt = bodies.columns, bodies.n, forces.halo, drive.dt
     width, over, across = columns + 2 * halo, dt / bodies.mass, compliance.across
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    paid = _share_paid(bodies.vibrations, drive)
+    share = _share_released(bodies.vibrations, drive)
     _tell_neighbours(forces.ahead, bodies, compliance, forces, drive, before)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
@@ -72,9 +72,9 @@ def kick(bodies, compliance, forces, drive, before):
         more_i, more_o = no_less(Q_i, more_i), no_less(Q_o, more_o)
         Q_i, Q_o = Q_i + more_i, Q_o + more_o
         take_more(forces.taken, columns, group, across * more_o, across * more_i)
-        P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, (further_i, paid), Q_i, there)
+        P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, (further_i, share), Q_i, there)
         at = columns + group
-        P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, (further_o, paid), Q_o, there)
+        P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, (further_o, share), Q_o, there)
         note_ahead(forces.ahead, forces, group, further_i, P_i)
         note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
@@ -180,7 +180,8 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
 def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`.
 
-    `opening` is for `repay`: how much further the forces' bodies are there, m, and the share of debts.
+    `opening` is for `repay`: how much further the forces' bodies are there, m, and the released share of the residual
+    energy.
     """
     approach = load(forces.first, at) + ahead
     free = approach
@@ -202,9 +203,9 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
 
 
 @part
-def _share_paid(vibrations, drive):
-    """Of what contacts owe as they open. Without friction they open so often that all is paid, modes or not."""
-    return 1.0 if vibrations is None or drive.friction == 0.0 else PAID_BY_WAVES
+def _share_released(vibrations, drive):
+    """Share of its residual energy that an opening contact releases: all without friction, as it opens so often."""
+    return 1.0 if vibrations is None or drive.friction == 0.0 else RELEASED_TO_WAVES
 
 
 @part
@@ -235,9 +236,9 @@ def cut_off(cut, forces, at, off, P):
     """
     if cut is None:
         return splat(0.0)
-    owed = 0.5 * (P + load(forces.kick, at)) * (load(cut, at) - off)
+    missed = 0.5 * (P + load(forces.kick, at)) * (load(cut, at) - off)
     store(cut, at, off)
-    return owed
+    return missed
 
 
 @part
@@ -252,8 +253,8 @@ def note_ahead(before, forces, at, ahead, P):
         last = at + before.size // 2
         beyond = P - load(forces.estimate, at)
         further = ahead - load(before, at)
-        owed = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
-        store(forces.residual, at, load(forces.residual, at) + owed)
+        missed = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
+        store(forces.residual, at, load(forces.residual, at) + missed)
         store(before, at, ahead)
         store(before, last, beyond)
 
@@ -280,8 +281,8 @@ def _bounded(forces, taken, at, approach, P, Q, residual):
     given = maximum(minimum(P, Q + most), Q - most)
     grown = load(taken, at) - load(taken, last)
     store(taken, last, load(taken, at))
-    owed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
-    return given, residual + select(before != before, 0.0, owed), grown
+    missed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
+    return given, residual + select(before != before, 0.0, missed), grown
 
 
 @part

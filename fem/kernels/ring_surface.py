@@ -39,7 +39,7 @@ def _ahead(ring, bx, by, node):
 
 
 @locate_patch.of(RingSurface)
-def _put_down(ring, patches, side, group):
+def _locate_patch(ring, patches, side, group):
     place_patch(patches, side, group, ring.n_nodes)
 
 

@@ -12,7 +12,7 @@ from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY = 2**29  # bytes
-MOST_CHANGES = 3  # told of another scene
+MOST_CHANGES = 3  # named of another scene
 
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
@@ -73,9 +73,9 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
         return
     if changed := differences(scene_keys(before), scene_keys(scene)):
         more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
-        told = [*changed[:MOST_CHANGES], *more]
+        named = [*changed[:MOST_CHANGES], *more]
         raise UsageError(
-            f"{path}: holds a complete run of another scene ({'; '.join(told)}); --force replaces it, --output names "
+            f"{path}: holds a complete run of another scene ({'; '.join(named)}); --force replaces it, --output names "
             "another file"
         )
 

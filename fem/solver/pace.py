@@ -33,8 +33,8 @@ def pace(model: str) -> float:
 
 def in_words(model: str, seconds: float) -> str:
     """A time to expect, and whether a run of the model has been timed here."""
-    told = f"about {seconds:.2g} s"
-    return told if _read().get(_key(model)) else f"{told}, or three times that: no run has been timed here yet"
+    text = f"about {seconds:.2g} s"
+    return text if _read().get(_key(model)) else f"{text}, or three times that: no run has been timed here yet"
 
 
 def remember(model: str, expected: float, took: float) -> None:

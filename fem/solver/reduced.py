@@ -48,7 +48,7 @@ class ReducedPlan(RigidPlan):
     model: ReducedBearing
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
-    relaxation_factor: float  # share of what forces gain at first, that other contacts are told of
+    relaxation_factor: float  # of coupled force increments
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart

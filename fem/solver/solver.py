@@ -187,8 +187,8 @@ class Plan(ABC):
     degrees_of_freedom: int
     mesh_nodes: int = 0  # of elastic bodies
     frame_stride: int = 0  # samples between stored fields; 0: none
-    warnings: tuple[str, ...] = ()  # told at the start, kept in the result file
-    notices: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
+    warnings: tuple[str, ...] = ()  # shown at the start, kept in the result file
+    notices: tuple[str, ...] = ()  # shown at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
     lacks: str  # what the model leaves out of a bearing
 

@@ -148,7 +148,7 @@ class _Signals:
         for i, solved in self._waiting:
             if any(values.shape != self._shapes[name] for name, values in solved.signals.items()):
                 raise UsageError(
-                    f"{self._points.design.told(i)}: its signals have another length than those of other points; "
+                    f"{self._points.design.describe(i)}: its signals have another length than those of other points; "
                     f"remove points/{self._points.digests[i]}.point, and --resume solves it again"
                 )
             at = tuple(int(k) for k in np.unravel_index(i, shape))

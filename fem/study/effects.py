@@ -25,7 +25,7 @@ class Column:
     words: tuple[str, ...] = ()  # in their order; empty of numbers
 
     @property
-    def told(self) -> str:
+    def title(self) -> str:
         """Meaning and name of a quantity."""
         return f"{self.meaning} ({self.name})"
 

@@ -157,8 +157,8 @@ class Folder:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            told = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
-            raise UsageError(f"{self._about}: damaged, or not of this version: {told}") from None
+            fault = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
+            raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
         study = study_of(self._about, facts.study, facts.listed)
         scene = parse_scene_text(facts.scene, f"{self._about}: scene", facts.files)
         return Points(

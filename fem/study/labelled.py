@@ -167,11 +167,11 @@ def _rate(data: Labelled) -> float:
 
 def datasheet(data: Labelled, files: list[Path]) -> str:
     """What the data are, where they come from and what they are not, as Gebru et al. ask (Datasheets for Datasets)."""
-    told = data.attributes
+    about = data.attributes
     left = ", ".join(f"{count} {status}" for status, count in data.counts.items() if status != COMPLETE)
     lines = [
-        f"# Datasheet of {told['title']}", "",
-        f"Simulated vibration of a roller bearing, made by run-study {told['program_version']}; datasheet by version "
+        f"# Datasheet of {about['title']}", "",
+        f"Simulated vibration of a roller bearing, made by run-study {about['program_version']}; datasheet by version "
         f"{VERSION}.", "",
         "## Composition", "",
         f"{data.points.size} complete points of {sum(data.counts.values())}" + (f" ({left}, left out)" if left else "")
@@ -182,7 +182,7 @@ def datasheet(data: Labelled, files: list[Path]) -> str:
         "| label | unit | meaning | values |", "|---|---|---|---|",
         *(f"| {c.name} | {c.unit} | {c.meaning} | {_span(c, data.points)} |" for c in data.labels), "",
         "## Collection", "",
-        f"Points by the method \"{told['method']}\", seed {told['seed']}. Every point is a scene solved by the model "
+        f"Points by the method \"{about['method']}\", seed {about['seed']}. Every point is a scene solved by the model "
         "that it names; the same study, program and libraries give the same numbers.", "",
         "## What the signals are not", "",
         "* Signals of a model: the housing is as simple as the scene has it, there is no noise, no neighbouring "
@@ -191,8 +191,8 @@ def datasheet(data: Labelled, files: list[Path]) -> str:
         "* Not split: points that share a parameter are alike, so split by parameter, not at random, to learn how "
         "well a method carries over.",
         "* A method that does well here has not been shown to do well on a machine.", "",
-        "## Study", "", "```toml", str(told["study"]).strip(), "```", "", "## Scene", "", "```toml",
-        str(told["scene"]).strip(), "```", "",
+        "## Study", "", "```toml", str(about["study"]).strip(), "```", "", "## Scene", "", "```toml",
+        str(about["scene"]).strip(), "```", "",
     ]  # fmt: skip
     return "\n".join(lines)
 

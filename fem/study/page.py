@@ -24,7 +24,7 @@ def write_page(points: Points, folder: Folder) -> None:
     dataset = read_dataset(folder.dataset, points.study.keep.quantities)
     table = table_of(points, dataset)
     indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
-    failed = [(points.design.told(i), status, text) for i, status, text in dataset.incomplete]
+    failed = [(points.design.describe(i), status, text) for i, status, text in dataset.incomplete]
     text = render_page(
         TEMPLATE,
         name=points.study.name,
@@ -86,14 +86,14 @@ def _sentence(table: Table, quantity: Column) -> str:
     known = quantity.values[np.isfinite(quantity.values)]
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not len(known):
-        return f"{quantity.told}: no point tells it."
+        return f"{quantity.title}: no point tells it."
     if not np.ptp(known) > 0.0:
-        return f"{quantity.told}: {number(known[0])}{unit} in every point."
-    span = f"{quantity.told}: {number(known.min())} to {number(known.max())}{unit}"
+        return f"{quantity.title}: {number(known[0])}{unit} in every point."
+    span = f"{quantity.title}: {number(known.min())} to {number(known.max())}{unit}"
     if len(table.parameters) < 2:  # it explains all that differs
         return f"{span}."
-    told = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]
-    parts = ", ".join(told) or "no parameter more than a twentieth"
+    strongest = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]
+    parts = ", ".join(strongest) or "no parameter more than a twentieth"
     return f"{span}; of its variance each parameter explains: {parts}."
 
 
@@ -101,9 +101,9 @@ def _range(quantity: Column) -> tuple[str, ...]:
     known = quantity.values[np.isfinite(quantity.values)]
     unit = "" if quantity.unit == "1" else quantity.unit
     if not len(known):
-        return quantity.told, unit, "-", "-", "-", "-", "0"
+        return quantity.title, unit, "-", "-", "-", "-", "0"
     return (
-        quantity.told,
+        quantity.title,
         unit,
         *(number(float(f(known))) for f in (np.min, np.mean, np.max, np.std)),
         str(len(known)),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange.scene.faults import told
+from lagrange.scene.faults import quoted
 
 Value = float | int | str | bool
 MOST_VALUES = 100_000  # of one parameter
@@ -116,7 +116,7 @@ def read_parameter(key: str, spec: Any) -> Parameter:
     if isinstance(spec, list):
         return Choice(key=key, values=_values(key, spec))
     if not isinstance(spec, dict):
-        raise UsageError(f'parameters."{key}" = {told(spec)}: must be {SPECS}')
+        raise UsageError(f'parameters."{key}" = {quoted(spec)}: must be {SPECS}')
     if "from" in spec or "to" in spec:
         return _range(key, spec)
     if len(spec) != 1:
@@ -132,10 +132,10 @@ def _values(key: str, given: Sequence[Any]) -> tuple[Value, ...]:
         raise UsageError(f'parameters."{key}": holds {len(given)} values; 1 to {MOST_VALUES} are taken')
     for value in given:
         if not is_value(value):
-            raise UsageError(f'parameters."{key}": {told(value)} is no value of a scene')
+            raise UsageError(f'parameters."{key}": {quoted(value)} is no value of a scene')
     if len(set(given)) < len(given):
         twice = next(value for i, value in enumerate(given) if value in given[:i])
-        raise UsageError(f'parameters."{key}": {told(twice)} is there twice')
+        raise UsageError(f'parameters."{key}": {quoted(twice)} is there twice')
     return tuple(given)
 
 
@@ -147,14 +147,14 @@ def _range(key: str, spec: dict[str, Any]) -> Range:
     for name in ("from", "to"):
         value = spec.get(name)
         if not _is_number(value):
-            raise UsageError(f"{place}.{name} = {told(value)}: must be a number")
+            raise UsageError(f"{place}.{name} = {quoted(value)}: must be a number")
     low, high, count, scale = spec["from"], spec["to"], spec.get("count"), spec.get("scale", "linear")
     if not low < high:
         raise UsageError(f"{place}: from = {low:g} must be below to = {high:g}")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES):
-        raise UsageError(f"{place}.count = {told(count)}: must be a whole number from 2 to {MOST_VALUES}")
+        raise UsageError(f"{place}.count = {quoted(count)}: must be a whole number from 2 to {MOST_VALUES}")
     if scale not in ("linear", "log"):
-        raise UsageError(f'{place}.scale = {told(scale)}: must be "linear" or "log"')
+        raise UsageError(f'{place}.scale = {quoted(scale)}: must be "linear" or "log"')
     if scale == "log" and low <= 0.0:
         raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
     whole = isinstance(low, int) and isinstance(high, int)
@@ -172,7 +172,7 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
         raise UsageError(f"{place}.{name}: no range and no continuous distribution of scipy.stats; must be {SPECS}")
     numbers = arguments if isinstance(arguments, list) else None
     if numbers is None or not all(_is_number(a) for a in numbers):
-        raise UsageError(f"{place}.{name} = {told(arguments)}: must be a list of numbers: shapes, location, scale")
+        raise UsageError(f"{place}.{name} = {quoted(arguments)}: must be a list of numbers: shapes, location, scale")
     found = Distribution(key=key, name=SHORTHAND.get(name, name), arguments=tuple(float(a) for a in numbers))
     try:
         middle = found.quantiles(np.array([0.5]))[0]
@@ -184,5 +184,5 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
     except (ArithmeticError, ValueError, RuntimeError):  # of a search for what has no closed form
         middle = nan
     if not isfinite(middle):
-        raise UsageError(f"{place}.{name} = {told(arguments)}: outside what the distribution is defined for")
+        raise UsageError(f"{place}.{name} = {quoted(arguments)}: outside what the distribution is defined for")
     return found

@@ -64,7 +64,7 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
             plan = make_plan(scene)
             seconds.append(time.process_time() - began + plan.expected_seconds)
         except (RunFailed, UsageError) as error:
-            refused = refused or f"{points.design.told(i)}: {error}"
+            refused = refused or f"{points.design.describe(i)}: {error}"
     if not seconds:
         raise UsageError(refused)
     return Expected(seconds=sum(seconds) / len(seconds), memory=_memory(), disk=_disk(points))
@@ -129,7 +129,7 @@ def solve_points(
         else:
             _solve_here(points, pending, wanted, add, stop)
     for i, solved in lost.items():
-        say(f"warning: {points.design.told(i)}: {solved.text}; --resume tries it again")
+        say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
     return lost
 
 

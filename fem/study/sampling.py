@@ -10,7 +10,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.study.parameters import Value, is_value
 from fem.study.study_file import Study
-from lagrange.scene.faults import told
+from lagrange.scene.faults import quoted
 from lagrange.scene.files import load
 from lagrange.scene.scene import SceneError
 
@@ -49,7 +49,7 @@ class Design:
         """What point i changes of the scene: keys of cells left empty stay as they are."""
         return {key: value for key, value in zip(self.keys, self.points[i], strict=True) if value is not None}
 
-    def told(self, i: int) -> str:
+    def describe(self, i: int) -> str:
         """Point i in words."""
         values = ", ".join(f"{key} = {_short(value)}" for key, value in self.changes(i).items())
         return f"point {i} ({values})"
@@ -76,8 +76,8 @@ def design_of(study: Study) -> Design:
     if method == "zip":
         lengths = {key: len(axis) for key, axis in zip(keys, axes, strict=True)}
         if len(set(lengths.values())) > 1:
-            told = ", ".join(f'"{key}" {length}' for key, length in lengths.items())
-            raise UsageError(f'parameters: method = "zip" needs as many values of each, here {told}')
+            counts = ", ".join(f'"{key}" {length}' for key, length in lengths.items())
+            raise UsageError(f'parameters: method = "zip" needs as many values of each, here {counts}')
         return Design(keys=keys, points=list(zip(*axes, strict=True)), axes=None)
     count = prod(len(axis) for axis in axes)
     _check_count(count, len(axes), "parameters")
@@ -154,5 +154,5 @@ def _value(name: str, row: int, key: str, cell: str) -> Value | None:
     except SceneError:
         found = cell
     if not is_value(found):
-        raise UsageError(f"{name}: row {row}, {key} = {told(cell)}: is no value of a scene")
+        raise UsageError(f"{name}: row {row}, {key} = {quoted(cell)}: is no value of a scene")
     return found

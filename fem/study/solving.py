@@ -25,7 +25,7 @@ from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
 
 FORMAT = 1  # of a point's file
-MOST_FAULTS = 10  # told at once
+MOST_FAULTS = 10  # named at once
 LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
 
 
@@ -61,7 +61,7 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
             _check_signals(scene, study.keep, first)
         except (SceneError, UsageError) as error:
             reason = str(error).replace("\n", "; ").replace(f"{study.scene.name}: ", "")
-            faults.append(f"{design.told(i)}: {reason}")
+            faults.append(f"{design.describe(i)}: {reason}")
             if len(faults) == MOST_FAULTS:
                 break
             continue

@@ -10,7 +10,7 @@ from fem.study.running import Expected, StudyOptions, workers_for
 from fem.study.solving import Points
 from lagrange.messages import shown
 
-MOST_TOLD = 5  # points that have failed
+MOST_NAMED = 5  # points that have failed
 
 
 def _megabytes(size: float) -> str:
@@ -42,19 +42,19 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
         console.print(f"{name + ':':16s} {shown(value)}", soft_wrap=True, markup=False)
 
 
-def told_outcome(points: Points, folder: Folder, found: dict[str, int]) -> list[str]:
+def outcome_lines(points: Points, folder: Folder, found: dict[str, int]) -> list[str]:
     """How many points there are of each status, and the first that failed, a line each."""
     lines = [f"{len(points)} points: {', '.join(f'{count} {status}' for status, count in sorted(found.items()))}"]
     incomplete = read_dataset(folder.dataset).incomplete
-    lines += [f"{points.design.told(i)}: {status}: {text}" for i, status, text in incomplete]
-    more = ["… more are on the page"] if len(lines) > 1 + MOST_TOLD else []
-    return [*lines[: 1 + MOST_TOLD], *more]
+    lines += [f"{points.design.describe(i)}: {status}: {text}" for i, status, text in incomplete]
+    more = ["… more are on the page"] if len(lines) > 1 + MOST_NAMED else []
+    return [*lines[: 1 + MOST_NAMED], *more]
 
 
 def print_outcome(points: Points, folder: Folder, found: dict[str, int]) -> None:
     """What came of a study, and where its dataset is."""
     console = Console(highlight=False)
-    for line in told_outcome(points, folder, found):
+    for line in outcome_lines(points, folder, found):
         console.print(shown(line), soft_wrap=True, markup=False)
     console.print(f"Dataset: {shown(folder.dataset)}", soft_wrap=True, markup=False)
     console.print(f"Page: {shown(folder.page)}", soft_wrap=True, markup=False)

@@ -134,12 +134,12 @@ def refusal_in_child(read: Callable[[], object], name: str, seconds: float, memo
     """
     if not hasattr(os, "fork"):
         return None
-    told, tell = os.pipe()
+    receiver, tell = os.pipe()
     child = os.fork()
     if child == 0:
         _attempt(read, tell, seconds, memory)
     os.close(tell)
-    with open(told, "rb") as pipe:
+    with open(receiver, "rb") as pipe:
         text = pipe.read().decode("utf-8", errors="replace")
     status = os.waitpid(child, 0)[1]
     if os.WIFSIGNALED(status):
@@ -185,7 +185,7 @@ def _limit(seconds: float, memory: int) -> None:
     signal.setitimer(signal.ITIMER_PROF, seconds)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     used = Path("/proc/self/statm")
-    if used.exists():  # elsewhere the memory in use is not told in the same way
+    if used.exists():  # elsewhere the memory in use is not found in the same way
         pages = int(used.read_text(encoding="ascii").split()[0])
         most = pages * os.sysconf("SC_PAGE_SIZE") + memory
         set_before = [limit for limit in resource.getrlimit(resource.RLIMIT_AS) if limit != resource.RLIM_INFINITY]

@@ -15,7 +15,7 @@ from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import ErrorDetails
 
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
-MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
+MOST_FAULTS = 15  # named at once: a file that is no scene may have thousands
 MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some milliseconds each
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
@@ -124,12 +124,12 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     if fault["type"] == "value_error":
         return [_at(place, reason) for reason in str(fault["ctx"]["error"]).split("\n")]
     if fault["type"] == "list_type":
-        return [f"{place} = {told(value)}: must be an array of tables, [[{place}]]"]
+        return [f"{place} = {quoted(value)}: must be an array of tables, [[{place}]]"]
     if fault["type"] == "model_type":
         header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"
-        return [f"{place} = {told(value)}: must be a table, {header}"]
+        return [f"{place} = {quoted(value)}: must be a table, {header}"]
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
-    return [f"{place} = {told(value)}: {reason}"]
+    return [f"{place} = {quoted(value)}: {reason}"]
 
 
 def _at(place: str, reason: str) -> str:
@@ -141,7 +141,7 @@ def _quoted(key: str) -> str:
     return _short(key if key.isprintable() else repr(key))
 
 
-def told(value: object) -> str:
+def quoted(value: object) -> str:
     """A value of TOML as Python writes it, cut off where it is long."""
     try:
         return _short(repr(value))
@@ -274,7 +274,7 @@ def _contradictions(table: Table, place: str = "") -> Iterator[str]:
         for i, item in enumerate(table.__dict__.get(name, [])):
             yield from _contradictions(item, f"{place}.{name}.{i}".lstrip("."))
     for check in table.checks():
-        # a value left out, or bodies that can't be made of values told of already
+        # a value left out, or bodies that can't be made of values that are named already
         with suppress(AttributeError, ValueError):
             for fault in check():
                 yield _at(place, fault)

@@ -125,7 +125,7 @@ class OperationTable(Table):
                     shape = data.get(f"{name}_shape") or "smooth"
                     defaults[key] = _first_speed(data[f"{name}_content"], decimal, shape)
                 except (ValueError, TypeError):  # a decimal sign that is no text
-                    pass  # told by `_tables`
+                    pass  # refused by `_tables`
         return defaults | data
 
     def checks(self) -> tuple[Check, ...]:

@@ -46,15 +46,15 @@ def draw_figures(
                 "budget": budget_figures(evaluation, folder),
                 "paper": paper_figures(evaluation, folder),
             }
-    told = {group: method_told(evaluation, options.other if group == "against" else None) for group in drawn}
+    methods = {group: method_sentence(evaluation, options.other if group == "against" else None) for group in drawn}
     return {
-        group: [replace(figure, caption=figure.caption + told[group]) for figure in found]
+        group: [replace(figure, caption=figure.caption + methods[group]) for figure in found]
         for group, found in drawn.items()
     }
 
 
-def method_told(evaluation: Evaluation, other: Evaluation | None) -> str:
+def method_sentence(evaluation: Evaluation, other: Evaluation | None) -> str:
     """Model and damping of the run that figures show, and of what it is compared with; of a table from elsewhere ""."""
     runs = [each.record for each in (evaluation, other) if each is not None]
-    told = dict.fromkeys(f" Run {run.name}: {run.scene.method}." for run in runs if run.attributes)
-    return "".join(told)
+    methods = dict.fromkeys(f" Run {run.name}: {run.scene.method}." for run in runs if run.attributes)
+    return "".join(methods)

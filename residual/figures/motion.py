@@ -57,8 +57,8 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
     angle = evaluation.record.from_load[::stride]
-    told = evaluation.record.inner_force is not None
-    name = "run" if told else f"law {evaluation.law.name} on the run's approaches"
+    has_forces = evaluation.record.inner_force is not None
+    name = "run" if has_forces else f"law {evaluation.law.name} on the run's approaches"
     axes.plot(angle.ravel(), force[::stride].ravel(), color=BLUE, label=name, **DOTS)
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:

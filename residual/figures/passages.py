@@ -13,7 +13,7 @@ from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFig
 from residual.figures.style import COLOUR_BAR, DASHED, RIGHT, colour_bar, legend_above, panels, save
 from residual.formatting import text
 from residual.record import Record
-from residual.vibration_tables import body_name, told_angle
+from residual.vibration_tables import body_name, reported_angle
 
 MOST_SPALLS = 3  # figures: of those struck hardest
 MOST_PASSAGES = 150  # in one of them: more hide each other
@@ -147,7 +147,7 @@ def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
     figure, axes = panels((1,) * rows, 3.3 * rows)
     for k, each in enumerate(found):
         _draw_map(axes[2 * k], each.seen, BLUE)
-        middle, half = told_angle(each.place, each.angle), np.degrees(0.5 * each.width / each.place.radius)
+        middle, half = reported_angle(each.place, each.angle), np.degrees(0.5 * each.width / each.place.radius)
         axes[2 * k].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
         _draw_passages(axes[2 * k + 1], search, k)
     caption = (
@@ -169,7 +169,7 @@ def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
 
 def _draw_map(axis, each: SinkageMap, colour: str) -> None:
     """Draw a map around the body."""
-    angle = np.array([told_angle(each.place, a) for a in each.angle])
+    angle = np.array([reported_angle(each.place, a) for a in each.angle])
     order = np.argsort(angle)
     axis.plot(angle[order], MICRO * each.height[order], color=colour, linewidth=0.9, label=body_name(each.place))
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-# Okabe and Ito's palette, told apart by colour-blind readers
+# Okabe and Ito's palette, distinguished by colour-blind readers
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
 )  # fmt: skip

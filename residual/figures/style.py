@@ -217,10 +217,10 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigu
     make_plain(figure)
     figure.set_dpi(DPI)
     # a canvas' own drawing and printing draw once each, `savefig` twice
-    canvas, told = FigureCanvasAgg(figure), PngInfo()
+    canvas, about = FigureCanvasAgg(figure), PngInfo()
     canvas.draw()
-    told.add_text("Title", title)
-    Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=told, **PACKED)
+    about.add_text("Title", title)
+    Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=about, **PACKED)
     FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
     return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
 

@@ -120,7 +120,7 @@ class Diagnosis:
 
     verdict: Verdict
     reasons: tuple[str, ...]  # of the verdict, sentences
-    notes: tuple[str, ...]  # what is not resolved or can't be told
+    notes: tuple[str, ...]  # what is not resolved or can't be found
     findings: tuple[Finding, ...]  # most prominent first
     shaft: float  # Hz, as found
     shaft_from: str  # where that comes from
@@ -344,9 +344,9 @@ def _doubts(
         if abs(best.found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
             continue
         of_other = replace(best, name=name, expected=place)
-        told = _sidebands(of_other, spectrum, nominal) < UNMARKED if not side_of(best.name, nominal) else (
+        distinct = _sidebands(of_other, spectrum, nominal) < UNMARKED if not side_of(best.name, nominal) else (
             _sidebands(best, spectrum, nominal) > MARKED)  # fmt: skip
-        if not told:
+        if not distinct:
             doubts.append(f"With this tolerance and length it may be {name} too, at {place:.4g} Hz by kinematics.")
     return doubts
 

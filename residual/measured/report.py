@@ -225,7 +225,7 @@ def summarise(check: Check) -> dict:
         "program": PROGRAM,
         "program_version": VERSION,
         "record": shown(check.path.name),
-        **_told(check.record),
+        **_numbers(check.record),
         "width_mm": None if width.value is None else 1e3 * width.value,
         "width_interval_mm": None if width.low is None or width.high is None else [1e3 * width.low, 1e3 * width.high],
         "width_reason": width.reason,
@@ -234,14 +234,14 @@ def summarise(check: Check) -> dict:
         if check.other is None
         else {
             "record": shown(check.other.signal.name),
-            **_told(check.other),
+            **_numbers(check.other),
             "command": None if check.command is None else shown(check.command),
             "assumed": [{"key": each.key, "value": each.value, "given": each.given} for each in check.assumed],
         },
     }
 
 
-def _told(judged: Judged) -> dict:
+def _numbers(judged: Judged) -> dict:
     """Verdict, lines and levels of one record."""
     found, unit = judged.diagnosis, {"m/s²": "m_s2", "m/s": "m_s"}.get(judged.signal.unit, "own_unit")
     return {

@@ -141,26 +141,26 @@ def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float
     """The rate, Hz, of the times, of the file or as given; those that contradict each other are refused."""
     if given is not None and not 1.0 <= given <= FASTEST:
         raise InputError(f"--rate {given:g}: must be a number of Hz from 1 to 1e9")
-    told = channels.rate
+    stated = channels.rate
     if times is not None:
         if not np.all(np.isfinite(times)):
             raise InputError(f"{path}: a time is missing; delete that row, or the column of times and give --rate")
         steps = np.diff(times)
         step = float(np.median(steps))
         near = steps[steps < APART * step]
-        told = 1.0 / float(near.mean())
+        stated = 1.0 / float(near.mean())
         if np.std(near) > UNEVEN * step:
             notes.append(
                 f"Times scatter by {100.0 * float(np.std(near)) / step:.2g} % of a step; samples were taken as equally "
                 "spaced, which blurs lines where they are not."
             )
-    if told is None and given is None:
+    if stated is None and given is None:
         raise InputError(f"{path}: neither a rate nor a column of times is in it; add --rate and the number of Hz")
-    if told is not None and not 1.0 / SLOWEST <= told <= FASTEST:
-        raise InputError(f"{path}: its times or rate tell {told:g} Hz, which no record has; give --rate without them")
-    if told is not None and given is not None and abs(told / given - 1.0) > RATES_AGREE:
-        raise InputError(f"{path}: --rate {given:g} Hz, but the file's own is {told:.6g} Hz; leave --rate out")
-    return float(told if given is None else given)  # type: ignore[arg-type]
+    if stated is not None and not 1.0 / SLOWEST <= stated <= FASTEST:
+        raise InputError(f"{path}: its times or rate tell {stated:g} Hz, which no record has; give --rate without them")
+    if stated is not None and given is not None and abs(stated / given - 1.0) > RATES_AGREE:
+        raise InputError(f"{path}: --rate {given:g} Hz, but the file's own is {stated:.6g} Hz; leave --rate out")
+    return float(stated if given is None else given)  # type: ignore[arg-type]
 
 
 def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: list[str]) -> np.ndarray:
@@ -183,7 +183,7 @@ def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: li
 
 
 def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:
-    """Factor to SI and the SI unit, "" of a unit that is not told."""
+    """Factor to SI and the SI unit, "" of a unit that is not stated."""
     bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
     ending = re.search(r"_(g|m_s2|mm_s)$", name)
     in_name = (bracketed[1] if bracketed else "") or (ending[1] if ending else "")

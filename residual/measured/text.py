@@ -63,8 +63,8 @@ def text_channels(data: bytes) -> Channels:
     rows = [line for line in lines[first:] if line[0] not in "#%"]
     values = _numbers(rows, delimiter, decimal, first)
     names, units = _heads(before, delimiter, values.shape[1])
-    told = RATE.search("\n".join(before))
-    rate = None if told is None else float(told[1].replace(",", ".")) * (1e3 if told[2] else 1.0)
+    stated = RATE.search("\n".join(before))
+    rate = None if stated is None else float(stated[1].replace(",", ".")) * (1e3 if stated[2] else 1.0)
     return Channels(values={name: values[:, k] for k, name in enumerate(names)}, units=units, rate=rate or None)
 
 

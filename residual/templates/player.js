@@ -4,7 +4,7 @@
   const canvas = document.getElementById("player-canvas");
   const place = document.getElementById("player-place");
   const button = document.getElementById("player-play");
-  const told = document.getElementById("player-told");
+  const state = document.getElementById("player-state");
   const frames = data.time.length;
   const most = Math.max(1e-9, ...data.force.map((row) => Math.max(...row)));
   const [bore, inner, outer, outside] = data.rings;
@@ -40,7 +40,7 @@
     const loads = data.force[frame];
     const [hubX, hubY] = data.hub.map((row) => row[frame].toFixed(3).replace("-", "−"));
     const largest = Math.max(...loads);
-    told.textContent =
+    state.textContent =
       data.time[frame].toFixed(2) + " ms: hub x " + hubX + " µm, y " + hubY + " µm; largest load " +
       largest.toPrecision(4) + " N on roller " + loads.indexOf(largest);
     place.value = frame;

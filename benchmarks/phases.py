@@ -77,7 +77,7 @@ def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
 @njit
 def _rings_drift(inner, outer, radii, grown):
     _, u, w, first, last = inner
-    ring_kernels.drift(u, w, w, radii, grown, 1e-12, 1.0, 1e-12, first, last, -1)
+    ring_kernels.drift((u, w, w), radii, grown, 1e-12, (1.0, 1e-12), (first, last, -1))
     _, u, w, first, last = outer
     ring_kernels.drift_still(u, w, 1e-12, first, last)
 

@@ -258,8 +258,8 @@ def test_ring_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     rng = np.random.default_rng(11)
     u, w = 1e-6 * rng.standard_normal((2, body.n_rows, 2, body.n_sectors))
     found_u, found_w = halo(u), halo(w)
-    places = 0.0 * body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows, body.raceway_row
-    compiled.drift_ring(found_u, found_w, found_w, body.radii, *places)
+    frame, rows = (np.cos(turn), np.sin(turn)), (1, body.n_rows, body.raceway_row)
+    compiled.drift_ring((found_u, found_w, found_w), body.radii, 0.0 * body.radii, dt, frame, rows)
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     own = np.zeros_like(u)
     own[:, 0] = body.radii[:, None]  # in its sector's axes every node lies at (radius, 0)

@@ -81,11 +81,11 @@ def kick(disc, w, columns, torque):
 
 
 @part
-def _calm(disc, columns, calming, ahead0, ahead1, block):
+def _calm(disc, columns, calming, ahead, block):
     """calmed = w + β dt·(blocks·w) in sixteen columns; w lacks `ahead` times the points, 1/s, see `slow_waves`."""
     w, calmed = disc.w, disc.calmed
     for i in range(disc.mass.size):
-        x0, x1, y0, y1 = _slowing(disc, w, columns, ahead0, ahead1, i, block)
+        x0, x1, y0, y1 = _slowing(disc, w, columns, ahead, i, block)
         at = i * (2 * columns) + block
         store(calmed, at, fma(calming, x0, load(w, at)))
         store(calmed, at + 8, fma(calming, x1, load(w, at + 8)))
@@ -94,31 +94,31 @@ def _calm(disc, columns, calming, ahead0, ahead1, block):
 
 
 @part
-def _slowing(disc, field, columns, ahead0, ahead1, i, block):
-    """blocks·(field + ahead·points) of node i in sixteen columns."""
+def _slowing(disc, field, columns, ahead, i, block):
+    """blocks·(field + ahead·points) of node i in sixteen columns; `ahead` : of the first eight, and of the others."""
     x0, x1, y0, y1 = _row_product(disc, field, columns, i, block)
     x, y = gather(disc.grown, 2 * i), gather(disc.grown, 2 * i + 1)
-    return fma(x, ahead0, x0), fma(x, ahead1, x1), fma(y, ahead0, y0), fma(y, ahead1, y1)
+    return fma(x, ahead[0], x0), fma(x, ahead[1], x1), fma(y, ahead[0], y0), fma(y, ahead[1], y1)
 
 
 @part(inlined=False)
 def calm(disc, columns, calming):
     """The calmed velocities of discs that do not turn. `calming` : β dt, s"""
     for block in range(0, columns, COLUMNS):
-        _calm(disc, columns, calming, splat(0.0), splat(0.0), block)
+        _calm(disc, columns, calming, (splat(0.0), splat(0.0)), block)
 
 
 @part
-def _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1):
+def _slow(disc, columns, slowing, ahead, i, block, moments):
     """u of node i, what it gains over `slowing`, and the moments so far."""
-    x0, x1, y0, y1 = _slowing(disc, disc.calmed, columns, ahead0, ahead1, i, block)
+    x0, x1, y0, y1 = _slowing(disc, disc.calmed, columns, ahead, i, block)
     u, at, m = disc.u, i * (2 * columns) + block, gather(disc.mass, i)
     store(u, at, fma(slowing, x0, load(u, at)))
     store(u, at + 8, fma(slowing, x1, load(u, at + 8)))
     store(u, at + columns, fma(slowing, y0, load(u, at + columns)))
     store(u, at + columns + 8, fma(slowing, y1, load(u, at + columns + 8)))
-    t0 = _moment(-m, disc.w, at, columns, x0, y0, t0)
-    return x0, x1, y0, y1, t0, _moment(-m, disc.w, at + 8, columns, x1, y1, t1)
+    t0 = _moment(-m, disc.w, at, columns, x0, y0, moments[0])
+    return x0, x1, y0, y1, (t0, _moment(-m, disc.w, at + 8, columns, x1, y1, moments[1]))
 
 
 @part(inlined=False)
@@ -138,21 +138,21 @@ def slow_waves(disc, cosine, columns, slowing, calming, dt, torque):
     """
     w, v, over = disc.w, disc.v, slowing / dt
     for block in range(0, columns, COLUMNS):
-        ahead0, ahead1 = (1.0 - load(cosine, block)) * (1.0 / dt), (1.0 - load(cosine, block + 8)) * (1.0 / dt)
+        ahead = (1.0 - load(cosine, block)) * (1.0 / dt), (1.0 - load(cosine, block + 8)) * (1.0 / dt)
         if calming > 0.0:
-            _calm(disc, columns, calming, ahead0, ahead1, block)
-        t0, t1 = splat(0.0), splat(0.0)
+            _calm(disc, columns, calming, ahead, block)
+        moments = splat(0.0), splat(0.0)
         for i in range(disc.first):
-            x0, x1, y0, y1, t0, t1 = _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1)
+            x0, x1, y0, y1, moments = _slow(disc, columns, slowing, ahead, i, block, moments)
         for i in range(disc.first, disc.mass.size):
-            x0, x1, y0, y1, t0, t1 = _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1)
+            x0, x1, y0, y1, moments = _slow(disc, columns, slowing, ahead, i, block, moments)
             at = i * (2 * columns) + block
             store(v, at, fma(over, x0, load(w, at)))
             store(v, at + 8, fma(over, x1, load(w, at + 8)))
             store(v, at + columns, fma(over, y0, load(w, at + columns)))
             store(v, at + columns + 8, fma(over, y1, load(w, at + columns + 8)))
-        store(torque, block, t0)
-        store(torque, block + 8, t1)
+        store(torque, block, moments[0])
+        store(torque, block + 8, moments[1])
 
 
 @part(inlined=False)

@@ -93,9 +93,8 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
         if slowing > 0.0:
             ring_kernels.slow_waves(inner.slowed, inner.u, inner.calmed, first, end, inner.raceway)
             ring_kernels.unwrap(inner.w, inner.raceway)
-        ring_kernels.drift(
-            inner.u, inner.w, inner.v, inner.radii, inner.grown, dt, cosine, sine, first, end, inner.raceway
-        )
+        motion, rows = (inner.u, inner.w, inner.v), (first, end, inner.raceway)
+        ring_kernels.drift(motion, inner.radii, inner.grown, dt, (cosine, sine), rows)
     else:
         _drift_still(inner, dt, slowing)
 
@@ -106,9 +105,8 @@ def _drift_outer(turning, ring, dt, slowing):
     if turning is None:
         _drift_still(ring, dt, slowing)
     else:
-        cosine, sine = cosine_and_sine(turning.now[STEP])
-        first, end = ring.first_row, ring.last_row
-        ring_kernels.drift(ring.u, ring.w, ring.v, ring.radii, ring.grown, dt, cosine, sine, first, end, ring.raceway)
+        motion, rows = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
+        ring_kernels.drift(motion, ring.radii, ring.grown, dt, cosine_and_sine(turning.now[STEP]), rows)
 
 
 @part

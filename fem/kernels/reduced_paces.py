@@ -83,12 +83,12 @@ def take_pace(paces, bodies, compliance, forces, drives, before, time, acting, g
     if paces is not None:
         if time > 0.0:
             paces.made[paces.now[0]] += paces.counts[paces.now[0]]
-        _take(paces, bodies, compliance, forces, drives, before, time, acting, given)
+        _take(paces, bodies, compliance, forces, drives, before, (time, acting, given))
 
 
 @part(inlined=False)
-def _take(paces, bodies, compliance, forces, drives, before, time, acting, given):
-    now = paces.now[0]
+def _take(paces, bodies, compliance, forces, drives, before, instant):
+    now, time = paces.now[0], instant[0]
     drive = drives[now]
     pace = FAR
     outer_turn = with_outer(outer_of(drive.history), 0.0, 1.0, TURN)
@@ -99,7 +99,7 @@ def _take(paces, bodies, compliance, forces, drives, before, time, acting, given
     elif now == NEAR and not _unrest(paces, bodies, compliance, forces, before, drive.dt) < paces.calm:
         pace = NEAR
     if pace != now:
-        _change(bodies, compliance, forces, before, drive, drives[pace], acting, given, time)
+        _change(bodies, compliance, forces, before, drive, drives[pace], instant)
         _change_sensor(bodies.housing, paces, pace, drives[pace].dt)
         paces.now[0] = pace
         if pace == FAR and paces.smooth:
@@ -184,9 +184,9 @@ def _mass_of_housing(housing):
 
 
 @part
-def _change(bodies, compliance, forces, before, old, new, acting, given, time):
-    """Change from one step to another at the instant of a kick that the old one has made."""
-    dt, next_, sums = old.dt, new.dt, old.sums
+def _change(bodies, compliance, forces, before, old, new, instant):
+    """Change from one step to another at the instant of a kick that the old one has made: time, load, drive's work."""
+    dt, next_, sums, (time, acting, given) = old.dt, new.dt, old.sums, instant
     ratio = next_ / dt
     back, shift = 0.5 * (1.0 - ratio), TWELFTH * (dt * dt - next_ * next_)
     damped = damping_power(forces.dampers, bodies, forces, old)

@@ -47,11 +47,11 @@ def _give_both(r, u, below, row, above, width, k):
 
 
 @part
-def _row_force(table, u, row, out, at, base, line, from_, times):
+def _row_force(table, u, row, out, at, base, added):
     """out = base + table·u for one row of nodes, radial from index `at` on, tangential a line further.
 
     Every node's part is formed once and handed to its neighbours' columns, instead of reading three columns for each.
-    With `line` from index `from_` on, `times` that is added, too; None, of `base`, too: nothing.
+    `added` : a line, the index that it begins at, and by what it is multiplied; None, of `base`, too: nothing.
     """
     width = u.shape[2]
     # past the ends coefficients are 0
@@ -66,7 +66,8 @@ def _row_force(table, u, row, out, at, base, line, from_, times):
         next_r, next_t = _give_both(r, u, below, row, above, width, k + WIDTH)
         x = radial[0] + (from_left(before_r[2], radial[2]) + from_right(radial[1], next_r[1]))
         y = tangential[0] + (from_left(before_t[2], tangential[2]) + from_right(tangential[1], next_t[1]))
-        if line is not None:
+        if added is not None:
+            line, from_, times = added
             x, y = fma(times, load(line, from_ + k), x), fma(times, load(line, from_ + width + k), y)
         if base is not None:
             x, y = load(base, at + k) + x, load(base, at + width + k) + y
@@ -83,21 +84,21 @@ def row_force(table, u, row, out):
     ----------
     table : (n_rows, 18), see `coefficients`, times any factor; out : (2, n_sectors + 2 HALO)
     """
-    _row_force(table, u, row, out, 0, None, None, 0, 0.0)
+    _row_force(table, u, row, out, 0, None, None)
 
 
 @part(inlined=False)
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], w, None, 0, 0.0)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, None)
 
 
 @part(inlined=False)
 def kick_and_add(table, u, w, line, first_row, last_row):
     """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], w, line, 0, 1.0)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, (line, 0, 1.0))
 
 
 @part(inlined=False)
@@ -109,7 +110,7 @@ def calm(calming, w, calmed, grown, ahead, first_row, last_row):
     width = w.shape[2]
     for row in range(first_row, last_row):
         at, more = 2 * row * width, ahead * grown[row]
-        _row_force(calming, w, row, calmed, at, w, None, 0, 0.0)
+        _row_force(calming, w, row, calmed, at, w, None)
         if more != 0.0:
             for k in range(at + HALO, at + width - HALO, WIDTH):
                 store(calmed, k, load(calmed, k) + more)
@@ -137,7 +138,7 @@ def slow_waves(slowed, u, calmed, first_row, last_row, raceway):
     """
     for row in range(first_row, last_row):
         if row != raceway:
-            _row_force(slowed, calmed, row, u, 2 * row * u.shape[2], u, None, 0, 0.0)
+            _row_force(slowed, calmed, row, u, 2 * row * u.shape[2], u, None)
 
 
 @part(inlined=False)
@@ -145,7 +146,7 @@ def find_velocities(slowed, calmed, w, v, dt, raceway):
     """v, velocities of a raceway's nodes in the step to come; all is ready for the stencil."""
     width, over = w.shape[2], 1.0 / dt
     at = 2 * raceway * width
-    _row_force(slowed, calmed, raceway, v, at, None, w, at, dt)
+    _row_force(slowed, calmed, raceway, v, at, None, (w, at, dt))
     for k in range(at, at + 2 * width, WIDTH):
         store(v, k, load(v, k) * over)
     wrap(v, at, width)
@@ -153,26 +154,28 @@ def find_velocities(slowed, calmed, w, v, dt, raceway):
 
 
 @part(inlined=False)
-def drift(u, w, v, radii, grown, dt, cosine, sine, first_row, last_row, raceway):
-    """Move by dt·w, the raceway by dt·v, and turn the frame by the given angle.
+def drift(motion, radii, grown, dt, turn, rows):
+    """Move rows of nodes by dt·w, the raceway by dt·v, and turn the frame.
 
+    `motion` : u, w and v; `turn` : cosine and sine; `rows` : the first one, the one after the last, the raceway's
     `grown` : (n_rows,), m/s; what `slow_waves` has made of the motion along chords, half a step ahead of the frame
     """
-    width, ahead = u.shape[2], (1.0 - cosine) * (1.0 / dt)
+    (u, w, v), (first_row, last_row, raceway) = motion, rows
+    width, ahead = u.shape[2], (1.0 - turn[0]) * (1.0 / dt)
     for row in range(first_row, last_row):
         radius, at = radii[row], 2 * row * width
         reached = radius + ahead * grown[row]
         if row == raceway:
-            _drift_row(u, w, v, at, radius, reached, dt, cosine, sine)
+            _drift_row(u, w, v, at, radius, reached, dt, turn)
         else:
-            _drift_row(u, w, w, at, radius, reached, dt, cosine, sine)
+            _drift_row(u, w, w, at, radius, reached, dt, turn)
         wrap(u, at, width)
         wrap(u, at + width, width)
 
 
 @part
-def _drift_row(u, w, moved, at, radius, reached, dt, cosine, sine):
-    width = u.shape[2]
+def _drift_row(u, w, moved, at, radius, reached, dt, turn):
+    width, (cosine, sine) = u.shape[2], turn
     for k in range(at + HALO, at + width - HALO, WIDTH):
         x = reached + fma(dt, load(moved, k), load(u, k))
         y = fma(dt, load(moved, k + width), load(u, k + width))
@@ -203,7 +206,7 @@ def drift_slowed(slowed, u, w, v, calmed, dt, first_row, last_row, raceway):
             for k in range(at, at + 2 * width, WIDTH):
                 store(u, k, fma(dt, load(v, k), load(u, k)))
         else:
-            _row_force(slowed, calmed, row, u, at, u, w, at, dt)
+            _row_force(slowed, calmed, row, u, at, u, (w, at, dt))
         wrap(u, at, width)
         wrap(u, at + width, width)
 

@@ -22,6 +22,7 @@ HARMONICS = {"shaft": 3, OUTER_RING: 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5
 REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
 DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-off
+MOST_PEAKS = 12  # of a spectrum
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
 MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
@@ -127,7 +128,7 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     return Spectrum(frequency=frequency, psd=psd, resolution=1.0 / (length * interval), segments=segments)
 
 
-def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> list[Peak]:
+def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
     """Find significant peaks, highest first.
 
     A peak must exceed the smooth background by more than exponentially distributed bins of noise do, and
@@ -152,7 +153,7 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     at, _ = scipy_peaks(padded, prominence=np.log(PROMINENCE))
     at -= 1
     at = at[(level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)]
-    at = at[np.argsort(psd[at])[::-1][:most]]
+    at = at[np.argsort(psd[at])[::-1][:MOST_PEAKS]]
     return [_describe(spectrum, int(i), lines) for i in at]
 
 

@@ -7,7 +7,6 @@ from scipy.sparse.linalg import spsolve
 
 from fem.elastic.assembly import assemble
 from fem.elastic.bodies import rigid_modes
-from fem.elastic.reciprocal_mass import LUMPED
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import disc_nodes
@@ -211,7 +210,7 @@ def column_blocks(body, columns, seed):
 
 def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
-    nodes, torque = disc_nodes(body, dt, u.shape[2], LUMPED.at(dt)), np.zeros(u.shape[2])
+    nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     compiled.kick_disc(nodes, nodes.w, u.shape[2], torque)
     return nodes.w.reshape(u.shape), torque
@@ -235,7 +234,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     u, w = 1e-6 * column_blocks(body, columns, 8), column_blocks(body, columns, 9)
     shift = np.random.default_rng(10).standard_normal((2, columns))
     turn_kick = np.random.default_rng(7).standard_normal(columns) / RADIUS
-    nodes, moment = disc_nodes(body, dt, columns, LUMPED.at(dt)), np.zeros(columns)
+    nodes, moment = disc_nodes(body, dt, columns), np.zeros(columns)
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])

@@ -54,7 +54,7 @@ def ring_up_disc(body, shape, omega, dt, n_steps, mass):
     """Amplitude of the mode at every step, from rest at the first, with frames that do not turn."""
     columns = 16
     slowing = mass.at(dt)
-    nodes = disc_nodes(body, dt, columns, slowing)
+    nodes = disc_nodes(body, dt, columns)
     nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
     u, w = np.zeros((2 * body.n_nodes, columns)), np.zeros((2 * body.n_nodes, columns))
     u[:, 3] = 1e-6 * shape

@@ -170,7 +170,7 @@ def leapfrog_disc(body, dt, n_steps, mass):
     """Largest displacement, relative to the first, after free leapfrog steps."""
     columns = 16
     slowing = mass.at(dt)
-    nodes = disc_nodes(body, dt, columns, slowing)
+    nodes = disc_nodes(body, dt, columns)
     nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
     u = np.zeros((body.n_nodes, 2, columns))
     u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))

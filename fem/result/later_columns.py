@@ -65,19 +65,22 @@ def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> N
     file.attrs["coarse_mesh_size"] = coarse_mesh_size
 
 
-def read_columns(path: Path, names: tuple[str, ...], samples: int | None = None) -> dict[str, np.ndarray]:
-    """The first so many committed samples of some variables, or all."""
+BLOCK = 1 << 16  # samples
+
+
+def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """All committed samples of some variables."""
     with h5py.File(path, "r") as file:
-        count = int(file.attrs["committed_samples"]) if samples is None else samples
+        count = int(file.attrs["committed_samples"])
         return {name: file[name][:count] for name in names}
 
 
-def read_blocks(path: Path, names: tuple[str, ...], rows: int = 1 << 16) -> Iterator[dict[str, np.ndarray]]:
-    """All committed samples of some variables, so many at a time."""
+def read_blocks(path: Path, names: tuple[str, ...]) -> Iterator[dict[str, np.ndarray]]:
+    """The same, a block at a time."""
     with h5py.File(path, "r") as file:
         count = int(file.attrs["committed_samples"])
-        for first in range(0, count, rows):
-            yield {name: file[name][first : min(first + rows, count)] for name in names}
+        for first in range(0, count, BLOCK):
+            yield {name: file[name][first : min(first + BLOCK, count)] for name in names}
 
 
 EVENTS = "events"

@@ -49,7 +49,7 @@ def make_arrays(
     inner = ring_nodes(model.inner_ring, dt, slowing)
     outer = ring_nodes(model.outer_ring, dt, slowing)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
-    disc = disc_nodes(model.roller, dt, rollers.columns, slowing)
+    disc = disc_nodes(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp, slowing)
     data = model.kernel_data(largest_force)
     contacts = contact_arrays(model, operation, start, data, friction, mass, rollers.columns)
@@ -102,7 +102,7 @@ def _rollers(disc: DiscBody, n: int) -> Rollers:
     return filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole)
 
 
-def disc_nodes(disc: DiscBody, dt: float, columns: int, slowing: Slowing) -> Disc:
+def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
     """Nodes at rest of so many rollers, for steps of `dt`, s; none of rigid ones."""
     starts, neighbours, blocks = disc.blocks()
     points, mass = disc.points, disc.mass

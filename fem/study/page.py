@@ -39,7 +39,7 @@ def write_page(points: Points, folder: Folder) -> None:
         figures=study_figures(table, indices),
         failed=failed[:MOST_FAILED],
         left_out=max(0, len(failed) - MOST_FAILED),
-        speed=_speed(table, dataset),
+        speed=_speed(dataset),
         version=dataset.attributes["program_version"],
         study=points.study.text,
         scene=points.study.scene.to_toml(),
@@ -127,7 +127,7 @@ def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:
     return "There are no Sobol indices: they need every point, and not all are complete, or nothing varies."
 
 
-def _speed(table: Table, dataset: Collected) -> list[tuple[str, str]]:
+def _speed(dataset: Collected) -> list[tuple[str, str]]:
     seconds = dataset.seconds
     seconds = seconds[np.isfinite(seconds)]
     if not len(seconds):

@@ -91,12 +91,12 @@ def rigid_loads(
     return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ x)))
 
 
-def shared_out(row: Dimensions, loads: np.ndarray, laminae: int = LAMINAE) -> np.ndarray:
-    """Loads of laminae, (..., laminae), N, of rollers without tilt under loads, (...), N; the standard's profile."""
+def shared_out(row: Dimensions, loads: np.ndarray) -> np.ndarray:
+    """Loads of LAMINAE, (..., LAMINAE), N, of rollers without tilt under loads, (...), N; the standard's profile."""
     loads = np.asarray(loads, dtype=float)[..., None]
-    drop = 2.0 * profile_drop(row, positions(row, laminae))
-    stiff = STIFFNESS * row.length ** (8 / 9) / laminae
-    delta = drop.max() + (loads / (stiff * laminae)) ** (1.0 / EXPONENT)  # deeper than it is; convex as above
+    drop = 2.0 * profile_drop(row, positions(row, LAMINAE))
+    stiff = STIFFNESS * row.length ** (8 / 9) / LAMINAE
+    delta = drop.max() + (loads / (stiff * LAMINAE)) ** (1.0 / EXPONENT)  # deeper than it is; convex as above
     for _ in range(STEPS):
         deep = np.maximum(delta - drop, 0.0)
         force = stiff * deep**EXPONENT

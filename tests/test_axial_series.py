@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fem.elastic.axial_series import (
+    Body,
     _fields,
     _scaled,
     axial_difference,
@@ -24,6 +25,7 @@ from tests.reference.bearings import STEEL, paper
 
 PAPER = paper()
 ROLLER, INNER, OUTER = bodies(PAPER)
+SOLID = Body(radius=INNER.radius, held=0.0, material=STEEL)
 UNIT = 1.0 / (pi * STEEL.plane_strain_modulus)  # m per N/m
 STEP = 1e-5  # m, of differences
 
@@ -86,6 +88,19 @@ def test_long_waves_give_the_plane_series():
     assert axial_limit(STEEL) / UNIT == pytest.approx(0.1978, abs=5e-5)
 
 
+def test_a_solid_shaft_is_a_cylinder_in_a_pulsating_band_and_a_beam():
+    """Uniform around: Timoshenko and Goodier, Theory of Elasticity, 143; across, of long waves: q/(E I k⁴)."""
+    from scipy.special import i0, i1
+
+    a, nu = SOLID.radius, STEEL.poisson_ratio
+    for x in (0.02, 0.5, 3.0):
+        swollen, bent = harmonic_compliance(SOLID, np.array([0, 1]), x / a)
+        free = x * x * (i0(x) ** 2 - i1(x) ** 2) - 2.0 * (1.0 - nu) * i1(x) ** 2
+        assert swollen == pytest.approx(a * (1.0 - nu) / STEEL.lame_mu * i1(x) ** 2 / free, rel=1e-9)
+        if x < 0.1:
+            assert bent == pytest.approx(4.0 * a / (STEEL.youngs_modulus * x**4), rel=x * x)
+
+
 @pytest.mark.parametrize(
     "k, expected, within",
     [
@@ -107,6 +122,7 @@ def test_short_waves_see_the_depth_that_the_plane_approach_implies():
         ROLLER: disc_hertz_approach(ROLLER.radius, STEEL, half_width, 2),
         INNER: ring_hertz_approach(INNER.radius, INNER.held, STEEL, half_width),
         OUTER: ring_hertz_approach(OUTER.radius, OUTER.held, STEEL, half_width),
+        SOLID: ring_hertz_approach(SOLID.radius, 0.0, STEEL, half_width),
     }
     for body, approach in plane.items():
         depth = 0.25 * half_width * exp(0.5 * approach / UNIT - 0.5)

@@ -30,7 +30,7 @@ class Body:
     """A roller, or a ring held on its other circle. m."""
 
     radius: float  # of the loaded surface
-    held: float | None  # None: a roller, squeezed by two
+    held: float | None  # None: a roller, squeezed by two; 0: a solid shaft, whose load acts all over its sections
     material: Material
 
     @property
@@ -130,7 +130,7 @@ def harmonic_compliance(body: Body, n: np.ndarray, k: float) -> np.ndarray:
     free = _fields(n, k, R, nu, _functions(n, k, R, decay), decay)
     displacement = np.empty(n.shape)
     alone = np.ones(n.shape, dtype=bool)
-    if body.held is not None:
+    if body.held:
         apart = np.abs(_log_size(n, k * R, decay) - _log_size(n, k * body.held, decay))
         alone = apart > DECOUPLED
     pushed = np.array([-1.0, 0.0, 0.0])[:, None]  # σ_rr, σ_rθ, σ_rz

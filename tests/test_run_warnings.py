@@ -13,6 +13,7 @@ from fem.errors import UsageError
 from fem.interface import simulate
 from fem.pictures.stored_values import OF_CAGE, PER_ROLLER, PER_TIME, StoredValues
 from fem.solver.guards import n_in_place, run_warnings
+from fem.solver.lagrangian_judge import Judge
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.contact.laws import contact_ellipse, raceway_curvature
@@ -115,6 +116,15 @@ def test_balls_are_watched_by_the_ellipse_in_their_groove():
     limit = (0.6 * bearing.element_radius / a) ** 3 * force
     for factor, count in ((0.999, 0), (1.001, 1)):
         assert len(run_warnings(bearing, np.array([factor * limit, 0.0, 0.0]))) == count
+
+
+def test_a_soft_law_of_ones_own_is_watched_by_its_overlaps():
+    law = {"contact_stiffness_N_per_m_n": [2e6, 3e6], "contact_exponent": 1.0}
+    plan = make_plan(parse_scene({"model": "lagrange", "lagrange": law}, ""))
+    judge = Judge(plan.problem, plan.time_step)
+    limit = 0.05 * plan.problem.bearing.roller_radius * 2e6
+    assert judge.warnings(np.array([0.999 * limit, 0.0, 0.0])) == ()
+    assert "overlap by 0.25 mm on the inner" in judge.warnings(np.array([1.001 * limit, limit, 0.0]))[0]
 
 
 def test_the_checker_reads_whatever_a_run_goes_on_with():

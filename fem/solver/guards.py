@@ -67,7 +67,7 @@ DOUBTFUL = 0.005  # of it: a run that ends says so
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
-ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
+ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body deforms so far
 
 
 def good_rows(rows: np.ndarray) -> int:

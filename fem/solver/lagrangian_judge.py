@@ -5,7 +5,7 @@ from math import inf, pi
 
 import numpy as np
 
-from fem.solver.guards import run_warnings
+from fem.solver.guards import ASTRAY, run_warnings
 from fem.solver.solver import Numbers, Samples
 from lagrange.first_state import Problem
 from lagrange.step_size import critical_time_step, fastest_mode
@@ -101,8 +101,21 @@ class Judge:
         """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""
         problem = self._problem
         of_start = problem.first_state.warning
-        wide = run_warnings(problem.bearing, largest)
+        wide = run_warnings(problem.bearing, largest) or self._deep(largest)
         return (*(() if of_start is None else (of_start,)), *self._shocked, *wide)
+
+    def _deep(self, largest: np.ndarray) -> tuple[str, ...]:
+        """A sentence where a law that is softer than Hertz's lets bodies overlap far; `largest` : (3,), N."""
+        sides = zip(("inner", "outer"), self._problem.laws, largest.tolist(), strict=False)
+        depth, side = max((float(law.approach(force)), side) for side, law, force in sides)
+        most = ASTRAY * self._problem.bearing.roller_radius
+        if depth <= most:
+            return ()
+        return (
+            f"the largest force makes bodies overlap by {1e3 * depth:.3g} mm on the {side} raceway, which is no small "
+            f"approach (at most {1e3 * most:.3g} mm here): places and forces near such contacts are not to be trusted; "
+            "take a stiffer contact law or a lighter load",
+        )
 
     @property
     def _shocked(self) -> tuple[str, ...]:

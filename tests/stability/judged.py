@@ -47,7 +47,7 @@ def faults_of(path: Path) -> list[str]:
         check = evaluate(record)
     except InputError as error:  # values that are not finite, or nowhere near
         return [f"the checker refuses it: {error}"]
-    wide = any("beyond Hertz's theory" in note for note in record.notes)  # then it has said so itself
+    wide = any("beyond Hertz's theory" in note or "no small approach" in note for note in record.notes)  # it says so
     found = [] if wide else _misplaced(record)
     forces = {"inner_force": record.inner_force, "outer_force": record.outer_force}
     found += [f"{name} pulls" for name, force in forces.items() if force is not None and np.min(force) < 0.0]

@@ -13,6 +13,8 @@ from lagrange.rating.run_loads import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Source, Unavailable
 from residual.evaluation import Evaluation
 from residual.formatting import text
+from residual.record import Record
+from residual.tilt import largest_pressures
 
 OIL_DENSITY = 870.0  # kg/m³, as rate-bearing takes it
 
@@ -41,7 +43,7 @@ def rating_rows(evaluation: Evaluation) -> list[tuple[str, str, str]]:
         ("L10r by the run's roller loads", sources.OF_RUN,
          lambda: f"{text(in_hours(run.life(row), run.cycle.speed))} h"),
         ("largest Hertz pressure, inner and outer raceway", sources.HERTZ,
-         lambda: _pressures(t.bearing, largest, t.scene.axial is not None)),
+         lambda: _pressures(t, largest)),
         ("torque of the run's dissipation", sources.OF_RUN,
          lambda: f"{text(1e3 * run.torque, 3)} N mm, {text(run.dissipated, 3)} W"),
         ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, lambda: _torques(evaluation, run)),
@@ -61,12 +63,13 @@ def _named(source: Source) -> str:
     return source.name + (" †" if source.second_hand else "")
 
 
-def _pressures(bearing, largest: dict[str, np.ndarray], tilts: bool) -> str:
-    if tilts:
-        raise Unavailable("rollers tilt: their pressures change along them")
-    found = hertz_columns(bearing, largest)
-    inner, outer = (text(1e-6 * float(found[f"{side}_peak_pressure"])) for side in ("inner", "outer"))
-    return f"{inner} and {outer} MPa"
+def _pressures(record: Record, largest: dict[str, np.ndarray]) -> str:
+    if record.scene.axial is None:
+        columns = hertz_columns(record.bearing, largest)
+        found = tuple(float(columns[f"{side}_peak_pressure"]) for side in ("inner", "outer"))
+    else:
+        found = largest_pressures(record)
+    return " and ".join(text(1e-6 * each) for each in found) + " MPa"
 
 
 def _torques(evaluation: Evaluation, run: RunLoads) -> str:

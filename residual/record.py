@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import Overlaps, approaches, farthest_place
 from lagrange.scene.columns import per_roller
@@ -106,6 +107,7 @@ class Record:
     outer_moment: np.ndarray | None = None
     inner_slope_x: np.ndarray | None = None  # (n_times,), rad, of the hub's axis
     inner_slope_y: np.ndarray | None = None
+    slices: tuple[Slices, Slices] | None = None  # of inner and outer contacts of rollers that tilt
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage

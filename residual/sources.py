@@ -4,7 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.axial.slices import Slices
+from lagrange.axial.stored import read_slices
+from lagrange.axial.tabulate import contact_slices
 from lagrange.columns import columns_of
+from lagrange.contact.raceway_laws import contact_laws
 from lagrange.files.hdf5 import (
     SIGNATURE,
     Damaged,
@@ -124,7 +128,8 @@ def _from_file(path: Path, file) -> Record:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), slices=_slices(file, scene),
+        **arrays,
     )  # fmt: skip
 
 
@@ -137,6 +142,16 @@ def _variables(scene: Scene) -> tuple[list[str], list[str]]:
     held += columns_of("axial") if scene.axial is not None else ()
     held += [*ENERGIES, *(DAMPERS if scene.damping.acts else ())]
     return [*MOTION, *mounting.centre[:2]], held
+
+
+def _slices(file, scene: Scene) -> tuple[Slices, Slices] | None:
+    """Of contacts of rollers that tilt: as stored, or of the Lagrangian model's law."""
+    axial, bearing = scene.ideal_axial(), scene.perfect_bearing()
+    if axial is None:
+        return None
+    if scene.model == "lagrange":
+        return contact_slices(bearing, axial, contact_laws(scene.lagrange.law, bearing))
+    return read_slices(file, bearing, axial)
 
 
 def _turned(time: np.ndarray, spin: np.ndarray) -> np.ndarray:

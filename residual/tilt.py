@@ -2,19 +2,26 @@
 
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 
+from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
 from lagrange.axial.slices import Slices
 from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import LogarithmicLaw, contact_laws
+from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
 from lagrange.equations import Overlaps
 from lagrange.motion import State
+from lagrange.rating.sources import Unavailable
 from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
 from residual.differentiate import derivative
 from residual.record import Record
 
 BLOCK = 4096  # samples whose slices are held in memory at a time
+FAINT = 0.01  # of the largest force: contacts taken as open
+INSIDE = 0.99  # of the largest moment that a force has: beyond, a roller stands on an end
+BINS, ROLLERS = 120, 3  # of angles; shown from their side
+CANDIDATES = 64  # contacts of which one has the largest pressure
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,6 +147,100 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
         error=error, contact_law=error - balance, balance=balance, hub=hub,
         largest_tilt=float(np.abs(np.asarray(record.roller_tilt)).max()),
     )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlongRollers:
+    """Pressures along rollers of a run; of contacts (2, n, n_slices), Pa, inner and outer raceway."""
+
+    place: np.ndarray  # (n_slices,), m, along the axis from the middle
+    angle: np.ndarray  # (BINS,), rad from the load's direction
+    around: np.ndarray  # at these angles the contact with the largest force; 0 of open ones
+    time: float  # s, of the largest moment of an inner contact
+    rollers: np.ndarray  # (n,), the most loaded ones at that instant, of which there is
+    along: np.ndarray
+    edges: bool  # whether a loaded end has an edge, where pressure has no limit
+
+
+class _Side(NamedTuple):
+    """Contacts with one raceway, (n_times, n_rollers)."""
+
+    slices: Slices
+    pair: Pair
+    sharp: bool  # whether profiles end with an edge
+    force: np.ndarray
+    moment: np.ndarray
+
+    def pressures(self, at: np.ndarray) -> np.ndarray:
+        """Along the rollers of contacts by their places among all, (n, n_slices), Pa; 0 of open ones."""
+        force, moment, found = self.force.ravel()[at], self.moment.ravel()[at], np.zeros((at.size, self.slices.count))
+        closed = (force > FAINT * self.force.max()) & (np.abs(moment) < INSIDE * self.slices.place[-1] * force)
+        try:
+            found[closed] = pressures(self.slices, self.pair, *placed(self.slices, force[closed], moment[closed]))
+        except (RuntimeError, ValueError) as error:
+            raise Unavailable(str(error)) from None
+        return found
+
+
+def _sides(record: Record) -> list[_Side]:
+    """Inner and outer one; none where the source does not hold what pressures follow from."""
+    axial, slices, bearing = record.scene.ideal_axial(), record.slices, record.scene.perfect_bearing()
+    loads = (record.inner_force, record.inner_moment), (record.outer_force, record.outer_moment)
+    if axial is None or slices is None or any(each is None for side in loads for each in side):
+        return []
+    each = zip(slices, contact_pairs(bearing), sharp_ends(bearing, axial), loads, strict=False)
+    return [
+        _Side(own, pair, bool(sharp), np.asarray(force), np.asarray(moment))
+        for own, pair, sharp, (force, moment) in each
+    ]
+
+
+def along_rollers(record: Record) -> AlongRollers | None:
+    """None where the source does not hold what pressures follow from.
+
+    Errors
+    ------
+    Unavailable: its forces and moments are not those of its slices.
+    """
+    sides = _sides(record)
+    if not sides:
+        return None
+    shape = sides[0].force.shape
+    sample = int(np.unravel_index(np.abs(sides[0].moment).argmax(), shape)[0])
+    rollers = np.sort(np.argsort(sides[0].force[sample])[-ROLLERS:])
+    shown = np.ravel_multi_index((np.full(rollers.size, sample), rollers), shape)
+    bins = np.floor((record.from_load / (2.0 * np.pi) + 0.5) * BINS).astype(int).ravel() % BINS
+    around = np.zeros((len(sides), BINS, sides[0].slices.count))
+    for found, side in zip(around, sides, strict=True):
+        order = np.argsort(side.force, axis=None)
+        largest = np.full(BINS, -1)
+        largest[bins[order]] = order  # the last one of each bin
+        found[largest >= 0] = side.pressures(largest[largest >= 0])
+    sharp = np.array([side.sharp for side in sides])
+    return AlongRollers(
+        place=sides[0].slices.place, angle=2.0 * np.pi * ((np.arange(BINS) + 0.5) / BINS - 0.5), around=around,
+        time=float(record.time[sample]), rollers=rollers, along=np.array([side.pressures(shown) for side in sides]),
+        edges=bool(np.any(sharp & (around[:, :, [0, -1]].max(axis=(1, 2)) > 0.0))),
+    )  # fmt: skip
+
+
+def largest_pressures(record: Record) -> tuple[float, ...]:
+    """Of inner and outer raceway, Pa: of the contacts whose ends a straight line of pressure would press most.
+
+    Errors
+    ------
+    Unavailable: a loaded end has an edge, the source does not hold what pressures follow from; as of `along_rollers`.
+    """
+    found, half = [], 0.5 * record.bearing.roller_length
+    for side in _sides(record):
+        most = np.argsort(side.force + 3.0 * np.abs(side.moment) / half, axis=None)[-CANDIDATES:]
+        pressure = side.pressures(most)
+        if side.sharp and pressure[:, [0, -1]].any():
+            raise Unavailable(SHARP)
+        found.append(float(pressure.max()))
+    if not found:
+        raise Unavailable("rollers tilt, and the source does not say how pressure changes along them")
+    return tuple(found)
 
 
 def tilt_summary(found: TiltErrors) -> dict:

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -10,7 +11,10 @@ from fem.interface import simulate
 from fem.pictures.axial import axial_pressures, draw_axial
 from fem.pictures.recover import StoredRun
 from fem.rating.tilted import tilted_pitch
+from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.pressure import placed
+from lagrange.axial.stored import read_slices, write_slices
+from lagrange.files.hdf5 import Damaged, hdf5_to_write
 from lagrange.scene import Scene
 
 SCENE = {"model": "reduced", "operation": {"misalignment_mrad": 1.0}, "numerics": {"duration_ms": 0.0}}
@@ -49,6 +53,20 @@ def test_a_place_bears_the_force_and_moment_that_it_was_asked_for():
     assert (sums.force[0], sums.moment[0]) == (pytest.approx(600.0, rel=1e-5), pytest.approx(1.2, rel=1e-4))
     with pytest.raises(ValueError, match="beyond"):
         placed(slices, 600.0, 6.0)
+
+
+def test_a_file_keeps_the_slices_of_elastic_bodies(tmp_path):
+    scene = Scene(model="reduced", axial={"slices": 11})
+    bearing, axial, written = scene.perfect_bearing(), scene.ideal_axial(), scene_slices(scene)
+    with hdf5_to_write(tmp_path / "run.nc") as file:
+        write_slices(file, written)
+    with h5py.File(tmp_path / "run.nc", "r+") as file:
+        read = read_slices(file, bearing, axial)
+        for own, other in zip(written, read, strict=True):
+            assert np.array_equal(own.forces(4e-6, 1e-4), other.forces(4e-6, 1e-4))
+        file["outer_slice_compliance"][3, 4] = np.nan
+        with pytest.raises(Damaged, match="outer_slice_compliance is no compliance of 11 slices"):
+            read_slices(file, bearing, axial)
 
 
 def test_a_plane_run_is_refused():

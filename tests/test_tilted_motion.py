@@ -13,8 +13,9 @@ from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.tilt import sliced_laws
 from residual.evaluation import evaluate
-from residual.figures.motion import tilt_figure
+from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
+from residual.tilt import largest_pressures
 
 
 def scene(model, axial=(), **changes):
@@ -135,6 +136,9 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
     assert tilt.hub[1].mean() < -1.5  # N m: the shaft is held against the load's side
     drawn = tilt_figure(checked, tmp_path)
     assert "0 mrad in x, −1 mrad in y" in drawn.caption and (tmp_path / "tilt.png").stat().st_size > 10_000
+    drawn = pressure_figure(checked, tmp_path)
+    inner, outer = largest_pressures(checked.record)
+    assert 1e9 < max(curve.points[:, 1].max() for curve in drawn.curves) * 1e6 <= inner < 1.2e9 and outer < inner
     soft = evaluate(read_result(path), law="harris")
     assert np.abs(soft.tilt.contact_law).max() > 1e-3  # another law is found out
 

@@ -48,12 +48,12 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
     pressure, slope = np.zeros((2, angle.size, axial.slices)), np.zeros((2, angle.size))
     for k, (side, pair) in enumerate(zip(SIDES, contact_pairs(bearing), strict=False)):
         forces, moments = (stored.column(f"{side}_{name}")[sample] for name in ("force", "moment"))
-        for j in np.flatnonzero(forces > FAINT * forces.max()):
-            try:
-                approach, slope[k, j] = placed(slices[k], float(forces[j]), float(moments[j]))
-            except ValueError as error:
-                raise UsageError(f"{stored.path}: roller {j} at {1e3 * stored.times[sample]:.4g} ms: {error}") from None
-            pressure[k, j] = pressures(slices[k], pair, approach, slope[k, j])
+        closed = forces > FAINT * forces.max()
+        try:
+            approach, slope[k, closed] = placed(slices[k], forces[closed], moments[closed])
+        except ValueError as error:
+            raise UsageError(f"{stored.path}: {1e3 * stored.times[sample]:.4g} ms: {error}") from None
+        pressure[k, closed] = pressures(slices[k], pair, approach, slope[k, closed])
     ends = pressure[:, :, [0, -1]].max(axis=(1, 2)) > 0.0
     return AxialPressures(
         time=float(stored.times[sample]), place=axial.centres(bearing), angle=angle, pressure=pressure,

@@ -13,6 +13,7 @@ from lagrange.contact.raceway_laws import Pair
 SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
 STEPS, HALVINGS = 100, 30  # of Newton's method
 SETTLED = 1e-6  # of a force: it comes from a table
+LOOSE = 1e-9  # of a contact's stiffness, against slopes that a single slice does not hold
 FAINTEST = 1e-6  # N, of a slice at a roller's end
 SLOPES, DEPTHS = 64, 64  # of which a table of peaks is made: slopes either way, and approaches at each
 FORCES, PLACES = 128, 512  # steps of the table, of √Q and of M/Q
@@ -94,34 +95,40 @@ def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, st
     return PeakTable(root=root, arm=arm, peaks=found)
 
 
-def placed(slices: Slices, force: float, moment: float) -> tuple[float, float]:
-    """Approach, m, and slope, rad, of a contact that bears a force, N, > 0, and a moment, N m.
+def placed(slices: Slices, force, moment) -> tuple[np.ndarray, np.ndarray]:
+    """Approaches, m, and slopes, rad, of contacts that bear forces, N, > 0, and moments, N m, of one shape.
 
     Errors
     ------
-    ValueError: the moment is more than the force at a roller's end, or nothing is found.
+    ValueError: a moment is more than the force at a roller's end, or nothing is found.
     """
-    arm = float(slices.place[-1])
-    if not abs(moment) < arm * force:
-        raise ValueError(f"a moment of {moment:.4g} N m is beyond what {force:.4g} N within {arm:.4g} m exert")
-    at = np.array([slices.straight_approach(force), 0.0])
-    weight = np.array([1.0, 1.0 / arm])
+    force, moment, arm = np.asarray(force, dtype=float), np.asarray(moment, dtype=float), float(slices.place[-1])
+    beyond = np.abs(moment) >= arm * force
+    if beyond.any():
+        at = np.unravel_index(beyond.argmax(), beyond.shape)
+        raise ValueError(f"a moment of {moment[at]:.4g} N m is beyond what {force[at]:.4g} N within {arm:.4g} m exert")
+    place = np.array([slices.law.approach(force) + slices.drop.mean(), np.zeros(force.shape)])
+    weight = np.array([1.0, 1.0 / arm]).reshape(2, *(1 for _ in force.shape))
 
-    def left(at):
-        found = slices.at(at[0], at[1])
-        return found, np.array([force - found.force, found.moment - moment])
+    def left(place):
+        found = slices.at(*place)
+        missing = np.array([force - found.force, found.moment - moment])
+        return found, missing, np.abs(missing * weight).max(axis=0)
 
-    found, missing = left(at)
+    found, missing, size = left(place)
     for _ in range(STEPS):
-        size = np.abs(missing * weight).max()
-        if size <= SETTLED * force:
-            return float(at[0]), float(at[1])
-        matrix = np.array([[found.stiffness, found.cross], [found.cross, found.tilt_stiffness]])
-        step = np.linalg.solve(matrix + 1e-9 * np.diag(np.diag(matrix)), missing)
+        wanted = size > SETTLED * force
+        if not wanted.any():
+            return place[0], place[1]
+        rows = np.array([[found.stiffness, found.cross], [found.cross, found.tilt_stiffness]])
+        matrix = np.moveaxis(rows, (0, 1), (-2, -1))
+        loose = LOOSE * found.stiffness[..., None, None] * np.diag([1.0, arm**2])
+        step = np.moveaxis(np.linalg.solve(matrix + loose, np.moveaxis(missing, 0, -1)[..., None])[..., 0], -1, 0)
+        step = np.where(wanted, step, 0.0)
         for _ in range(HALVINGS):
-            near = left(at + step)
-            if np.abs(near[1] * weight).max() < size:
+            near = left(place + step)
+            if not np.any(further := wanted & (near[2] >= size)):
                 break
-            step = 0.5 * step
-        at, (found, missing) = at + step, near
-    raise ValueError(f"no place of a roller is found at which its slices bear {force:.4g} N and {moment:.4g} N m")
+            step = np.where(further, 0.5 * step, step)
+        place, (found, missing, size) = place + step, near
+    raise ValueError(f"no places of rollers are found at which their slices bear {force} N and {moment} N m")

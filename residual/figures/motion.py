@@ -5,18 +5,23 @@ from pathlib import Path
 import numpy as np
 
 from lagrange import mounting
+from lagrange.rating.sources import Unavailable
 from residual.evaluation import Evaluation
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
-from residual.figures.style import DOTS, legend_above, panels, save
+from residual.figures.style import COLOUR_BAR, DASHED, DOTS, colour_bar, legend_above, panels, save
 from residual.formatting import length, text
 from residual.load_zone import QuasiStatic, chosen_roller, load_zones
 from residual.record import angle_from_load
 from residual.sources import ENERGIES
+from residual.tilt import along_rollers
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 FROM_LOAD = "roller's angle from the load line, degrees"
+SHARP_TOLD = (
+    "Loaded ends of these profiles have an edge, where pressure has no limit: values there are means over a slice."
+)
 ENERGY_CURVES = {
     "energy_kinetic": ("kinetic", BLUE),
     "energy_elastic": ("elastic", RED),
@@ -122,6 +127,41 @@ def tilt_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "tilt", "Tilt and moments of the rollers", caption)
 
 
+def pressure_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw pressures over both raceways and along the most loaded rollers; None where the source has none."""
+    try:
+        found = along_rollers(evaluation.record)
+    except Unavailable:  # said among the ratings
+        return None
+    if found is None:
+        return None
+    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=COLOUR_BAR)
+    z, angle = 1e3 * found.place, np.degrees(found.angle)
+    ends = np.append(z - 0.5 * (z[1] - z[0]), -z[0] + 0.5 * (z[1] - z[0]))  # of slices
+    shown = np.ma.masked_equal(1e-6 * found.around, 0.0)
+    for axis, side, pressure in zip(axes, ("inner", "outer"), shown, strict=False):
+        image = axis.pcolormesh(angle, z, pressure.T, vmin=0.0, vmax=float(shown.max()), cmap="viridis",
+                                shading="nearest", rasterized=True)  # fmt: skip
+        axis.set(ylabel=f"{side}: z, mm", xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45))
+        axis.grid(visible=False)
+    axes[1].set_xlabel(FROM_LOAD)
+    colour_bar(image, axes[:2], "pressure, MPa")
+    for j, colour, inner, outer in zip(found.rollers, (BLUE, ORANGE, GREEN), *found.along, strict=False):
+        for pressure, line, label in ((inner, "-", f"roller {j}"), (outer, DASHED, None)):
+            axes[2].step(ends, 1e-6 * np.append(pressure, pressure[-1]), where="post", color=colour, linestyle=line,
+                         label=label)  # fmt: skip
+    axes[2].plot([], [], color=GREY, linestyle=DASHED, label="outer")
+    axes[2].set(xlabel="along the axis z, mm", ylabel="pressure, MPa", ylim=(0.0, None), xlim=(ends[0], ends[-1]))
+    axes[2].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=1.0, handletextpad=0.5)
+    peak = [text(1e-6 * float(each.max())) for each in found.around]
+    caption = (
+        "Pressure on both raceways, unrolled: at every angle the contact with the largest force. Below: pressure along "
+        f"the most loaded rollers at {text(1e3 * found.time)} ms, when a contact has the largest moment, by slices. "
+    )
+    caption += SHARP_TOLD if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
+    return save(figure, folder, "pressure", "Pressure along the rollers", caption)
+
+
 def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the changes of energies and works since the first sample, and what does not add up."""
     t = evaluation.record
@@ -198,7 +238,8 @@ def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: 
     passage = passage_figure(evaluation, folder)
     drawn += [] if passage is None else [passage]
     drawn.append(roller_loads(evaluation, folder))
-    drawn += [] if evaluation.tilt is None else [tilt_figure(evaluation, folder)]
+    if evaluation.tilt is not None:
+        drawn += filter(None, [tilt_figure(evaluation, folder), pressure_figure(evaluation, folder)])
     if set(ENERGIES) <= set(evaluation.record.energies):
         drawn.append(energy_balance(evaluation, folder))
     return drawn

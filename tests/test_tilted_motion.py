@@ -6,37 +6,17 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from lagrange import contact_laws, simulate
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.raceway_laws import contact_pairs
-from lagrange.scene.scene import Scene, SceneError
+from lagrange.scene.scene import SceneError
 from lagrange.tilt import sliced_laws
 from residual.evaluation import evaluate
 from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
 from residual.tilt import largest_pressures
-
-
-def scene(model, axial=(), **changes):
-    """The paper's bearing for half a millisecond; `axial` : its table's keys, None: a plane section."""
-    keys = {} if axial is None else {f"axial.{key}": value for key, value in {"slices": 11, **dict(axial)}.items()}
-    fixed = {"model": model, "numerics.duration_ms": 0.5, "numerics.output_interval_us": 10.0}
-    return Scene().varied(fixed | keys | {key.replace("__", "."): value for key, value in changes.items()})
-
-
-def moved(found):
-    """Columns of a run by name."""
-    blocks = []
-    run(make_plan(found), blocks.append)
-    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
-
-
-def missed(samples):
-    """Largest energy error over the contacts' energy."""
-    energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
-    energy = energy - samples["work_external"] + samples["work_dissipated"]
-    return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
+from tests.reference.tilted_runs import missed, moved, scene
 
 
 @pytest.mark.slow  # compiles a loop
@@ -107,11 +87,6 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
 def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, remedy):
     with pytest.raises(SceneError, match=remedy):
         scene(model, axial, **changes)
-
-
-def test_meshes_are_plane_sections():
-    with pytest.raises(UsageError, match='take model = "reduced"'):
-        make_plan(scene("fem"))
 
 
 def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():

@@ -1,5 +1,6 @@
 """Tables of tilted contacts of elastic bodies: the plane law of the whole approach in slices that know each other."""
 
+from dataclasses import dataclass
 from math import ceil, floor, log10
 
 import numpy as np
@@ -10,6 +11,7 @@ from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach
 from lagrange.axial import Axial, ContactTable, contact_tables
 from lagrange.axial.slices import Slices
+from lagrange.axial.table import TiltedContact
 from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing
 from lagrange.contact.raceway_laws import LogarithmicLaw
@@ -17,31 +19,43 @@ from lagrange.contact.raceway_laws import LogarithmicLaw
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
 ROUND_OFF = 1e-9
+NEWTON_STEPS, FITTING = 50, 1e-16  # m
 SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
 
 
+NOTHING = 0.0, 0.0
+
+
 def tilted_tables(
-    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, largest_slope: float
+    bearing: Bearing,
+    axial: Axial,
+    laws: tuple[ContactLaw, ContactLaw],
+    largest_force: float,
+    largest_slope: float,
+    meshed: tuple[float, float] = NOTHING,
 ) -> tuple[ContactTable, ContactTable]:
     """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
 
     Parameters
     ----------
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
+    meshed : m/N, what meshes have of both contacts' compliances; tables are of the rest
     """
     force, slope = rounded_range(largest_force, largest_slope)
 
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)
         curved = tuple(slice_law(law, widths) for law in laws)
-        tables = contact_tables(bearing, axial, curved, force, slope, couplings(bearing, axial))
+        coupled = [found - of_mesh for found, of_mesh in zip(couplings(bearing, axial), meshed, strict=True)]
+        tables = contact_tables(bearing, axial, curved, force, slope, (coupled[0], coupled[1]))
         found = {}
         for side, table in zip(SIDES, tables, strict=True):
             grid = table.first_approach, table.approach_step, table.first_slope, table.slope_step
             found |= {f"{side}_grid": np.array(grid), side: table.coefficients}
         return found
 
-    arrays = kept("tilted", repr((bearing, axial, laws, force, slope)), make)
+    key = bearing, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)
+    arrays = kept("tilted", repr(key), make)
     inner, outer = (
         ContactTable(
             **dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True)),
@@ -56,6 +70,39 @@ def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, fl
     """Force, N, and slope, rad, up to which a table is made: steps of a digit's half, and of SLOPES."""
     power = 10.0 ** floor(log10(max(largest_force, 1.0)))
     return max(ceil(2.0 * largest_force / power), 1) * 0.5 * power, ceil(largest_slope / SLOPES) * SLOPES
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshedContact:
+    """A contact as a whole, with what a mesh has of its compliance: `lagrange.tilt.TiltedLaw` for statics."""
+
+    table: ContactTable  # of the rest
+    meshed: float  # m/N
+
+    @property
+    def last_approach(self) -> float:
+        """The largest, m, at which the table is known."""
+        return self.table.last_approach + self.meshed * float(self.table.at(self.table.last_approach, 0.0).force)
+
+    def at(self, approach, slope) -> TiltedContact:
+        """See `ContactTable.at`; Newton's method on δ + m Q(δ, ψ), which only grows with δ."""
+        approach, slope = np.broadcast_arrays(np.asarray(approach, dtype=float), np.asarray(slope, dtype=float))
+        own = approach
+        for _ in range(NEWTON_STEPS):
+            met = self.table.at(own, slope)
+            missing = approach - own - self.meshed * met.force
+            if np.abs(missing).max(initial=0.0) <= FITTING:
+                break
+            own = own + missing / (1.0 + self.meshed * np.maximum(met.stiffness, 0.0))
+        give = 1.0 / (1.0 + self.meshed * met.stiffness)
+        return TiltedContact(
+            energy=met.energy + 0.5 * self.meshed * met.force**2,
+            force=met.force,
+            moment=met.moment,
+            stiffness=met.stiffness * give,
+            cross=met.cross * give,
+            tilt_stiffness=met.tilt_stiffness - self.meshed * met.cross**2 * give,
+        )
 
 
 SIDES = "inner", "outer"

@@ -201,9 +201,16 @@ def _second_of_neighbours(pair, group, n):
     return next_rollers(group, n)
 
 
-@part
-def _press(law, forces, row, near, closed, level):
-    """Forces of eight contacts and what a kick gives, N; 0 where they are not near."""
+@verb
+def press(law, rollers, forces, at, normal, met, level, dt):
+    """Forces of eight contacts and what a kick gives, N; 0 where they are not near.
+
+    Parameters
+    ----------
+    at : the first of eight rollers, and of their contacts' entries in arrays; met : whether near, and approaches, m
+    level : m/N, by which the law's A B is more here
+    """
+    row, (near, closed) = at[1], met
     level = law.B + level * (1.0 / law.A)
     inside = select(near, closed, -1.0)
     before, approach_before = load(forces.force, row), load(forces.approach, row)
@@ -220,6 +227,12 @@ def _press(law, forces, row, near, closed, level):
     store(forces.kick, row, P)
     store(forces.residual, row, residual)
     return Q, P
+
+
+@verb
+def turned_aside(law, row, aside):
+    """Forces of eight contacts across their normals, N, times their centres' distances, m, with those of moments."""
+    return aside
 
 
 @part
@@ -278,12 +291,13 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         closed = overlap + sign * out + out_r
         slopes = sign * (rate + sideways) + rate_r + sideways_r, sign * rate, rate_r
         _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
-        Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
+        met = near, closed
+        Q, P = press(raceway.law, rollers, forces, (group, row), (nx, ny), met, ripple + ripple_r, dt)
         half = 0.5 * Q * Q
         given = P * (sign * dt)
         scatter_add(rollers.node_impulse, group, given * nx)
         scatter_add(rollers.node_impulse, columns + group, given * ny)
-        aside = P * slopes[0] - half * (ripple_rate + ripple_rate_r)
+        aside = turned_aside(raceway.law, row, P * slopes[0] - half * (ripple_rate + ripple_rate_r))
         aside = aside * load(forces.nearness, row) * dt
         scatter_add(rollers.body_impulse, group, aside * ny)
         scatter_add(rollers.body_impulse, columns + group, -(aside * nx))
@@ -311,7 +325,7 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
         closed = overlap + out + out_i
         slopes = rate + sideways + rate_i + sideways_i, rate, rate_i
         _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
-        Q, P = _press(pair.law, forces, row, near, closed, ripple + ripple_i)
+        Q, P = press(pair.law, rollers, forces, (group, row), (nx, ny), (near, closed), ripple + ripple_i, dt)
         half = 0.5 * Q * Q
         push_x, push_y = P * nx * dt, P * ny * dt
         aside = P * slopes[0] - half * (ripple_rate + ripple_rate_i)

@@ -372,7 +372,13 @@ def _add_contact_energy(pair, contacts, n, points, out):
         if points is not None:
             out[CONTACT] += points.energy[pair.row, j]
         elif Q > 0.0:
-            out[CONTACT] += contact_energy(Q, law.A, forces.bracket[pair.row, j], law.Q_line)
+            out[CONTACT] += energy_below(law, forces, pair.row, j)
+
+
+@verb
+def energy_below(law, forces, row, j):
+    """Energy of a closed contact below the grid, J."""
+    return contact_energy(forces.force[row, j], law.A, forces.bracket[row, j], law.Q_line)
 
 
 add_contact_energy = every(add_energy)

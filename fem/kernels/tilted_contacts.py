@@ -386,7 +386,7 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
     reached = there & (approach > table.first_approach)
-    _note_furthest(tilts, row, select(reached, approach, 0.0), select(reached, absolute(slope), 0.0))
+    note_furthest(tilts, row, select(reached, approach, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
 
 
@@ -404,7 +404,7 @@ def _repaid(forces, at, Q, P, residual, ways):
 
 
 @part
-def _note_furthest(tilts, row, approach, slope):
+def note_furthest(tilts, row, approach, slope):
     furthest, columns = tilts.furthest, tilts.furthest.shape[1]
     store(furthest, row * columns, maximum(load(furthest, row * columns), approach))
     store(furthest, 2 * columns, maximum(load(furthest, 2 * columns), slope))

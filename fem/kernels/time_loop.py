@@ -4,7 +4,8 @@ import fem.kernels.bore
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.ring_surface
-import fem.kernels.shaft  # noqa: F401
+import fem.kernels.shaft
+import fem.kernels.tilted_patches  # noqa: F401
 from fem.kernels.bodies import DONE, NOT_FINITE, drift_others, end_kicks, kick_others, lost
 from fem.kernels.body_damping import damp_bodies
 from fem.kernels.cage import CagePair

@@ -45,7 +45,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
     """Steps, memory, the time to expect and the mesh's static error."""
     model, start, ring = plan.model, plan.start.equilibrium, plan.model.outer_ring
     rows = {
-        "degrees of freedom": f"{model.degrees_of_freedom}",
+        "degrees of freedom": f"{plan.degrees_of_freedom}",
         "time step": f"{1e9 * plan.time_step:.2f} ns ({plan.time_step / plan.critical_time_step:.2f} of the critical "
         f"{1e9 * plan.critical_time_step:.2f} ns{', with the fastest waves slowed' if plan.mass.share else ''})",
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
@@ -56,7 +56,9 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": in_words("fem", plan.expected_seconds),
-        "largest static forces": largest_loads(model.bearing, start.inner_force.max(), start.outer_force.max()),
+        "largest static forces": largest_loads(
+            model.bearing, start.inner_force.max(), start.outer_force.max(), tilts=plan.tilting is not None
+        ),
     }
     if plan.operation.radial_load >= LEAST_LOAD and not isinstance(ring, LooseRing):
         error = static_error(model, plan.operation)

@@ -119,7 +119,7 @@ class ErrorEstimate(SecondRun):
         RunFailed: the coarse run went wrong. NotFound: no equilibrium at rest.
         """
         plans = self.fine, self.coarse
-        fine, coarse = (static_quantities(plan.model, plan.operation) for plan in plans)
+        fine, coarse = (static_quantities(plan.model, plan.operation, plan.resting) for plan in plans)
         if self.fine.n_samples > 1:
             record = self.record(report, stop)
             if record is None:

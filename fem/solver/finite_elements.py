@@ -1,6 +1,6 @@
 """The finite elements as a solver: everything decided before the first step, and the state that the steps change."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, sqrt
 
 import numpy as np
@@ -9,7 +9,6 @@ from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
-from fem.errors import UsageError
 from fem.kernels import time_loop
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
@@ -21,12 +20,13 @@ from fem.solver.limits import check_contacts, check_speed, check_widths
 from fem.solver.part_arrays import time_along_a_knot, with_damping
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import Arrays
-from fem.solver.solver import sample_count
-from fem.solver.start import Start, equilibrium_start, rest_start
+from fem.solver.solver import Block, sample_count
+from fem.solver.start import Start, Tilting, equilibrium_start, rest_start
+from fem.solver.tilted_elements import beyond_axes, check_slices, tilting_of, with_axes
 from fem.solver.validity import may_strike
 from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
-from fem.statics.equilibrium import static_equilibrium
+from fem.statics.equilibrium import TiltedBalance, static_equilibrium
 from lagrange import Operation
 from lagrange.kinematics import kinematics_met
 from lagrange.scene.scene import Scene
@@ -52,6 +52,12 @@ class ElementState(RowState):
     def check(self) -> None:
         self.arrays.check()
 
+    def advance(self, most: int) -> Block:
+        block = super().advance(most)
+        if block.trouble is None and (trouble := beyond_axes(self.arrays)) is not None:
+            return replace(block, trouble=trouble)
+        return block
+
     def frame(self):
         return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
 
@@ -70,6 +76,7 @@ class ElementPlan(CompiledPlan):
     model: Model
     operation: Operation
     start: Start
+    tilting: Tilting | None  # None: axes stay parallel
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     critical_time_step: float  # s
     time_step: float  # s
@@ -105,7 +112,8 @@ class ElementPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        return self.model.degrees_of_freedom
+        axial, n = self.scene.ideal_axial(), self.model.bearing.n_rollers
+        return self.model.degrees_of_freedom + (0 if axial is None else n + 2 * axial.has_free_slope)
 
     @property
     def pressed_energy(self) -> float:
@@ -120,10 +128,19 @@ class ElementPlan(CompiledPlan):
         how = self.time_step, friction, ramp, self.largest_force, self.mass
         arrays = make_arrays(self.model, self.operation, self.start, *how)
         arrays = with_damping(arrays, self.model, self.scene.damping)
+        axial = self.scene.ideal_axial()
+        if axial is not None and self.tilting is not None:
+            arrays = with_axes(arrays, self, axial, self.tilting)
         cage, start = self.scene.ideal_cage(), self.start
         if cage is None:
             return arrays
         return with_cage(arrays, self.model.bearing, cage, start, self.seat, self.operation.mounting)
+
+    @property
+    def resting(self) -> TiltedBalance | None:
+        """What balances rollers that tilt in a bearing that stands; None: axes stay parallel."""
+        still = replace(self.operation, speed=0.0, outer_speed=0.0, history=None)
+        return None if self.tilting is None else self.tilting.at(still, np.zeros(2))
 
     def static_hub(self) -> np.ndarray:
         return static_equilibrium(self.model, self.operation).hub
@@ -149,11 +166,6 @@ def make_plan(scene: Scene) -> ElementPlan:
     RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """
-    if scene.axial is not None:
-        raise UsageError(
-            '[axial]: model = "fem" has meshes of a plane section, in which nothing tilts; take model = "reduced" or '
-            '"lagrange"'
-        )
     numerics = scene.numerics
     operation = scene.ideal_operation()
     forces = expected_forces(scene)
@@ -167,12 +179,17 @@ def make_plan(scene: Scene) -> ElementPlan:
             check_widths(model.bearing, forces.largest)
         raise
     check_contacts(model, loaded.equilibrium)
-    start = rest_start(model, operation) if numerics.start == "rest" else loaded
     expected = max(
         float(loaded.equilibrium.inner_force.max()),
         float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
+    axial, tilting = scene.ideal_axial(), None
+    if axial is not None:
+        tilting = tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
+        loaded = equilibrium_start(model, operation, tilting)
+        check_slices(model, axial, loaded)
+    start = rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
     on_bearing, on_cage = cage_springs(model.bearing, scene.ideal_cage(), operation)
     springs = operation.mounting, hub_mass(model.inner_ring, operation), on_bearing
 
@@ -205,6 +222,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         model=model,
         operation=operation,
         start=start,
+        tilting=tilting,
         seat=seat,
         critical_time_step=critical,
         time_step=interval / stride,

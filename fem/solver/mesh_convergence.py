@@ -59,6 +59,8 @@ def mesh_table(scene: Scene) -> MeshTable:
             f"--converge: contact.model = '{scene.contact.model}' is there for comparison only and has no order of "
             "convergence; leave one of them out"
         )
+    if scene.axial is not None:
+        raise UsageError("--converge: compares plane sections at rest; leave [axial] out")
     size = scene.numerics.mesh_size_mm
     finest = size if COARSER[0] * size <= 0.1 * pi * scene.bearing.roller_diameter_mm else size / COARSER[0]
     pair = contact_pairs(scene.perfect_bearing())[0]

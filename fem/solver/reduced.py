@@ -149,7 +149,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     if axial is not None:
         tables = tables_of(model, operation, axial, largest)
         start = tilted_start(model, operation, axial, tables, start)
-        if (reason := narrow_slices(model, axial, start)) is not None:
+        if (reason := narrow_slices(bearing, axial, (model.inner_law, model.outer_law), start)) is not None:
             raise UsageError(reason)
     of_start = () if start.warning is None else (start.warning,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))

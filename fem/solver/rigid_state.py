@@ -44,7 +44,8 @@ class RigidState(RowState):
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)
-        if block.trouble is None and (trouble := beyond_tables(self.bodies, self.compliance)) is not None:
+        tables = getattr(self.compliance, "tables", ())
+        if block.trouble is None and (trouble := beyond_tables(self.bodies.tilts, tables)) is not None:
             return replace(block, trouble=trouble)
         return block
 

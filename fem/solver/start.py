@@ -6,15 +6,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contacts.model import Motion
+from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import BoredRing
 from fem.statics.contact_balance import ROUND_OFF, NotFound, hub_spring, hub_stiffness, standing_ring
-from fem.statics.equilibrium import Equilibrium, equilibrium
+from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium, equilibrium_with_tilt
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import profiles
+from lagrange.tilt import HubTilt, Tilts
+from lagrange.tilted_statics import TiltedStatics
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model
@@ -35,6 +38,7 @@ class Start:
     inner_rate: np.ndarray  # (n_rows, 2, n_sectors)
     outer_rate: np.ndarray
     housing: np.ndarray  # (2,), m, of the outer ring's centre; all other places are about it
+    tilts: Tilts | None = None  # of rollers that tilt; None: axes stay parallel
     steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
     warning: str | None = None  # on velocities that it starts without
 
@@ -58,17 +62,34 @@ def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[M
     return motion, ideal
 
 
-def equilibrium_start(model: "Model", operation: Operation) -> Start:
+@dataclass(frozen=True, kw_only=True)
+class Tilting:
+    """What a start of rollers that tilt needs beside that of parallel axes."""
+
+    laws: tuple[MeshedContact, MeshedContact]  # inner and outer contacts
+    hub: HubTilt
+    near: Equilibrium  # of parallel axes, at t = 0
+
+    def at(self, acting: Operation, ring: np.ndarray) -> TiltedBalance:
+        """The balance under what acts at an instant, with the outer ring's centre at a place, (2,), m."""
+        return TiltedBalance(operation=acting, laws=self.laws, hub=self.hub, ring=ring)
+
+
+def equilibrium_start(model: "Model", operation: Operation, tilting: Tilting | None = None) -> Start:
     """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
 
     Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
     hub cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do
     not follow each other it starts without these velocities.
+
+    `tilting` : None: axes stay parallel
     """
     weight = operation.inner_mass * operation.gravity
 
     def at(time, ring, near=None):
         (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
+        if tilting is not None:
+            return equilibrium_with_tilt(model, motion, tilting.at(acting, ring), near or tilting.near)
         load, aside = float(acting.radial_load), float(acting.side_load)
         return equilibrium(model, motion, load, weight, operation.gravity, near, aside, hub_spring(operation, ring))
 
@@ -96,6 +117,9 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     def rate(name):
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
 
+    axes = None
+    if before.axes is not None and after.axes is not None:
+        axes = (after.axes.moved - before.axes.moved) / (2.0 * ahead)
     return Start(
         equilibrium=middle,
         kinematics=ideal,
@@ -106,11 +130,26 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         inner_rate=rate("inner_ring"),
         outer_rate=rate("outer_ring"),
         housing=housing_place(model, operation, motion, middle),
+        tilts=_tilts(middle.axes, axes),
     )
+
+
+def _tilts(axes: TiltedStatics | None, rate: np.ndarray | None = None) -> Tilts | None:
+    """Slopes and their rates by the rates of all places, (4 + 2 n_rollers,); None: at rest."""
+    if axes is None:
+        return None
+    n, zero = axes.tilt.size, np.zeros(axes.tilt.size)
+    moving = np.zeros(4 + 2 * n) if rate is None else rate
+    return Tilts(
+        tilt=axes.tilt, skew=zero, tilt_rate=moving[4 + n :], skew_rate=zero,
+        slope_x=axes.place[2], slope_y=axes.place[3], slope_x_rate=moving[2], slope_y_rate=moving[3],
+    )  # fmt: skip
 
 
 def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
     """Whether the hub follows its equilibrium along all directions, by the exact compliances of elastic bodies."""
+    if middle.axes is not None:
+        return followed(middle.axes.stiffness, model.bearing, operation)[0].size == 2
     place = np.concatenate([middle.hub, middle.rho])
     forces = np.concatenate([middle.inner_force, middle.outer_force])
     contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)
@@ -118,9 +157,16 @@ def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: 
     return followed(stiffness, model.bearing, operation)[0].size == 2
 
 
-def rest_start(model: "Model", operation: Operation) -> Start:
-    """Centred and undeformed, in rolling motion; with preload, by crests or a press fit, at rest without load."""
+def rest_start(model: "Model", operation: Operation, tilting: Tilting | None = None) -> Start:
+    """Centred and undeformed, in rolling motion; with preload, by crests or a press fit, at rest without load.
+
+    So are rollers that tilt.
+    """
     motion, _ = rolling_motion(model, operation, 0.0)
+    if tilting is not None:
+        idle = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
+        found = equilibrium_with_tilt(model, motion, tilting.at(idle, np.zeros(2)), tilting.near)
+        return _still(model, operation, found, motion)
     surfaces = profiles(model.bearing)
     clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
     pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
@@ -166,4 +212,5 @@ def _still(model: "Model", operation: Operation, equilibrium: Equilibrium, motio
         inner_rate=np.zeros_like(equilibrium.inner_ring),
         outer_rate=np.zeros_like(equilibrium.outer_ring),
         housing=housing_place(model, operation, motion, equilibrium),
+        tilts=_tilts(equilibrium.axes),
     )

@@ -21,7 +21,14 @@ def with_tilts(
     bodies: RigidBodies, bearing: Bearing, operation: Operation, axial: Axial, cage: Cage | None, start: Tilts
 ) -> RigidBodies:
     """Bodies whose axes tilt, from the slopes and rates of a start on."""
-    n, columns, hub = bearing.n_rollers, bodies.columns, hub_tilt(operation, axial)
+    return bodies._replace(tilts=axes_at(bearing, operation, axial, cage, start, bodies.columns))
+
+
+def axes_at(
+    bearing: Bearing, operation: Operation, axial: Axial, cage: Cage | None, start: Tilts, columns: int
+) -> TiltArrays:
+    """The axes of rollers and hub at the slopes and rates of a start; `columns` : of rollers in arrays."""
+    n, hub = bearing.n_rollers, hub_tilt(operation, axial)
     (across, along), turn = roller_inertias(bearing), kinematics(bearing, 1.0)
     tilts = filled(
         TiltArrays,
@@ -38,7 +45,7 @@ def with_tilts(
         column=row_width(n, cage, operation.mounting),
     )
     tilts.tilt[:n], tilts.rate[:n] = start.tilt, start.tilt_rate
-    return bodies._replace(tilts=tilts)
+    return tilts
 
 
 def tilted(compliance: Compliance, tables: tuple[ContactTable, ContactTable], bearing: Bearing) -> Tilted:
@@ -69,12 +76,15 @@ def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
     )  # fmt: skip
 
 
-def beyond_tables(bodies: RigidBodies, contacts: tuple) -> str | None:
-    """A sentence where closed contacts have been further than their tables go; None: they have not, or have none."""
-    if bodies.tilts is None or not isinstance(contacts, Tilted):
+def beyond_tables(tilts: TiltArrays | None, tables: tuple[TiltedLaw, ...]) -> str | None:
+    """A sentence where closed contacts have been further than their tables go; None: they have not, or have none.
+
+    `tables` : of the inner and the outer contact, or none
+    """
+    if tilts is None or not tables:
         return None
-    *approaches, slope = bodies.tilts.furthest.max(axis=1)
-    for law, approach, side in zip(contacts.tables, approaches, ("inner", "outer"), strict=True):
+    *approaches, slope = tilts.furthest.max(axis=1)
+    for law, approach, side in zip(tables, approaches, ("inner", "outer"), strict=True):
         deepest = law.first_approach + (law.rows + 1.0) / law.per_approach
         if approach > deepest:
             return (

@@ -5,11 +5,12 @@ from math import inf
 
 import numpy as np
 
+from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import tilted_slices, tilted_tables, too_narrow
 from fem.solver.reduced_start import LOOK_AHEAD, ReducedStart
 from fem.statics.contact_balance import NotFound
 from fem.statics.reduced_bearing import ReducedBearing
-from lagrange import Operation
+from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable
 from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import placed
@@ -87,12 +88,16 @@ def tilted_start(
     )  # fmt: skip
 
 
-def narrow_slices(model: ReducedBearing, axial: Axial, start: ReducedStart) -> str | None:
-    """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do."""
+def narrow_slices(
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: ReducedStart | TiltedStatics
+) -> str | None:
+    """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do.
+
+    `laws` : plane ones of whole contacts, inner and outer
+    """
     if not axial.coupling:
         return None
-    bearing, widest = model.bearing, 0.0
-    slices = tilted_slices(bearing, axial, (model.inner_law, model.outer_law))
+    widest, slices = 0.0, tilted_slices(bearing, axial, laws)
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
         j = int(force.argmax())

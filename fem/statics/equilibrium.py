@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.contacts.model import Model, Motion, Reduced, standing, unloaded
+from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import MOST_SETTLINGS, NOT_SETTLED, BoredRing
 from fem.quantities import Quantity
 from fem.statics.contact_balance import (
@@ -23,6 +24,8 @@ from fem.statics.contact_balance import (
 from fem.statics.exact_statics import LEAST_LOAD, exact_contacts, exact_statics
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Operation
+from lagrange.tilt import HubTilt, TiltedLaws
+from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +39,31 @@ class Equilibrium:
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), in each roller's frame, about its centre of mass
+    axes: TiltedStatics | None = None  # of rollers that tilt; None: axes stay parallel
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltedBalance:
+    """What balances a bearing of rollers that tilt in place of `contact_balance.balance`. Meshes bear no moments."""
+
+    operation: Operation  # at an instant
+    laws: tuple[MeshedContact, MeshedContact]  # inner and outer
+    hub: HubTilt
+    ring: np.ndarray  # (2,), m, of the outer ring's centre
+
+    def found(self, contacts: Condensed, place: np.ndarray) -> TiltedStatics:
+        """The equilibrium near hub and radii at a place, (n_rollers + 2,), m. NotFound: there is none."""
+        theta = np.arctan2(contacts.radial[:, 1], contacts.radial[:, 0])
+        known = np.repeat([law.meshed for law in self.laws], theta.size)
+        between = contacts.compliance - np.diag(known)
+        elastic, start = Elastic(between, np.zeros_like(between), contacts.closing), (place[:2], place[2:])
+        laws = TiltedLaws(*self.laws)
+        try:
+            return tilted_equilibrium(
+                contacts.bearing, self.operation, laws, self.hub, theta, start, elastic=elastic, ring=self.ring
+            )
+        except RuntimeError as error:
+            raise NotFound(str(error)) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,20 +99,34 @@ def equilibrium(
     ------
     NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
-    reduced, place, pressed = _solved(
-        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load, spring), start
-    )
+    return _found(model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load, spring), start)
+
+
+def equilibrium_with_tilt(
+    model: Model, motion: Motion, tilted: TiltedBalance, start: Equilibrium | None = None
+) -> Equilibrium:
+    """The same of rollers that tilt, under what acts on them; `start` : an equilibrium that is near."""
+    acting = tilted.operation
+    weight = acting.inner_mass * acting.gravity
+    loads = Loads(acting.radial_load + weight, acting.gravity, motion.cage_speed, acting.side_load)
+    return _found(model, motion, loads, start, tilted)
+
+
+def _found(
+    model: Model, motion: Motion, loads: Loads, start: Equilibrium | None, tilted: TiltedBalance | None = None
+) -> Equilibrium:
+    reduced, place, pressed, axes = _solved(model, motion, loads, start, tilted)
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
     return Equilibrium(
         hub=place[:2].copy(), rho=place[2:].copy(), inner_force=inner_force.copy(), outer_force=outer_force.copy(),
-        inner_ring=inner_ring, outer_ring=outer_ring, rollers=rollers,
+        inner_ring=inner_ring, outer_ring=outer_ring, rollers=rollers, axes=axes,
     )  # fmt: skip
 
 
 def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:
     """Pressures at the points of all contacts under a load, N, weightless: inner ones by roller, then outer ones."""
-    points, _, forces = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
+    points, _, forces, _ = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
     found = []
     for contact in range(2 * model.bearing.n_rollers):
         law = model.laws[contact // model.bearing.n_rollers]
@@ -94,10 +136,10 @@ def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[
 
 
 def _solved(
-    model: Model, motion: Motion, loads: Loads, start: Equilibrium | None
-) -> tuple[Reduced, np.ndarray, np.ndarray]:
-    """The bearing reduced to points, hub and radii, and the forces of the points in equilibrium."""
-    bearing, radial, forces, gravity = model.bearing, motion.radial, None, loads.gravity
+    model: Model, motion: Motion, loads: Loads, start: Equilibrium | None, tilted: TiltedBalance | None = None
+) -> tuple[Reduced, np.ndarray, np.ndarray, TiltedStatics | None]:
+    """The bearing reduced to points, hub and radii, the forces of the points, and what tilts, in equilibrium."""
+    bearing, radial, forces, gravity, axes = model.bearing, motion.radial, None, loads.gravity, None
     if start is not None:
         if isinstance(model.outer_ring, BoredRing):
             model = _settled(model, start.outer_ring)
@@ -117,7 +159,12 @@ def _solved(
                 bearing=bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
                 compliance=reduced.compliance, closing=reduced.closing, turns=motion.turns,
             )  # fmt: skip
-            place, pressed = balance(contacts, loads, place, forces)
+            if tilted is None:
+                place, pressed = balance(contacts, loads, place, forces)
+            else:
+                axes = tilted.found(contacts, place)
+                place = np.concatenate([axes.place[:2], axes.rho])
+                pressed = np.concatenate([axes.inner_force, axes.outer_force])
             pressed = closed_forces(pressed)
         else:
             place, pressed = balance_pressures(bearing, radial, reduced, loads, place)
@@ -126,7 +173,7 @@ def _solved(
         if found is not model:
             model, free = found, unloaded(found, motion, gravity)
         elif turn + 1 >= passes:
-            return reduced, place, pressed
+            return reduced, place, pressed, axes
     raise NotFound(NOT_SETTLED)
 
 
@@ -141,8 +188,10 @@ def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:
     return np.bincount(reduced.contact, pressed, minlength=2 * n_rollers)
 
 
-def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
+def static_quantities(model: Model, operation: Operation, tilted: TiltedBalance | None = None) -> list[Quantity]:
     """Quantities of the bearing at rest under load and weight, rollers where the scene puts them.
+
+    `tilted` : where rollers tilt
 
     Errors
     ------
@@ -151,7 +200,10 @@ def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
     weight = operation.inner_mass * operation.gravity
     still = standing(model.bearing, operation.first_roller_angle)
     spring = hub_spring(operation, np.zeros(2))
-    found = equilibrium(model, still, operation.radial_load, weight, operation.gravity, spring=spring)
+    if tilted is None:
+        found = equilibrium(model, still, operation.radial_load, weight, operation.gravity, spring=spring)
+    else:
+        found = equilibrium_with_tilt(model, still, tilted)
     total = float(found.inner_force.sum())
     share = float(found.inner_force.max()) / total if total > 0.0 else 0.0
     force = float(found.inner_force.max())

@@ -1,0 +1,110 @@
+"""Rollers that tilt in runs of the finite elements: tables of contacts' energy below the grid, axes, laws with both."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.contacts.subgrid import SubgridModel
+from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
+from fem.errors import UsageError
+from fem.kernels.fields import filled
+from fem.kernels.state import INNER, Raceway
+from fem.kernels.tilted_contact import TiltedLaw
+from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw
+from fem.solver.start import Start, Tilting
+from fem.solver.tilted_arrays import axes_at, beyond_tables
+from fem.solver.tilted_start import MOVING, narrow_slices
+from fem.statics.reduced_bearing import kept_contacts
+from lagrange import Operation
+from lagrange.axial import Axial
+from lagrange.axial.tabulate import MORE, steepest_slope
+from lagrange.tilt import hub_tilt
+
+if TYPE_CHECKING:
+    from fem.contacts.model import Model
+    from fem.solver.finite_elements import ElementPlan
+    from fem.solver.run_arrays import Arrays
+    from fem.statics.equilibrium import Equilibrium
+
+
+def tilting_of(model: "Model", operation: Operation, axial: Axial, force: float, near: "Equilibrium") -> Tilting:
+    """Contacts for forces at rest of so many N, near the equilibrium of parallel axes.
+
+    Of a contact's plane compliance A (B − ½ ln Q) its mesh has what the law below the grid leaves, a constant.
+
+    Errors
+    ------
+    UsageError: a mesh that resolves contacts, by points or nearly by patches.
+    """
+    bearing = model.bearing
+    if not isinstance(model, SubgridModel):
+        raise UsageError(_too_fine("resolves the contacts"))
+    most = MORE * rounded_range(force, 0.0)[0]
+    if most > (least := min(model.inner_law.Q_line, model.outer_law.Q_line)):
+        raise UsageError(_too_fine(f"resolves contacts under {least:.4g} N, and tables of rollers go to {most:.4g} N"))
+    contacts, _ = kept_contacts(bearing)
+    laws, below = (contacts.inner_law, contacts.outer_law), (model.inner_law, model.outer_law)
+    inner, outer = (whole.A * (whole.B - law.B) for whole, law in zip(laws, below, strict=True))
+    slope = steepest_slope(bearing, axial, operation.misalignment, float(laws[0].approach(MOVING * force)))
+    tables = tilted_tables(bearing, axial, laws, force, slope, (inner, outer))
+    met = (MeshedContact(table=tables[0], meshed=inner), MeshedContact(table=tables[1], meshed=outer))
+    return Tilting(laws=met, hub=hub_tilt(operation, axial), near=near)
+
+
+def _too_fine(why: str) -> str:
+    return f"[axial]: the mesh {why}, where slices have no law of their own; take a larger numerics.mesh_size_mm"
+
+
+def check_slices(model: "Model", axial: Axial, start: Start) -> None:
+    """Refuse coupled slices that are too narrow for the forces of a start. UsageError."""
+    contacts, _ = kept_contacts(model.bearing)
+    laws, axes = (contacts.inner_law, contacts.outer_law), start.equilibrium.axes
+    if axes is not None and (reason := narrow_slices(model.bearing, axial, laws, axes)) is not None:
+        raise UsageError(reason)
+
+
+def beyond_axes(arrays: "Arrays") -> str | None:
+    """`beyond_tables` of a run's arrays."""
+    laws = [pair.law for group in arrays.groups for pair in group if isinstance(pair, Raceway)]
+    sliced = [law for law in laws if isinstance(law, SlicedLaw)]
+    return beyond_tables(sliced[0].axes.tilts, tuple(law.table for law in sliced)) if sliced else None
+
+
+def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilting) -> "Arrays":
+    """Arrays of a plan with axes that tilt."""
+    bearing, rollers, start = plan.model.bearing, arrays.bodies.rollers, plan.start
+    if start.tilts is None:
+        raise ValueError("a start of parallel axes")
+    cage = plan.scene.ideal_cage()
+    axes = filled(
+        Axes,
+        {"columns": rollers.columns},
+        tilts=axes_at(bearing, plan.operation, axial, cage, start.tilts, rollers.columns),
+        tilted=filled(PatchMoments, {"columns": rollers.columns}),
+        n=rollers.n,
+    )
+    outer = next(pair for group in arrays.groups for pair in group if isinstance(pair, Raceway) and pair.row != INNER)
+
+    def sliced(pair):
+        if not isinstance(pair, Raceway):
+            return pair
+        of_hub = pair.row == INNER
+        law = SlicedLaw(
+            *pair.law,
+            sign=pair.sign,
+            table=TiltedLaw.of(tilting.laws[pair.row].table),
+            axes=axes,
+            length=float(bearing.roller_length),
+            slope=axes.tilts.slope if of_hub else np.zeros(2),
+            on_ring=axes.on_hub if of_hub else np.zeros(2),
+            middle=outer.centre,
+            back=outer.impulse,
+        )
+        return pair._replace(law=law)
+
+    return replace(
+        arrays,
+        bodies=arrays.bodies._replace(others=(*arrays.bodies.others, (axes,))),
+        groups=tuple(tuple(sliced(pair) for pair in group) for group in arrays.groups),
+    )

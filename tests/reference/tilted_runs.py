@@ -1,0 +1,27 @@
+"""Short runs of the paper's bearing with rollers that tilt."""
+
+import numpy as np
+
+from fem.solver.simulate import make_plan, run
+from lagrange.scene.scene import Scene
+
+
+def scene(model, axial=(), **changes):
+    """The paper's bearing for half a millisecond; `axial` : its table's keys, None: a plane section."""
+    keys = {} if axial is None else {f"axial.{key}": value for key, value in {"slices": 11, **dict(axial)}.items()}
+    fixed = {"model": model, "numerics.duration_ms": 0.5, "numerics.output_interval_us": 10.0}
+    return Scene().varied(fixed | keys | {key.replace("__", "."): value for key, value in changes.items()})
+
+
+def moved(found):
+    """Columns of a run by name."""
+    blocks = []
+    run(make_plan(found), blocks.append)
+    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
+
+
+def missed(samples):
+    """Largest energy error over the contacts' energy."""
+    energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
+    energy = energy - samples["work_external"] + samples["work_dissipated"]
+    return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()

@@ -33,15 +33,35 @@ class Overlaps:
     aside: np.ndarray | float = 0.0  # rad, by which the inner surfaces' slopes have turned the direction
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the contact's law
     inner_softening: np.ndarray | float = 0.0  # 1/N, its slope over 2χ
+    inner_part: np.ndarray | float = 0.0  # m, what the part of the length that spalls take has sunk besides
+    outer_part: np.ndarray | float = 0.0
+    inner_part_aside: np.ndarray | float = 0.0  # rad, its slope over χ
+
+    @property
+    def normal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit vector from the inner ring's centre to the roller's, (x, y)."""
+        straight = 1.0 / (1.0 + self.aside**2)
+        dx, dy = self.direction_x + self.aside * self.direction_y, self.direction_y - self.aside * self.direction_x
+        return -straight * dx, -straight * dy
+
+    def _turned(self, aside) -> "Overlaps":
+        """With directions whose surfaces have another slope over χ, rad."""
+        nx, ny = self.normal
+        return replace(self, direction_x=aside * ny - nx, direction_y=-aside * nx - ny, aside=aside)
+
+    def at_share(self, share) -> "Overlaps":
+        """With the directions of contacts of whose forces the part of the length that spalls take has a share."""
+        return (
+            self
+            if isinstance(self.inner_part_aside, float)
+            else self._turned(self.aside + share * self.inner_part_aside)
+        )
 
     def at_force(self, inner_force) -> "Overlaps":
         """With the directions that forces, N, >= 0, have on soft edges."""
         if isinstance(self.inner_softening, float):
             return self
-        aside, straight = self.aside + inner_force * self.inner_softening, 1.0 / (1.0 + self.aside**2)
-        dx = straight * (self.direction_x + self.aside * self.direction_y)
-        dy = straight * (self.direction_y - self.aside * self.direction_x)
-        return replace(self, direction_x=dx - aside * dy, direction_y=dy + aside * dx, aside=aside)
+        return self._turned(self.aside + inner_force * self.inner_softening)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,13 +122,17 @@ def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Ov
         return found
     dx, dy = found.direction_x, found.direction_y
     inner = surfaces.inner(np.arctan2(-dy, -dx), turns)
-    aside = inner.slope / found.distance
+    outer = surfaces.outer(outer_direction, turns)
+    aside, of_part = inner.slope / found.distance, inner.ring_part_slope + inner.roller_part_slope
     return Overlaps(
         distance=found.distance,
         direction_x=dx - aside * dy,
         direction_y=dy + aside * dx,
         inner=found.inner - inner.sinkage,
-        outer=found.outer - surfaces.outer(outer_direction, turns).sinkage,
+        outer=found.outer - outer.sinkage,
+        inner_part=inner.part,
+        outer_part=outer.part,
+        inner_part_aside=0.0 if isinstance(of_part, float) else of_part / found.distance,
         aside=aside,
         inner_compliance=inner.compliance,
         inner_softening=0.5 * (inner.ring_softening + inner.roller_softening) / found.distance if inner.soft else 0.0,
@@ -124,14 +148,19 @@ def polar_deviated(
     return replace(found, inner=found.inner - inner.sinkage, outer=found.outer - outer.sinkage), inner, outer
 
 
-def polar_at_force(found: PolarOverlaps, inner: SurfaceDeviation, outer: SurfaceDeviation, rho) -> PolarOverlaps:
-    """The overlaps with their derivatives turned by the slopes that contacts meet."""
-    aside = inner.slope / found.distance
+def polar_at_force(
+    found: PolarOverlaps, inner: SurfaceDeviation, outer: SurfaceDeviation, rho, normal=None
+) -> PolarOverlaps:
+    """The overlaps with their derivatives turned by the slopes that contacts meet.
+
+    `normal` : of the circles, along e_r and e_t, where moments have turned the derivatives already
+    """
+    aside, (radial, tangential) = inner.slope / found.distance, normal or (found.radial, found.tangential)
     return replace(
         found,
-        radial=found.radial - aside * found.tangential,
-        tangential=found.tangential + aside * found.radial,
-        outer_slope=outer.slope / rho,
+        radial=found.radial - aside * tangential,
+        tangential=found.tangential + aside * radial,
+        outer_slope=found.outer_slope + outer.slope / rho,
     )
 
 

@@ -113,7 +113,8 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         acting = operation.at(shift)
         plane = static_equilibrium(bearing, acting, laws, angles=theta, ring=place)
         start = np.array([plane.x, plane.y]), plane.rho
-        return tilted_equilibrium(bearing, acting, contacts, hub, theta, start, ring=place)
+        turns = Turns.rolling(bearing, operation, shift)
+        return tilted_equilibrium(bearing, acting, contacts, hub, theta, start, ring=place, turns=turns)
 
     def force_at(place):
         still = equilibrium_at(0.0, place)

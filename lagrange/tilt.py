@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.slices import Slices
+from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.equations import PolarOverlaps
@@ -28,8 +28,11 @@ from lagrange.kinematics import kinematics
 class TiltedLaw(Protocol):
     """One contact of a roller that may be tilted: `lagrange.axial.ContactTable`, or slices."""
 
-    def at(self, approach, slope) -> Any:
-        """U, J, Q, N, M, N m, and their derivatives, at approaches δ, m, in the plane z = 0 and slopes ψ, rad."""
+    def at(self, approach, slope, sunk=0.0) -> Any:
+        """U, J, Q, N, M, N m, and their derivatives, at approaches δ, m, in the plane z = 0 and slopes ψ, rad.
+
+        `sunk` : m, of the part of the length that spalls take, if any
+        """
 
 
 class TiltedLaws(NamedTuple):
@@ -83,9 +86,7 @@ def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
 
 def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
     """Contacts by slices that stand alone, each with its share of the whole length's law."""
-    drops, place = axial.drops(bearing), axial.centres(bearing)
-    inner, outer = (Slices(law=law, place=place, drop=drop) for law, drop in zip(laws, drops, strict=True))
-    return TiltedLaws(inner, outer)
+    return TiltedLaws(*contact_slices(bearing, axial, (laws.inner, laws.outer)))
 
 
 class Misalignments(NamedTuple):
@@ -158,6 +159,7 @@ class TiltedContacts:
     energy: np.ndarray  # J, of both contacts of a roller
     at: Misalignments
     normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
+    shares: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of both forces, of slices over spalls
 
     @property
     def outwards(self) -> np.ndarray:
@@ -176,11 +178,14 @@ class TiltedContacts:
 
 
 def tilted_contacts(
-    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin
+    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin, sunk=(0.0, 0.0)
 ) -> tuple[PolarOverlaps, TiltedContacts, np.ndarray, np.ndarray]:
-    """The contacts with the directions that moments give their forces; what they have more; both forces, N."""
+    """The contacts with the directions that moments give their forces; what they have more; both forces, N.
+
+    `sunk` : m, inner and outer, of the part of the length that spalls take
+    """
     at = misalignments(found, tilts, cos, sin)
-    inner, outer = laws.inner.at(found.inner, at.inner), laws.outer.at(found.outer, at.outer)
+    inner, outer = met(laws.inner, found.inner, at.inner, sunk[0]), met(laws.outer, found.outer, at.outer, sunk[1])
     aside = _turned(at.inner_across / found.distance, inner)
     turned = replace(
         found,
@@ -191,8 +196,21 @@ def tilted_contacts(
     more = TiltedContacts(
         inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
         normal=(found.radial, found.tangential),
+        shares=(share_of_part(inner, sunk[0]), share_of_part(outer, sunk[1])),
     )  # fmt: skip
     return turned, more, inner.force, outer.force
+
+
+def met(law: TiltedLaw, approach, slope, sunk):
+    """`TiltedLaw.at` of contacts, `sunk` the number 0 where no spall takes a part of the length."""
+    return law.at(approach, slope) if isinstance(sunk, float) else law.at(approach, slope, sunk)
+
+
+def share_of_part(of, sunk) -> np.ndarray | float:
+    """Of contacts' forces, what slices over spalls bear that take a part of the length."""
+    if isinstance(sunk, float):
+        return 0.0
+    return of.part / np.where(of.force > 0.0, of.force, np.inf)
 
 
 def _turned(across, of) -> np.ndarray:

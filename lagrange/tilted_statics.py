@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.equations import PolarOverlaps, polar_overlaps
+from lagrange.equations import PolarOverlaps, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
-from lagrange.tilt import HubTilt, TiltedLaws, Tilts, misalignments, precession_stiffness
+from lagrange.surface.deviation import UNTURNED, SurfaceDeviation, Turns, profiles
+from lagrange.tilt import HubTilt, TiltedLaws, Tilts, met, misalignments, precession_stiffness, share_of_part
 
 MOST_STEPS, MOST_HALVINGS, MOST_TURNS = 150, 30, 60
 ROUND_OFF_ENERGY, SOFTEST, LONGEST = 1e-15, 1e-9, 2e-3  # of energies; of scaled stiffnesses; of a roller's radius
@@ -78,6 +79,7 @@ def tilted_equilibrium(
     *,
     elastic: Elastic | None = None,
     ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
+    turns: Turns = UNTURNED,
 ) -> TiltedStatics:
     """Equilibrium under load, weights and centrifugal forces at cage speed.
 
@@ -88,12 +90,13 @@ def tilted_equilibrium(
     start : hub's place, (2,), and rollers' radii, (n_rollers,), m, to begin from
     elastic : None: bodies are rigid but for their contacts
     ring : where the outer ring's centre is, m, from which all places are
+    turns : of ring and rollers, which matter where their surfaces are not perfect
 
     Errors
     ------
     RuntimeError: no equilibrium found.
     """
-    system = _System(bearing, operation, laws, hub, theta, elastic, np.asarray(ring, dtype=float))
+    system = _System(bearing, operation, laws, hub, theta, elastic, np.asarray(ring, dtype=float), turns)
     slope = np.array([hub.slope_x, hub.slope_y])
     radial = np.array([np.cos(theta), np.sin(theta)])
     moved = np.concatenate([start[0], slope, start[1], 0.5 * (slope @ radial)])
@@ -134,8 +137,9 @@ def _descended(system: "_System", moved, taken, here: _Point) -> tuple[np.ndarra
 class _System:
     """Balance of hub, rollers and contacts."""
 
-    def __init__(self, bearing, operation, laws, hub, theta, elastic, ring):
+    def __init__(self, bearing, operation, laws, hub, theta, elastic, ring, turns):
         n = self.n = bearing.n_rollers
+        self.surfaces, self.turns = profiles(bearing), turns
         self.bearing, self.operation, self.laws, self.hub, self.theta, self.ring = (
             bearing,
             operation,
@@ -168,14 +172,21 @@ class _System:
         self.arms = np.repeat([1.0, self.length], 2 * n)
         self.precession = precession_stiffness(bearing, operation.speed)
 
-    def geometry(self, moved) -> tuple[np.ndarray, np.ndarray, PolarOverlaps]:
-        """Approaches and misalignments, (4 n,), their derivatives, (4 n, 4 + 2 n), and the circles' overlaps."""
+    def geometry(
+        self, moved
+    ) -> tuple[np.ndarray, np.ndarray, PolarOverlaps, tuple[SurfaceDeviation, SurfaceDeviation] | None]:
+        """Approaches and misalignments, (4 n,), their derivatives on circles, (4 n, 4 + 2 n), the overlaps, and what
+        contacts meet of surfaces that are not perfect; None: they are."""
         n, (x, y, bx, by), cos, sin = self.n, moved[:4], self.cos, self.sin
         rho, tilt = moved[4 : 4 + n], moved[4 + n :]
         found = polar_overlaps(self.bearing, rho, x * cos + y * sin, y * cos - x * sin)
         at = misalignments(
             found, Tilts(tilt=tilt, skew=0.0, tilt_rate=tilt, skew_rate=0.0, slope_x=bx, slope_y=by), cos, sin
         )
+        deviations = None
+        if self.surfaces is not None:
+            found, inner, outer = polar_deviated(self.surfaces, found, self.turns, self.theta)
+            deviations = inner, outer
         nx, ny = found.radial * cos - found.tangential * sin, found.radial * sin + found.tangential * cos
         across, j = at.inner_across / found.distance, np.arange(n)
         ways = np.zeros((4 * n, 4 + 2 * n))
@@ -185,20 +196,33 @@ class _System:
         ways[psi, 0], ways[psi, 1], ways[psi, 4 + j] = across * ny, -across * nx, -across * found.tangential
         ways[psi, 2], ways[psi, 3], ways[psi, 4 + n + j] = -nx, -ny, found.radial
         ways[3 * n + j, 4 + n + j] = -1.0
-        return np.concatenate([found.inner, found.outer, at.inner, at.outer]) + self.closing, ways, found
+        return np.concatenate([found.inner, found.outer, at.inner, at.outer]) + self.closing, ways, found, deviations
+
+    def _aside(self, ways, found: PolarOverlaps, slope) -> None:
+        """Turn the ways of the inner contacts by the slopes of their surfaces, m/rad."""
+        j, aside = np.arange(self.n), slope / found.distance
+        nx, ny = ways[j, 0].copy(), ways[j, 1].copy()
+        ways[j, 0] -= aside * ny
+        ways[j, 1] += aside * nx
+        ways[j, 4 + j] += aside * found.tangential
 
     def at(self, moved, taken) -> _Point:
         """Forces and energy where other contacts take so much of approaches and misalignments, (4 n,)."""
         n, j = self.n, np.arange(self.n)
-        geometric, ways, found = self.geometry(moved)
+        geometric, ways, found, deviations = self.geometry(moved)
+        sunk, shares = (0.0, 0.0) if deviations is None else tuple(each.part for each in deviations), []
         own, parts, forces, stiff = geometric - taken, np.zeros(2 * n), np.zeros(4 * n), np.zeros((4 * n, 4 * n))
         for row, law in enumerate(self.laws):
             d, p = row * n + j, (2 + row) * n + j
             most = getattr(law, "last_approach", np.inf)  # of a table, beyond which a step may try
-            met, more = law.at(np.minimum(own[d], most), own[p]), np.maximum(own[d] - most, 0.0)
-            forces[d], forces[p] = met.force + met.stiffness * more, -met.moment + met.cross * more
-            parts[d] = met.energy + (met.force + 0.5 * met.stiffness * more) * more
-            stiff[d, d], stiff[d, p], stiff[p, d], stiff[p, p] = met.stiffness, met.cross, met.cross, met.tilt_stiffness
+            here, more = met(law, np.minimum(own[d], most), own[p], sunk[row]), np.maximum(own[d] - most, 0.0)
+            forces[d], forces[p] = here.force + here.stiffness * more, -here.moment + here.cross * more
+            parts[d] = here.energy + (here.force + 0.5 * here.stiffness * more) * more
+            stiff[d, d], stiff[d, p], stiff[p, d] = here.stiffness, here.cross, here.cross
+            stiff[p, p] = here.tilt_stiffness
+            shares.append(share_of_part(here, sunk[row]))
+        if deviations is not None:
+            self._aside(ways, found, deviations[0].at_share(shares[0]).slope)
         off = moved - self.slack
         pull = np.where(self.moves, self.springs, 0.0) * off
         left = self.applied - pull - ways.T @ forces

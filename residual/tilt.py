@@ -8,6 +8,7 @@ import numpy as np
 
 from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
 from lagrange.axial.slices import Slices
+from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
 from lagrange.equations import Overlaps
@@ -31,6 +32,7 @@ class SlicedLaw:
     whole: PowerLaw | LogarithmicLaw  # of the whole length
     slices: Slices
     misalignment: np.ndarray  # (n_times, n_rollers), rad
+    sunk: np.ndarray | float = 0.0  # the same, m, of the part of the length that spalls take
 
     @property
     def name(self) -> str:
@@ -52,11 +54,18 @@ class SlicedLaw:
         """Force times z, N m."""
         return self._of("moment", approach)
 
+    def share(self, approach) -> np.ndarray | float:
+        """Of the force, what slices over spalls bear that take a part of the length."""
+        if self.slices.part is None:
+            return 0.0
+        force = self.force(approach)
+        return self._of("part", approach) / np.where(force > 0.0, force, 1.0)
+
     def _of(self, name: str, approach) -> np.ndarray:
-        found = np.empty_like(self.misalignment)
+        found, sunk = np.empty_like(self.misalignment), np.broadcast_to(self.sunk, self.misalignment.shape)
         for first in range(0, len(found), BLOCK):
             part = slice(first, first + BLOCK)
-            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part]), name)
+            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part], sunk[part]), name)
         return found
 
 
@@ -70,9 +79,11 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
     axial, bearing = record.scene.ideal_axial(), record.bearing
     if axial is None or record.roller_tilt is None:
         raise ValueError("the record has no rollers that tilt")
-    slices = Slices(law=whole, place=axial.centres(bearing), drop=axial.drops(bearing)[int(outer)])
-    misalignment = -record.roller_tilt if outer else misaligned(record, record.contacts)[0]
-    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment)
+    slices, contacts = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.contacts
+    if outer:
+        return SlicedLaw(whole=whole, slices=slices, misalignment=-record.roller_tilt, sunk=contacts.outer_part)
+    misalignment = misaligned(record, contacts)[0]
+    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, sunk=contacts.inner_part)
 
 
 def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
@@ -81,14 +92,14 @@ def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarr
     tilt, skew = np.asarray(record.roller_tilt), np.asarray(record.roller_skew)
     x = tilt * np.cos(angle) + skew * np.sin(angle) - np.asarray(record.inner_slope_x)[:, None]
     y = tilt * np.sin(angle) - skew * np.cos(angle) - np.asarray(record.inner_slope_y)[:, None]
-    nx, ny = -contacts.direction_x, -contacts.direction_y
+    nx, ny = contacts.normal
     return x * nx + y * ny, y * nx - x * ny
 
 
 def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.ndarray, np.ndarray]:
     """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (n_times,), N."""
-    push = moment * misaligned(record, contacts)[1] / contacts.distance
-    return np.sum(-push * contacts.direction_y, axis=1), np.sum(push * contacts.direction_x, axis=1)
+    push, (nx, ny) = moment * misaligned(record, contacts)[1] / contacts.distance, contacts.normal
+    return np.sum(push * ny, axis=1), np.sum(-push * nx, axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +136,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
         tilts=Tilts(**columns, **rates),
     )  # fmt: skip
     cos, sin = np.cos(theta), np.sin(theta)
-    nx, ny = -contacts.direction_x, -contacts.direction_y
+    nx, ny = contacts.normal
     normal = nx * cos + ny * sin, ny * cos - nx * sin
     at = Misalignments(*misaligned(record, contacts)[:1], *(3 * (np.zeros_like(theta),)))
 

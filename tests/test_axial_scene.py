@@ -50,6 +50,17 @@ def test_long_rollers_are_straight_in_their_middle():
         ({"axial": {"shaft_tilt_stiffness_N_m_rad": 10.0}}, "give hub_tilt_inertia_kg_m2"),
         ({"operation": {"misalignment_mrad": 1.0}}, "only with [axial]"),
         ({"axial": {}, "model": "lagrange", "bearing": {"type": "ball"}}, "[axial]: only for rollers"),
+        ({"spall": [{"length_mm": 5.0}]}, "spall.0.length_mm = 5: only with [axial]"),
+        ({"spall": [{"z_mm": 2.0}]}, "only with length_mm"),
+        (
+            {"axial": {}, "model": "reduced", "spall": [{"length_mm": 9.9}]},
+            "goes over all middles of axial.slices = 21",
+        ),
+        ({"axial": {}, "model": "reduced", "spall": [{"length_mm": 2.0, "z_mm": 6.0}]}, "goes over no middles"),
+        (
+            {"axial": {}, "model": "reduced", "spall": [{"length_mm": 2.0}, {"length_mm": 3.0, "angle_deg": 90.0}]},
+            "takes other slices of contacts with the outer_ring than spall.0",
+        ),
     ],
 )
 def test_what_does_not_fit_is_named(tables, words):

@@ -1,5 +1,7 @@
 """The table of a tilted contact's energy: its derivatives, its kernel, the slices that it stands for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from lagrange.axial import ContactTable
 from lagrange.axial.pressure import peak_table, pressures
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import tabulated
+from lagrange.axial.tabulate import spalled, tabulated
 from lagrange.contact.raceway_laws import contact_pairs, johnson
 from tests.reference.bearings import paper
 
@@ -81,7 +83,7 @@ def test_the_kernel_and_numpy_read_a_table_alike(table):
     approach[:2], slope[2:4] = (-1.0, 1e-6), (1.1 * STEEPEST, -1.1 * STEEPEST)  # outside too
     found = np.zeros((500, 6))
     read_all(TiltedLaw.of(table), approach, slope, found)
-    exact = np.column_stack(table.at(approach, slope))
+    exact = np.column_stack(table.at(approach, slope)[:6])
     assert found == pytest.approx(exact, rel=1e-9, abs=1e-9 * np.abs(exact).max())
     three = np.zeros((500, 3))
     read(TiltedLaw.of(table), approach, slope, three)
@@ -98,3 +100,33 @@ def test_force_and_moment_are_the_derivatives_of_the_energy(table):
     assert -(right.energy - left.energy) / (2.0 * p) == pytest.approx(found.moment, rel=1e-4, abs=1e-5)
     assert (plus.force - minus.force) / (2.0 * d) == pytest.approx(found.stiffness, rel=1e-2, abs=1e5)
     assert -(right.moment - left.moment) / (2.0 * p) == pytest.approx(found.tilt_stiffness, rel=1e-2, abs=2.0)
+
+
+def test_a_table_over_a_spall_is_that_of_its_slices():
+    whole = slices("logarithmic", 20)
+    own = replace(whole, part=whole.place > 0.0)
+    table, rng = spalled(own, table_of(whole)), np.random.default_rng(3)
+    approach, slope = places(table.whole, 2000)
+    sunk = rng.uniform(0.0, 10e-6, 2000) * rng.integers(0, 2, 2000)
+    found, exact = table.at(approach, slope, sunk), own.at(approach, slope, sunk)
+    for name, scale in (("force", 1900.0), ("moment", 3.0), ("part", 1900.0)):
+        missed = getattr(found, name) - getattr(exact, name)
+        assert np.sqrt(np.mean(missed**2)) < 1e-4 * scale
+    h = 1e-10
+    more, less = (own.sums(approach, slope, sunk + step).energy for step in (h, -h))
+    assert -(more - less) / (2.0 * h) == pytest.approx(exact.part, rel=1e-4, abs=1e-2)
+
+
+def test_coupled_slices_over_a_spall_are_exact_where_all_or_none_have_sunk():
+    whole = slices("logarithmic", 10)
+    apart = np.abs(whole.place[:, None] - whole.place)
+    coupled = replace(whole, coupling=2e-9 * np.exp(-apart / 1e-3))
+    own = replace(coupled, part=whole.place > 0.0)
+    table, rng = spalled(own, table_of(coupled)), np.random.default_rng(4)
+    approach, slope = places(table.whole, 400)
+    for sunk in (0.0, 1e-3):
+        found, exact = table.at(approach, slope, sunk + 0.0 * slope), own.sums(approach, slope, sunk + 0.0 * slope)
+        assert np.sqrt(np.mean((found.force - exact.force) ** 2)) < 1e-4 * 1900.0
+    sunk = rng.uniform(0.0, 8e-6, 400)  # between, where slices of the part and of the rest are coupled
+    missed = table.at(approach, slope, sunk).force - own.sums(approach, slope, sunk).force
+    assert np.sqrt(np.mean(missed**2)) < 0.02 * 1900.0

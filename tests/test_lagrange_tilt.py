@@ -114,6 +114,69 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
     assert 10 < closed < 40  # open and closed contacts are both met
 
 
+SPALLS = [
+    {"body": "outer_ring", "width_mm": 0.6, "angle_deg": 0.5, "length_mm": 5.0, "z_mm": 2.5},
+    {"body": "inner_ring", "width_mm": 0.5, "angle_deg": 0.5},
+    {"body": "roller", "roller": 0, "width_mm": 0.5, "angle_deg": 2.0, "length_mm": 5.0, "z_mm": 2.5},
+]
+WAVE = [{"body": "inner_ring", "order": 40, "amplitude_um": 0.3}]
+
+
+def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
+    found = scene(axial__slices=10, model="reduced", spall=SPALLS, waviness=WAVE)
+    bearing, operation = found.ideal_bearing(), found.ideal_operation()
+    laws = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing))
+    rng, n = np.random.default_rng(5), bearing.n_rollers
+    zero, theta = np.zeros(n), roller_angles(bearing, operation.first_roller_angle) + 1e-3 * rng.uniform(-9.0, 9.0, n)
+    moved = np.concatenate([1e-6 * np.array([3.0, -9.0]), bearing.pitch_radius + 1e-6 * rng.uniform(-4.0, 4.0, n),
+                            theta, 1e-3 * rng.uniform(-1.0, 1.0, n)])  # fmt: skip
+
+    def at(x):
+        rho, angle, tilt = np.split(x[2:], 3)
+        tilts = Tilts(tilt=tilt, skew=zero, tilt_rate=zero, skew_rate=zero, slope_x=1e-4, slope_y=-1e-3)
+        state = State(
+            x=x[0], y=x[1], rho=rho, theta=angle, x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero, tilts=tilts
+        )
+        return state, contact_state(bearing, laws, state)
+
+    state, touch = at(moved)
+    weightless = replace(operation, gravity=0.0, radial_load=0.0)
+    of_tilt, of_skew = tilt_equations(bearing, weightless, state, touch, zero, zero, zero)
+    pushes = -np.concatenate([
+        hub_equations(weightless, state, touch, 0.0, 0.0), radial_equations(bearing, weightless, state, touch, zero),
+        angular_equations(bearing, weightless, state, touch, zero) - state.tilts.tilt * of_skew, of_tilt,
+    ])  # fmt: skip
+    assert max(np.abs(share).max() for share in touch.tilted.shares) > 0.1
+    parts, scale = [2, n, n, n], np.abs(pushes)
+    step = np.repeat([1e-10, 1e-10, 1e-8, 1e-8], parts)
+    scale = np.repeat([part.max() for part in np.split(scale, np.cumsum(parts)[:-1])], parts)
+    for i in range(moved.size):
+        way = step * (np.arange(moved.size) == i)
+        energy = [float(at(moved + sign * way)[1].tilted.energy.sum()) for sign in (1.0, -1.0)]
+        assert pushes[i] == pytest.approx(-(energy[0] - energy[1]) / (2.0 * step[i]), abs=1e-5 * scale[i])
+
+
+def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
+    found = scene(axial__slices=10, model="reduced", spall=[SPALLS[0] | {"angle_deg": 0.0}])
+    bearing, operation = found.ideal_bearing(), replace(found.ideal_operation(), speed=0.0, gravity=0.0)
+    laws = contact_laws("iso16281", bearing)
+    plane = static_equilibrium(bearing, operation, laws)
+    contacts, theta = sliced_laws(bearing, found.ideal_axial(), laws), plane.theta
+    start = np.array([plane.x, plane.y]), plane.rho
+    still = tilted_equilibrium(bearing, operation, contacts, hub_tilt(operation, found.ideal_axial()), theta, start)
+    zero = np.zeros(bearing.n_rollers)
+    tilts = Tilts(tilt=still.tilt, skew=zero, tilt_rate=zero, skew_rate=zero, slope_x=0.0, slope_y=0.0)
+    state = State(
+        x=still.place[0], y=still.place[1], rho=still.rho, theta=theta, x_rate=0.0, y_rate=0.0, rho_rate=zero,
+        theta_rate=zero, tilts=tilts,
+    )  # fmt: skip
+    touch = contact_state(bearing, contacts, state)
+    assert np.abs(hub_equations(operation, state, touch, 0.0, 0.0)).max() < 1e-6 * operation.radial_load
+    assert np.abs(radial_equations(bearing, operation, state, touch, zero)).max() < 1e-6 * operation.radial_load
+    assert np.abs(touch.tilted.outwards).max() < 1e-6 * np.abs(touch.tilted.inner_moment).max()
+    assert touch.tilted.shares[1][0] == 0.0 and abs(still.tilt[0]) > 1e-4  # tilted, it stands on the sound half
+
+
 FREE = {
     "axial__hub_tilt_inertia_kg_m2": 1.03e-5, "axial__shaft_tilt_stiffness_N_m_rad": 2000.0,
     "operation__misalignment_mrad": 1.0,

@@ -1,6 +1,6 @@
 """Tables of tilted contacts of elastic bodies: the plane law of the whole approach in slices that know each other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor, log10
 
 import numpy as np
@@ -9,10 +9,10 @@ from fem.contacts.contact_law import ContactLaw
 from fem.elastic.axial_series import bodies, slice_compliance
 from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach
-from lagrange.axial import Axial, ContactTable, contact_tables
+from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.tabulate import contact_slices, without_part
 from lagrange.bearing import Bearing
 from lagrange.contact.raceway_laws import LogarithmicLaw
 
@@ -33,7 +33,7 @@ def tilted_tables(
     largest_force: float,
     largest_slope: float,
     meshed: tuple[float, float] = NOTHING,
-) -> tuple[ContactTable, ContactTable]:
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
 
     Parameters
@@ -41,27 +41,47 @@ def tilted_tables(
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
     meshed : m/N, what meshes have of both contacts' compliances; tables are of the rest
     """
+    sound = replace(bearing, faults=()).full
     force, slope = rounded_range(largest_force, largest_slope)
 
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)
         curved = tuple(slice_law(law, widths) for law in laws)
         coupled = [found - of_mesh for found, of_mesh in zip(couplings(bearing, axial), meshed, strict=True)]
-        tables = contact_tables(bearing, axial, curved, force, slope, (coupled[0], coupled[1]))
+        tables = contact_tables(sound, axial, curved, force, slope, (coupled[0], coupled[1]))
         found = {}
         for side, table in zip(SIDES, tables, strict=True):
             grid = table.first_approach, table.approach_step, table.first_slope, table.slope_step
             found |= {f"{side}_grid": np.array(grid), side: table.coefficients}
         return found
 
-    key = bearing, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)
-    arrays = kept("tilted", repr(key), make)
-    inner, outer = (
+    key = repr((sound, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)))
+    arrays = kept("tilted", key, make)
+    inner, outer = found = tuple(
         ContactTable(
             **dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True)),
             coefficients=np.ascontiguousarray(arrays[side]),
         )
         for side in SIDES
+    )
+    parts = axial.parts(bearing)
+    if all(part is None for part in parts):
+        return inner, outer
+
+    def make_rest() -> dict[str, np.ndarray]:
+        slices = tilted_slices(bearing, axial, laws)
+        return {
+            side: without_part(each, table).coefficients
+            for side, each, table in zip(SIDES, slices, found, strict=True)
+            if each.part is not None
+        }
+
+    rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
+    inner, outer = (
+        SpalledTable(whole=table, rest=replace(table, coefficients=np.ascontiguousarray(rests[side])))
+        if side in rests
+        else table
+        for side, table in zip(SIDES, found, strict=True)
     )
     return inner, outer
 
@@ -95,10 +115,8 @@ class MeshedContact:
                 break
             own = own + missing / (1.0 + self.meshed * np.maximum(met.stiffness, 0.0))
         give = 1.0 / (1.0 + self.meshed * met.stiffness)
-        return TiltedContact(
+        return met._replace(
             energy=met.energy + 0.5 * self.meshed * met.force**2,
-            force=met.force,
-            moment=met.moment,
             stiffness=met.stiffness * give,
             cross=met.cross * give,
             tilt_stiffness=met.tilt_stiffness - self.meshed * met.cross**2 * give,

@@ -188,14 +188,15 @@ class RingProfile(NamedTuple):
     """Surface of a ring over its angle: periodic cubic B-splines."""
 
     sinkage: given("n_knots")  # m
-    compliance: given("n_knots")  # m/N, of edges
+    # m/N, of edges; where rollers tilt, whose edges have none, m, sinkage of the part of the length that spalls take
+    compliance: given("n_knots")
 
 
 class RollerProfiles(NamedTuple):
     """The same of the rollers' contacts with one raceway by angle on the roller."""
 
     sinkage: given("n_rows, n_knots")  # m
-    compliance: given("n_rows, n_knots")  # m/N
+    compliance: given("n_rows, n_knots")  # m/N, or m
     first: given("columns", np.int64)  # place of each roller's row
 
 

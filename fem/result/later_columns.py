@@ -14,11 +14,9 @@ from fem.result.durable import alone_in, put_in_place
 from lagrange.bearing import Bearing, Operation
 from lagrange.files.hdf5 import SCENE_FILE, hdf5_to_write
 from lagrange.files.output import real_path
-from lagrange.kinematics import turned
-from lagrange.mounting import from_outer_ring
 from lagrange.scene.scene import Scene
-from lagrange.surface.deviation import Turns, profiles
-from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls
+from lagrange.surface.deviation import profiles
+from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls, surfaces_met
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -100,18 +98,10 @@ def with_sinkages(
     bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
 ) -> Mapping[str, np.ndarray]:
     """Samples with the sinkage under each contact, where surfaces are not perfect."""
-    surfaces = profiles(bearing)
-    if surfaces is None:
+    if profiles(bearing) is None:
         return samples
-    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
-    turn = turned(bearing, operation, samples["time"][:, None]).shaft
-    turns = Turns(inner_ring=turn, rollers=samples["roller_turn"])
-    from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
-    found = {
-        "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
-        "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
-    }
-    return {**samples, **found}
+    met = zip(("inner", "outer"), surfaces_met(bearing, operation, samples), strict=True)
+    return {**samples, **{f"{side}_sinkage": each.sinkage + each.part for side, each in met}}
 
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:

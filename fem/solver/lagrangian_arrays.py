@@ -15,8 +15,8 @@ from fem.solver.part_arrays import raceway_profiles, rigid_dampers
 from fem.solver.rigid_arrays import Placed, columns_for, rigid_bodies
 from fem.solver.samples import row_width
 from fem.solver.tilted_arrays import rigid_compliance, tilted, with_moments, with_tilts
-from lagrange import kinematics
-from lagrange.axial import ContactTable, contact_tables
+from lagrange import Bearing, kinematics
+from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
 from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.laws import PowerLaw
@@ -87,19 +87,26 @@ def contact_laws_of(problem: Problem) -> Isolated | Tilted:
     reach, track = touching_distances(problem.bearing)
     if problem.axial is not None:
         columns = columns_for(problem.bearing.n_rollers)
-        return tilted(rigid_compliance(reach, track, columns), _tables(problem, problem.axial), problem.bearing)
-    inner, outer = raceway_profiles(problem.bearing, columns_for(problem.bearing.n_rollers))
+        still = rigid_compliance(reach, track, columns)._replace(**_surfaces(problem.bearing))
+        return tilted(still, _tables(problem, problem.axial), problem.bearing)
     return Isolated(
         inner=_constants(problem.laws.inner),
         outer=_constants(problem.laws.outer),
         reach=float(reach),
         track=float(track),
-        ring_profiles=(inner["profile"], outer["profile"]),
-        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
+        **_surfaces(problem.bearing),
     )
 
 
-def _tables(problem: Problem, axial: Axial) -> tuple[ContactTable, ContactTable]:
+def _surfaces(bearing: Bearing) -> dict[str, tuple]:
+    inner, outer = raceway_profiles(bearing, columns_for(bearing.n_rollers))
+    return {
+        "ring_profiles": (inner["profile"], outer["profile"]),
+        "roller_profiles": (inner["roller_profiles"], outer["roller_profiles"]),
+    }
+
+
+def _tables(problem: Problem, axial: Axial) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables up to a few times the largest static force, made of the slices that the reference has."""
     bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), expected_force(problem)
     slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))
@@ -137,4 +144,5 @@ def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
         found.force[row, :n] = found.estimate[row, :n] = force[0]
     if problem.axial is None:
         return found
-    return with_moments(found, start["inner_moment"][0], start["outer_moment"][0])
+    spalled = any(part is not None for part in problem.axial.parts(problem.bearing))
+    return with_moments(found, start["inner_moment"][0], start["outer_moment"][0], spalled)

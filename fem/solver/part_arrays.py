@@ -243,17 +243,23 @@ def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
 
 def _ring_profile(profile: Profile | None) -> RingProfile:
     sinkage = np.zeros(WIDTH) if profile is None else profile.coefficients[0]
-    soft = profile is not None and profile.compliance is not None
+    beside = None if profile is None else _beside(profile)
     return RingProfile(
-        sinkage=at_line(sinkage), compliance=at_line(profile.compliance[0] if soft else np.zeros_like(sinkage))
+        sinkage=at_line(sinkage), compliance=at_line(np.zeros_like(sinkage) if beside is None else beside[0])
     )
+
+
+def _beside(profile: Profile) -> np.ndarray | None:
+    """Compliance of edges, or where rollers may tilt, whose edges have none, the sinkage of part of their length."""
+    return profile.part if profile.compliance is None else profile.compliance
 
 
 def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     first = np.zeros(columns, dtype=np.int64)
     first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
-    soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
-    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
+    beside = _beside(profile)
+    beside = np.zeros_like(profile.coefficients) if beside is None else beside
+    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(beside), first=at_line(first))
 
 
 def rigid_dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:

@@ -30,7 +30,7 @@ from fem.solver.warnings import plan_warnings
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
-from lagrange.axial import ContactTable
+from lagrange.axial import ContactTable, SpalledTable
 from lagrange.kinematics import fastest_kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
@@ -52,7 +52,8 @@ class ReducedPlan(RigidPlan):
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart
-    tables: tuple[ContactTable, ContactTable] | None  # of contacts of rollers that tilt; None: axes stay parallel
+    # of contacts of rollers that tilt; None: axes stay parallel
+    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable] | None
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
@@ -155,7 +156,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride, sections = looks * ceil(steps / looks), None
-    if scene.damping.contacts.acts:  # contacts without dampers vibrate on after a strike
+    if scene.damping.contacts.acts and axial is None:  # contacts without dampers vibrate on after a strike
         sections = sections_of(bearing, fastest, interval / looks, longest, on_waves)
     if sections is not None:
         stride = looks * sections.count * sections.near

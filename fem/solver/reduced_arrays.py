@@ -24,6 +24,7 @@ from fem.solver.tilted_arrays import tilted, with_moments, with_tilts
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
+from lagrange.axial import SpalledTable
 from lagrange.equations import touching_distances
 from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import profiles
@@ -133,7 +134,8 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         found.guess[row, : n + 2 * halo] = force[at % n]
     if start.inner_moment is None or start.outer_moment is None:
         return found
-    return with_moments(found, start.inner_moment, start.outer_moment)
+    spalled = any(isinstance(table, SpalledTable) for table in plan.tables or ())
+    return with_moments(found, start.inner_moment, start.outer_moment, spalled)
 
 
 def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:

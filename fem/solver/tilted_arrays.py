@@ -11,7 +11,7 @@ from fem.kernels.tilts import TiltedForces
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.samples import row_width
 from lagrange import Bearing, Operation, kinematics
-from lagrange.axial import ContactTable
+from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Cage
 from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
@@ -48,16 +48,22 @@ def axes_at(
     return tilts
 
 
-def tilted(compliance: Compliance, tables: tuple[ContactTable, ContactTable], bearing: Bearing) -> Tilted:
+def tilted(
+    compliance: Compliance, tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing
+) -> Tilted:
     """Contacts of rollers that tilt, with the compliance of their tables, otherwise as those of parallel axes."""
-    laws, length = tuple(TiltedLaw.of(table) for table in tables), float(bearing.roller_length)
-    return Tilted(*compliance, tables=laws, share=12.0 / length**2, length=length)
+    length, rests = float(bearing.roller_length), (None, None)
+    if any(isinstance(table, SpalledTable) for table in tables):  # both, so that they are of one type
+        rests = tuple(TiltedLaw.of(table.rest if isinstance(table, SpalledTable) else table) for table in tables)
+    laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
+    return Tilted(*compliance, tables=laws, rests=rests, share=12.0 / length**2, length=length)
 
 
-def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray) -> ReducedForces:
-    """Forces with moments, of a start (n_rollers,), N m."""
+def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, spalled: bool) -> ReducedForces:
+    """Forces with moments, of a start (n_rollers,), N m; `spalled` : whether spalls take a part of the length."""
     columns, halo, n = forces.force.shape[1], forces.halo, inner.size
-    found = filled(TiltedForces, {"columns": columns, "haloed": forces.guess.shape[1]})
+    absent = {} if spalled else {"sunken": None}
+    found = filled(TiltedForces, {"columns": columns, "haloed": forces.guess.shape[1]}, **absent)
     for row, moment in enumerate((inner, outer)):
         found.moment[row, :n] = moment
         if found.guess.shape[1]:

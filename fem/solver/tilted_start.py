@@ -11,7 +11,7 @@ from fem.solver.reduced_start import LOOK_AHEAD, ReducedStart
 from fem.statics.contact_balance import NotFound
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Bearing, Operation
-from lagrange.axial import ContactTable
+from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import placed
 from lagrange.axial.tabulate import steepest_slope
@@ -19,7 +19,7 @@ from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
-from lagrange.surface.deviation import UNTURNED
+from lagrange.surface.deviation import UNTURNED, Turns
 from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
 from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
 
@@ -28,7 +28,7 @@ MOVING = 2.0  # times the force at rest: rollers that move tilt further
 
 def tables_of(
     model: ReducedBearing, operation: Operation, axial: Axial, force: float
-) -> tuple[ContactTable, ContactTable]:
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables of both contacts, for forces at rest of so many N."""
     bearing, laws = model.bearing, (model.inner_law, model.outer_law)
     slope = steepest_slope(bearing, axial, operation.misalignment, float(laws[0].approach(MOVING * force)))
@@ -39,7 +39,7 @@ def tilted_start(
     model: ReducedBearing,
     operation: Operation,
     axial: Axial,
-    tables: tuple[ContactTable, ContactTable],
+    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable],
     plane: ReducedStart,
 ) -> ReducedStart:
     """Static equilibrium near that of parallel axes, with the velocities of passing through those before and after.
@@ -62,7 +62,8 @@ def tilted_start(
         elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
         acting, start = operation.at(time), (plane.hub, plane.rho)
         try:
-            return tilted_equilibrium(bearing, acting, laws, hub, angle, start, elastic=elastic, ring=ring)
+            turns = Turns.rolling(bearing, operation, time)
+            return tilted_equilibrium(bearing, acting, laws, hub, angle, start, elastic=elastic, ring=ring, turns=turns)
         except RuntimeError as error:
             raise NotFound(str(error)) from None
 

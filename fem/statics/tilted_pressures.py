@@ -12,8 +12,10 @@ from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.raceway_laws import contact_laws, contact_pairs
 from lagrange.scene.scene import Scene
+from lagrange.surface.passages import surfaces_met
 
 LEAST = 1e-6  # rad: of a run whose axes stay parallel
+FLAT = 1e-10  # m: a spline's ringing beside spalls, which contacts do not notice
 
 
 def scene_slices(scene: Scene) -> tuple[Slices, Slices]:
@@ -32,7 +34,7 @@ def scene_slices(scene: Scene) -> tuple[Slices, Slices]:
 def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of `lagrange.columns.OF_TILTED` from a run's samples, each (n_times, n_rollers), Pa.
 
-    Tables are kept on disk. Errors: those of `peak_table`.
+    Tables are kept on disk. Errors: those of `peak_table`. NaN over spalls of part of the length, whose ends are edges.
     """
     bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
     assert axial is not None
@@ -48,9 +50,19 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
     law = scene.lagrange if scene.model == "lagrange" else None
     peaks = kept("peaks", repr((bearing, axial, law, within)), make)["peaks"]
     arm = float(axial.centres(bearing)[-1])
-    return {
+    found = {
         f"{side}_peak_pressure": PeakTable(root=within[0] ** 0.5, arm=arm, peaks=of).at(
             samples[f"{side}_force"], samples[f"{side}_moment"]
         )
         for side, of in zip(("inner", "outer"), peaks, strict=True)
+    }
+    spalled = scene.ideal_bearing()
+    if all(part is None for part in axial.parts(spalled)):
+        return found
+    met = surfaces_met(spalled, scene.ideal_operation(), samples)
+    closed = (samples[f"{side}_force"] > 0.0 for side in ("inner", "outer"))
+    over = (each.part > FLAT for each in met)
+    return {
+        name: np.where(shut & sunk, np.nan, peak)
+        for (name, peak), shut, sunk in zip(found.items(), closed, over, strict=True)
     }

@@ -5,7 +5,7 @@ and slope, `tabulate` makes tables, `facts` is what a scene says of all of them.
 """
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.table import ContactTable
+from lagrange.axial.table import ContactTable, SpalledTable
 from lagrange.axial.tabulate import contact_tables
 
-__all__ = ["Axial", "ContactTable", "contact_tables"]
+__all__ = ["Axial", "ContactTable", "SpalledTable", "contact_tables"]

@@ -7,6 +7,7 @@ import numpy as np
 
 from lagrange.axial.profile import Profile
 from lagrange.bearing import Bearing
+from lagrange.surface.faults import Spall
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,10 +31,35 @@ class Axial:
 
     def centres(self, bearing: Bearing) -> np.ndarray:
         """z of the slices' middles from the roller's middle, (slices,), m."""
-        return (np.arange(self.slices) + 0.5 - 0.5 * self.slices) * bearing.roller_length / self.slices
+        return centres(bearing, self.slices)
 
     def drops(self, bearing: Bearing) -> np.ndarray:
         """Drop of roller and raceway together at the slices' middles, inner and outer contact, (2, slices), m."""
         z = self.centres(bearing)
         return np.stack([self.roller.drop(z, bearing) + p.drop(z, bearing)
                          for p in (self.inner_raceway, self.outer_raceway)])  # fmt: skip
+
+    def parts(self, bearing: Bearing) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Which slices spalls of part of the length let sink, inner and outer contact, (slices,) each; None: no such.
+
+        A spall takes the slices whose middles it goes over. All that one raceway's contacts meet take the same.
+        """
+        inner, outer = (self._part(bearing, {ring, "roller"}) for ring in ("inner_ring", "outer_ring"))
+        return inner, outer
+
+    def _part(self, bearing: Bearing, bodies: set[str]) -> np.ndarray | None:
+        for fault in bearing.faults:
+            if isinstance(fault, Spall) and fault.is_part(bearing) and fault.body in bodies:
+                return slices_over(bearing, self.slices, fault)
+        return None
+
+
+def centres(bearing: Bearing, slices: int) -> np.ndarray:
+    """z of the middles of equal slices from a roller's middle, (slices,), m."""
+    return (np.arange(slices) + 0.5 - 0.5 * slices) * bearing.roller_length / slices
+
+
+def slices_over(bearing: Bearing, slices: int, spall: Spall) -> np.ndarray:
+    """Which slices of a roller have their middles over a spall, (slices,)."""
+    z, (first, last) = centres(bearing, slices), spall.along or (-np.inf, np.inf)
+    return (z >= first) & (z <= last)

@@ -44,6 +44,7 @@ class Slices:
     place: np.ndarray  # (n,), z of their middles
     drop: np.ndarray  # (n,), of roller and raceway together
     coupling: np.ndarray | None = None  # C, (n, n), m/N; None: each is alone
+    part: np.ndarray | None = None  # (n,), bool, which of them spalls of part of the length let sink; None: none
 
     @property
     def count(self) -> int:
@@ -74,47 +75,50 @@ class Slices:
         """The approach, m, from which on a contact of this slope, rad, is closed."""
         return np.min(self.drop + np.asarray(slope)[..., None] * self.place, axis=-1)
 
-    def approaches(self, approach, slope) -> np.ndarray:
-        """Of the slices, (..., n), m: δ − P − ψ z."""
-        return np.asarray(approach)[..., None] - self.drop - np.asarray(slope)[..., None] * self.place
+    def approaches(self, approach, slope, sunk=0.0) -> np.ndarray:
+        """Of the slices, (..., n), m: δ − P − ψ z, less what those of `part` have sunk, (...,), m."""
+        found = np.asarray(approach)[..., None] - self.drop - np.asarray(slope)[..., None] * self.place
+        return found if self.part is None else found - np.asarray(sunk)[..., None] * self.part
 
-    def forces(self, approach, slope) -> np.ndarray:
-        """Of the slices, (..., n), N, by approach, m, and slope, rad, (...,).
+    def forces(self, approach, slope, sunk=0.0) -> np.ndarray:
+        """Of the slices, (..., n), N, by approach, m, slope, rad, and what those of `part` have sunk, m, (...,).
 
         Errors
         ------
         RuntimeError: coupled slices do not settle; they are narrower than their contacts.
         """
-        deep = self.approaches(approach, slope)
+        deep = self.approaches(approach, slope, sunk)
         if self.coupling is None:
             return self.law.force(deep) / self.count
         return _coupled(self.law, self.coupling, deep.reshape(-1, self.count)).reshape(deep.shape)
 
-    def sums(self, approach, slope) -> Sums:
+    def sums(self, approach, slope, sunk=0.0) -> Sums:
         """Energy, force and moment of contacts, (...,)."""
-        forces = self.forces(approach, slope)
+        forces = self.forces(approach, slope, sunk)
         if self.coupling is None:
-            energy = self.law.potential(self.approaches(approach, slope)).mean(axis=-1)
+            energy = self.law.potential(self.approaches(approach, slope, sunk)).mean(axis=-1)
         else:
             own = self.law.potential(self.law.approach(self.count * forces)).mean(axis=-1)
             energy = own + 0.5 * np.einsum("...k,kl,...l->...", forces, self.coupling, forces)
         return Sums(energy, forces.sum(axis=-1), forces @ self.place)
 
-    def at(self, approach, slope) -> TiltedContact:
+    def at(self, approach, slope, sunk=0.0) -> TiltedContact:
         """The same with derivatives, as a table has them."""
         approach, slope = np.asarray(approach, dtype=float), np.asarray(slope, dtype=float)
-        own = deep = self.approaches(approach, slope)
+        part = np.zeros(self.count) if self.part is None else self.part
+        own = deep = self.approaches(approach, slope, sunk)
         if self.coupling is not None:
-            own = deep - self.forces(approach, slope) @ self.coupling
+            own = deep - self.forces(approach, slope, sunk) @ self.coupling
         stiff = self.law.slope(own)[..., None] / self.count * np.eye(self.count)
         if self.coupling is not None:  # K (1 + C K)⁻¹, symmetric
             stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)
         by_slope = stiff @ self.place
         return TiltedContact(
-            *self.sums(approach, slope),
+            *self.sums(approach, slope, sunk),
             stiffness=stiff.sum(axis=(-2, -1)),
             cross=-by_slope.sum(axis=-1),
             tilt_stiffness=by_slope @ self.place,
+            part=self.forces(approach, slope, sunk) @ part,
         )
 
 

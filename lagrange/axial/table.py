@@ -21,6 +21,10 @@ class TiltedContact(NamedTuple):
     stiffness: np.ndarray  # ∂Q/∂δ, N/m
     cross: np.ndarray  # ∂Q/∂ψ = −∂M/∂δ, N/rad
     tilt_stiffness: np.ndarray  # −∂M/∂ψ, N m/rad
+    part: np.ndarray  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
+
+
+SUMMED = "energy", "force", "moment", "stiffness", "cross", "tilt_stiffness"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,8 +79,36 @@ class ContactTable:
         closed = (u > 0.0) & (approach > self.first_approach)
         u, d, p, dd, dp, pp = (np.where(closed, each, 0.0) for each in (u, d, p, dd, dp, pp))
         return TiltedContact(
-            u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp)
+            u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp),
+            np.zeros(u.shape),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpalledTable:
+    """A contact, part of whose slices spalls let sink by h: U(δ, ψ, h) = U_rest(δ, ψ) + (U − U_rest)(δ − h, ψ).
+
+    That is exact where slices stand alone, and wherever the part bears nothing or has not sunk; between these coupled
+    slices of the part know those of the rest as if all had sunk.
+    """
+
+    whole: ContactTable  # of all slices
+    rest: ContactTable  # without those of the part
+
+    @property
+    def last_approach(self) -> float:
+        return self.whole.last_approach
+
+    def at(self, approach, slope, sunk) -> TiltedContact:
+        """As `ContactTable.at`; `sunk` : h, m."""
+        deep = np.asarray(approach) - sunk
+        of_rest, all_sunk, rest_sunk = (
+            self.rest.at(approach, slope),
+            self.whole.at(deep, slope),
+            self.rest.at(deep, slope),
         )
+        found = {name: getattr(of_rest, name) + getattr(all_sunk, name) - getattr(rest_sunk, name) for name in SUMMED}
+        return TiltedContact(**found, part=all_sunk.force - rest_sunk.force)
 
 
 def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:

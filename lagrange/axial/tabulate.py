@@ -1,18 +1,21 @@
 """Making a contact's table: its range, its steps, and the energy of slices at every knot."""
 
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
 
 from lagrange.axial.facts import Axial
 from lagrange.axial.slices import LineLaw, Slices
-from lagrange.axial.table import ContactTable, fitted
+from lagrange.axial.table import ContactTable, SpalledTable, fitted
 from lagrange.bearing import Bearing
+from lagrange.surface.deviation import profiles
 
 KNOTS = 72  # between the opening and the largest approach of a straight contact
 COARSER = 2.0  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
 MOST_SLOPES = 300  # steps of slope either way
 BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
+OUT_OF_REACH = 1e-3  # m, further than any slice approaches
 MORE = 3.0  # times the largest force: what moves carries more than what stands
 
 
@@ -23,7 +26,7 @@ def contact_tables(
     largest_force: float,
     largest_slope: float,
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
-) -> tuple[ContactTable, ContactTable]:
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables of the inner and the outer contact, where all rollers are alike.
 
     Parameters
@@ -37,10 +40,15 @@ def contact_tables(
     RuntimeError: slices do not settle.
     """
     inner, outer = (
-        tabulated(each, each.straight_approach(MORE * largest_force), largest_slope)
+        spalled(each, tabulated(each, each.straight_approach(MORE * largest_force), largest_slope))
         for each in contact_slices(bearing, axial, laws, couplings)
     )
     return inner, outer
+
+
+def spalled(slices: Slices, whole: ContactTable) -> ContactTable | SpalledTable:
+    """The table with that of the slices which no spall takes, if any takes a part of the length."""
+    return whole if slices.part is None else SpalledTable(whole=whole, rest=without_part(slices, whole))
 
 
 def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: float) -> float:
@@ -49,6 +57,9 @@ def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: f
     `depth` : m, largest approach of the contacts
     """
     play, ends = max(2.0 * bearing.radial_clearance, 0.0), np.minimum(axial.drops(bearing)[:, [0, -1]], 4.0 * depth)
+    surfaces = profiles(bearing)
+    if surfaces is not None:
+        play += 2.0 * surfaces.deepest
     return abs(misalignment) + (play + float(ends.max(axis=1).sum()) + 2.0 * depth) / bearing.roller_length
 
 
@@ -59,27 +70,40 @@ def contact_slices(
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[Slices, Slices]:
     """The slices of the inner and the outer contact; as of `contact_tables`."""
-    place, drops = axial.centres(bearing), axial.drops(bearing)
+    place, drops, parts = axial.centres(bearing), axial.drops(bearing), axial.parts(bearing)
     inner, outer = (
-        Slices(law=law, place=place, drop=drop, coupling=None if couplings is None else couplings[i])
-        for i, (law, drop) in enumerate(zip(laws, drops, strict=True))
+        Slices(law=law, place=place, drop=drop, coupling=None if couplings is None else couplings[i], part=part)
+        for i, (law, drop, part) in enumerate(zip(laws, drops, parts, strict=True))
     )
     return inner, outer
 
 
 def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
-    """The table of a contact's energy up to an approach, m, and to a slope, rad, either way.
+    """The table of a contact's energy up to an approach, m, and to a slope, rad, either way."""
+    step = (deepest - float(slices.opening(np.zeros(1))[0])) / KNOTS
+    by_slope = COARSER * step / float(np.abs(slices.place).max())
+    half = min(ceil(steepest / by_slope), MOST_SLOPES)
+    first = float(slices.opening(steepest / half * np.arange(-half, half + 1)).min()) - 2.0 * step
+    return _on_grid(slices, (first, step, ceil((deepest - first) / step) + 1), (steepest / half, half))
+
+
+def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
+    """The table on the same knots of a contact in whose part of the length that spalls take nothing bears."""
+    rows, columns = whole.coefficients.shape
+    rest = replace(slices, drop=slices.approaches(0.0, 0.0, OUT_OF_REACH) * -1.0)
+    return _on_grid(rest, (whole.first_approach, whole.approach_step, rows - 2), (whole.slope_step, (columns - 3) // 2))
+
+
+def _on_grid(slices: Slices, rows: tuple[float, float, int], columns: tuple[float, int]) -> ContactTable:
+    """The table through u at knots: first approach, its step, m, and their number; step of slope, rad, either way.
 
     Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
     ring from.
     """
-    step = (deepest - float(slices.opening(np.zeros(1))[0])) / KNOTS
-    by_slope = COARSER * step / float(np.abs(slices.place).max())
-    half = min(ceil(steepest / by_slope), MOST_SLOPES)
-    slope = steepest / half * np.arange(-half, half + 1)
+    (first, step, count), (by_slope, half) = rows, columns
+    slope = by_slope * np.arange(-half, half + 1)
     opening = slices.opening(slope)
-    first = float(opening.min()) - 2.0 * step
-    approach = first + step * np.arange(ceil((deepest - first) / step) + 1)
+    approach = first + step * np.arange(count)
     signed = approach[:, None] - opening
     known = signed > -BELOW * step
     wanted = known & (slope >= 0.0) if slices.is_symmetric else known
@@ -88,5 +112,6 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
     if slices.is_symmetric:
         energy[:, :half] = energy[:, :half:-1]
     u = np.sign(signed) * np.sqrt(energy)
-    u = np.where(known, u, u.min(axis=0) * signed / (-BELOW * step))
-    return fitted((first, -steepest), (step, steepest / half), u)
+    least = np.where(known.any(axis=0), u.min(axis=0), u.min())
+    u = np.where(known, u, least * signed / (-BELOW * step))
+    return fitted((first, -half * by_slope), (step, by_slope), u)

@@ -12,7 +12,7 @@ from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, cage_faul
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
 from lagrange.scene.operation import FIRST_SPEEDS
-from lagrange.scene.surfaces import SURFACES, profile_faults, roller_faults, size_faults, spall_faults
+from lagrange.scene.surfaces import SURFACES, part_faults, profile_faults, roller_faults, size_faults, spall_faults
 from lagrange.scene.tables import SceneTables
 from lagrange.section import stiffness_factor
 
@@ -143,6 +143,7 @@ def _profiles(scene: SceneTables) -> Iterator[str]:
 def _axial(scene: SceneTables) -> Iterator[str]:
     if scene.axial is not None:
         yield from axial_faults(scene.perfect_bearing(), scene.axial)
+        yield from part_faults(scene.perfect_bearing(), scene.axial.slices, scene.spall)
     elif scene.operation.misalignment_mrad:
         yield (
             f"operation.misalignment_mrad = {scene.operation.misalignment_mrad:g}: only with [axial], in which rollers "

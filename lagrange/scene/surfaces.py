@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.files.input import HeightTable, height_table
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
@@ -62,8 +63,24 @@ class SpallTable(SurfaceTable):
     )
     depth_um: float = Field(100.0, gt=0.0, le=1e5, description="below the raceway")
     edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="of its edges")
+    length_mm: float | None = Field(
+        None, gt=0.0, le=1000.0, description="along the rollers, with [axial]; left out: all of their length"
+    )
+    z_mm: float = Field(0.0, ge=-1000.0, le=1000.0, description="of its middle from the rollers', with length_mm")
 
-    def fault(self) -> Spall:
+    def checks(self) -> tuple[Check, ...]:
+        return (*super().checks(), self._whole)
+
+    def _whole(self) -> Iterator[str]:
+        if self.length_mm is None and self.z_mm:
+            yield f"z_mm = {self.z_mm:g}: only with length_mm, of spalls of part of the rollers' length"
+
+    def fault(self, roller_length: float | None = None) -> Spall:
+        """`roller_length` : m, of rollers that may tilt; None: of a plane section."""
+        along = None
+        if roller_length is not None:
+            half = 0.5 * (roller_length if self.length_mm is None else MM * self.length_mm)
+            along = MM * self.z_mm - half, MM * self.z_mm + half
         return Spall(
             body=self.body,
             roller=self.roller,
@@ -71,6 +88,7 @@ class SpallTable(SurfaceTable):
             width=MM * self.width_mm,
             depth=UM * self.depth_um,
             edge_radius=MM * self.edge_radius_mm,
+            along=along,
         )
 
 
@@ -191,6 +209,30 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
                     f"surface, at least {degrees(half + other_half):.3g}; make one spall of them"
                 )
         edges.append((i, spall, half))
+
+
+def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iterator[str]:
+    """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
+    met: dict[str, tuple[int, np.ndarray]] = {}
+    for i, table in enumerate(tables):
+        spall = table.fault(bearing.roller_length)
+        if not spall.is_part(bearing):
+            continue
+        over, place = slices_over(bearing, slices, spall), f"spall.{i}.length_mm = {table.length_mm:g}"
+        if over.all() or not over.any():
+            yield (
+                f"{place} at z_mm = {table.z_mm:g} goes over {'all' if over.all() else 'no'} middles of axial.slices = "
+                f"{slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; "
+                + ("leave length_mm out" if over.all() else "take more slices, or a longer spall within the rollers")
+            )
+            continue
+        for raceway in ("inner_ring", "outer_ring") if table.body == "roller" else (table.body,):
+            k, other = met.setdefault(raceway, (i, over))
+            if not np.array_equal(over, other):
+                yield (
+                    f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than spall.{k}; "
+                    "give both the same length_mm and z_mm"
+                )
 
 
 def _material(bearing: Bearing, spall: Spall) -> float:

@@ -37,6 +37,8 @@ class BodyDeviation(NamedTuple):
     slope: np.ndarray  # m/rad
     compliance: np.ndarray | float = 0.0  # m/N
     softening: np.ndarray | float = 0.0  # m/N/rad
+    part: np.ndarray | float = 0.0  # m, sinkage of the part of the length that spalls take, beside that of all of it
+    part_slope: np.ndarray | float = 0.0  # m/rad
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,6 +52,12 @@ class Profile:
     spalls: tuple[tuple[int | None, float, float], ...] = ()  # roller, middle and half of each, with its edges, rad
     waves: float = inf  # m, between the knots that all but spalls would need; infinite: between spalls circles are
     # perfect
+    part: np.ndarray | None = None  # (n_rows, n_knots), m, of spalls of part of the rollers' length; None: no such
+
+    @property
+    def deepest(self) -> float:
+        """How far a contact sinks at most, m."""
+        return float((self.coefficients if self.part is None else self.coefficients + self.part).max())
 
     def at(self, angle: np.ndarray) -> BodyDeviation:
         """At angles of the rollers' contacts, (..., n_rollers), rad."""
@@ -58,11 +66,15 @@ class Profile:
         base = np.floor(place)
         t, first, knot = place - base, self.row * n, base.astype(np.int64)
         near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
-        sunk = _cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi)
+        found = BodyDeviation(*_cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi))
+        if self.part is not None:
+            part, slope = _cubic([self.part.take(at) for at in near], t, 0.5 * n / pi)
+            found = found._replace(part=part, part_slope=slope)
         if self.compliance is None:
-            return BodyDeviation(*sunk)
+            return found
         soft = [self.compliance.take(at) for at in near]
-        return BodyDeviation(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else BodyDeviation(*sunk)
+        compliance, softening = _cubic(soft, t, 0.5 * n / pi) if np.any(soft) else (0.0, 0.0)
+        return found._replace(compliance=compliance, softening=softening)
 
 
 def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -111,6 +123,9 @@ class SurfaceDeviation:
     compliance: np.ndarray | float = 0.0  # m/N, of edges, of ring and roller together; 0.0: no contact is near one
     ring_softening: np.ndarray | float = 0.0  # m/N/rad
     roller_softening: np.ndarray | float = 0.0
+    part: np.ndarray | float = 0.0  # m, of the part of the length that spalls take, beside `sinkage`
+    ring_part_slope: np.ndarray | float = 0.0  # m/rad
+    roller_part_slope: np.ndarray | float = 0.0
 
     @property
     def slope(self) -> np.ndarray:
@@ -130,6 +145,14 @@ class SurfaceDeviation:
             self,
             ring_slope=self.ring_slope + 0.5 * force * self.ring_softening,
             roller_slope=self.roller_slope + 0.5 * force * self.roller_softening,
+        )
+
+    def at_share(self, share: np.ndarray | float) -> "SurfaceDeviation":
+        """With the slopes that the surfaces have for contacts of whose forces spalls bear a share in their part."""
+        return replace(
+            self,
+            ring_slope=self.ring_slope + share * self.ring_part_slope,
+            roller_slope=self.roller_slope + share * self.roller_part_slope,
         )
 
     def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
@@ -166,8 +189,17 @@ class Profiles:
     @property
     def deepest(self) -> float:
         """How far a contact may sink below where the circles touch, m."""
-        high = [0.0 if profile is None else profile.coefficients.max() for profile in vars(self).values()]
+        high = [0.0 if profile is None else profile.deepest for profile in vars(self).values()]
         return max(0.0, max(high[:2]) + max(high[2:]))
+
+    @property
+    def parts(self) -> tuple[float, float]:
+        """How far a part of the length may sink deeper than the rest in inner and outer contacts, m."""
+        ring, outer, *rollers = (
+            0.0 if profile is None or profile.part is None else float(profile.part.max())
+            for profile in vars(self).values()
+        )
+        return ring + rollers[0], outer + rollers[1]
 
     @property
     def shortest(self) -> float:
@@ -193,6 +225,9 @@ def _deviation(ring: Profile | None, on_ring, roller: Profile | None, on_roller)
         compliance=one.compliance + other.compliance,
         ring_softening=one.softening,
         roller_softening=other.softening,
+        part=one.part + other.part,
+        ring_part_slope=one.part_slope,
+        roller_part_slope=other.part_slope,
     )
 
 
@@ -222,13 +257,18 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     for k, number in enumerate(rollers, 1):
         row[number] = k
-    compliance = None
-    if any(isinstance(fault, Spall) for fault in faults) and not isinstance(bearing, BallBearing):
+    compliance = part = None
+    if any(isinstance(fault, Spall) and fault.along is None for fault in faults) and not isinstance(
+        bearing, BallBearing
+    ):
         softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
         compliance = _spline(pair.line_compliance * np.array(softer))
+    whole, parts = ([[f for f in some if _is_part(f, bearing) is wanted] for some in rows] for wanted in (False, True))
+    if any(parts):
+        part = _spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in parts]))
     smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]
     return Profile(
-        coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
+        coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in whole])),
         compliance=compliance,
         row=row,
         spacing=2.0 * pi * own / n,
@@ -238,7 +278,12 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
             if isinstance(fault, Spall)
         ),
         waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf,
+        part=part,
     )
+
+
+def _is_part(fault: Fault, bearing: Bearing) -> bool:
+    return isinstance(fault, Spall) and fault.is_part(bearing)
 
 
 def _half(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:

@@ -16,7 +16,7 @@ Body = Literal["outer_ring", "inner_ring", "roller"]
 
 @dataclass(frozen=True, kw_only=True)
 class Spall:
-    """A hole in a surface, with a flat bottom and rounded edges, across the whole length of the contact."""
+    """A hole in a surface, with a flat bottom and rounded edges."""
 
     body: Body
     roller: int | None
@@ -24,6 +24,14 @@ class Spall:
     width: float  # m, from edge to edge, of the sharp-edged gap into which a roller sinks as deeply
     depth: float  # m
     edge_radius: float  # m, 0: sharp
+    # m, from and to which z along a roller that may tilt; None: across the whole length of a plane section's contacts,
+    # which its edges make softer
+    along: tuple[float, float] | None = None
+
+    def is_part(self, bearing) -> bool:
+        """Whether it takes a part of the rollers' length."""
+        half = 0.5 * bearing.roller_length
+        return self.along is not None and (self.along[0] > -half or self.along[1] < half)
 
     def half_opening(self, roller_radius: float) -> float:
         """From the middle to where the surface leaves its circle, m.

@@ -11,6 +11,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import turned
 from lagrange.mounting import OF_HOUSING, from_outer_ring
 from lagrange.step_size import roller_frequency
+from lagrange.surface.deviation import SurfaceDeviation, Turns, profiles
 from lagrange.surface.faults import Spall
 
 Raceway = Literal["inner", "outer"]
@@ -41,6 +42,19 @@ class Passage:
 def spalls(bearing: Bearing) -> list[Spall]:
     """The spalls of a bearing, in the scene's order."""
     return [fault for fault in bearing.faults if isinstance(fault, Spall)]
+
+
+def surfaces_met(
+    bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
+) -> tuple[SurfaceDeviation, SurfaceDeviation]:
+    """What the inner and the outer contacts of samples meet, (n_times, n_rollers), of surfaces that are not perfect."""
+    surfaces = profiles(bearing)
+    assert surfaces is not None
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
+    way = turned(bearing, operation, samples["time"][:, None])
+    turns = Turns(inner_ring=way.shaft, rollers=samples["roller_turn"], outer_ring=way.outer_ring)
+    from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
+    return surfaces.inner(from_hub, turns), surfaces.outer(np.arctan2(y, x), turns)
 
 
 def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int) -> list[Passage]:

@@ -19,7 +19,7 @@ MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 FROM_LOAD = "roller's angle from the load line, degrees"
-SHARP_TOLD = (
+SHARP_STATED = (
     "Loaded ends of these profiles have an edge, where pressure has no limit: values there are means over a slice."
 )
 ENERGY_CURVES = {
@@ -158,7 +158,7 @@ def pressure_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         "Pressure on both raceways, unrolled: at every angle the contact with the largest force. Below: pressure along "
         f"the most loaded rollers at {text(1e3 * found.time)} ms, when a contact has the largest moment, by slices. "
     )
-    caption += SHARP_TOLD if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
+    caption += SHARP_STATED if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
     return save(figure, folder, "pressure", "Pressure along the rollers", caption)
 
 

@@ -97,10 +97,12 @@ TABLES: dict[str, tuple[str, tuple[str, ...]]] = {
     "body-damping": ("damping.bodies_1_s=500", ("reduced", "lagrange")),
     "modes": ("reduced.modes_up_to_kHz=300", ("fem", "lagrange")),
     "balls": ("bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16 " + HOUSING, ("fem", "reduced")),
+    "tilted": ("axial.roller_profile=logarithmic operation.misalignment_mrad=1", ()),
     "materials": ("material.roller.youngs_modulus_GPa=310 material.roller.density_kg_m3=3250", ()),
 }
+RESUMED = "cage", "damped-spall", "tilted"
 SCENES += tuple(
-    _scene(f"{model}-{table}", duration, f"model={model} {choices} {keys}", resumed=table in ("cage", "damped-spall"))
+    _scene(f"{model}-{table}", duration, f"model={model} {choices} {keys}", resumed=table in RESUMED)
     for table, (keys, refusing) in TABLES.items()
     for model, (duration, choices) in MODELS.items()
     if model not in refusing

@@ -12,6 +12,7 @@ from fem.statics.reduced_bearing import kept_contacts
 from lagrange.scene.scene import SceneError
 from residual.evaluation import evaluate
 from residual.sources import read_result
+from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.tilted_runs import missed, moved, scene
 
 MISALIGNED = {"operation__misalignment_mrad": 1.0, "numerics__mesh_size_mm": 2.0}
@@ -48,6 +49,7 @@ def test_a_table_below_the_grid_is_the_plane_law_less_the_meshes_compliance():
         ({"bodies.rollers": "rigid"}, "whose slices are those of elastic bodies"),
         ({"spall": [{"body": "outer_ring", "width_mm": 1.0, "angle_deg": 0.0}]}, r"\[\[spall\]\]: not together with"),
         ({"damping.contact_N_s_m": 10.0}, "leave one of them out"),
+        ({"damping.bodies_1_s": 500.0}, "whose tilts it leaves undamped"),
     ],
 )
 def test_parts_that_meshes_lack_with_tilt_are_refused_by_name(changes, remedy):
@@ -115,6 +117,12 @@ HOUSING = {
 def test_energy_balances_on_meshes(changes):
     samples = moved(scene("fem", {"roller_profile": "logarithmic"}, **MISALIGNED | changes, numerics__duration_ms=5.0))
     assert missed(samples) < 5e-6
+
+
+@pytest.mark.slow
+def test_a_run_that_goes_on_has_the_bits_of_one_that_was_not_stopped():
+    plan = make_plan(scene("fem", PROFILED, **MISALIGNED))
+    assert_same_bits(*reversed(rest_of_run(plan, 20, 31)))
 
 
 @pytest.mark.slow

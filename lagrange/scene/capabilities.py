@@ -124,6 +124,8 @@ REFUSED = (
     ("axial", "other contacts on meshes", f"{SUBGRID}, whose law is that of slices{EITHER}"),
     ("rigid body", "axial on meshes",
      f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
+    ("bodies' damping", "axial on meshes",
+     f"{{given}}: not together with [axial], whose tilts it leaves undamped{EITHER}"),
     ("surfaces", "axial on meshes",
      f'{{given}}: not together with [axial] on meshes; take model = "reduced"{EITHER}'),
     ("part of the length", "no axial",

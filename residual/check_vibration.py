@@ -1,21 +1,19 @@
 """The command `check-vibration`. Imports little: everything heavy waits until a record is read."""
 
+from functools import partial
 from math import radians
 from pathlib import Path
 from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
-from residual.cli import _version
+from residual.cli import main as run_app_main
+from residual.cli import new_app
 from residual.errors import InputError
 
-app = App(
-    name="check-vibration",
-    version=_version,
-    suppress_keyboard_interrupt=False,
-    result_action="return_value",
-    help_format="plaintext",
-    help="""Say what a vibration record tells of a bearing: outer ring, inner ring, rolling element, or nothing.
+app = new_app(
+    "check-vibration",
+    """Say what a vibration record tells of a bearing: outer ring, inner ring, rolling element, or nothing.
 
 Reads CSV, WAV, MATLAB, NPY, NPZ and result files of run-fem; UFF58, TDMS and Parquet by further packages. Writes a
 folder with vibration.html, figures and summary.json.
@@ -94,11 +92,7 @@ def _share(option: str, text: str) -> float:
         raise InputError(f"{option} {text}: must be a number of per cent, as 2%") from None
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command and return its exit code."""
-    from residual.cli import main
-
-    return main(arguments, app)
+main = partial(run_app_main, command=app)
 
 
 if __name__ == "__main__":

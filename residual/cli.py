@@ -21,13 +21,28 @@ def _version() -> str:
     return VERSION
 
 
-app = App(
-    name="check-residual",
-    version=_version,
-    suppress_keyboard_interrupt=False,
-    result_action="return_value",
-    help_format="plaintext",
-    help="""Put a run's trajectories into the Lagrange equations (22) and (23) and report what is left.
+def new_app(name: str, text: str) -> App:
+    """A command of this package."""
+    app = App(
+        name=name, version=_version, suppress_keyboard_interrupt=False, result_action="return_value",
+        help_format="plaintext", help=text,
+    )  # fmt: skip
+
+    @app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+    def _install_completion() -> None:
+        from cyclopts.completion.detect import ShellDetectionError
+
+        try:
+            print(f"written: {app.install_completion()}; it works in new shells")
+        except ShellDetectionError:
+            raise InputError("--install-completion: the shell is none of bash, zsh and fish") from None
+
+    return app
+
+
+app = new_app(
+    "check-residual",
+    """Put a run's trajectories into the Lagrange equations (22) and (23) and report what is left.
 
 Writes a folder with report.html, figures, residual.nc and summary.json.
 
@@ -36,16 +51,6 @@ Example: check-residual runs/paper.nc --law harris --start 5
 Exit codes: 0 done; 1 the verdict is "fails" (--tolerance); 2 unusable input; 130 interrupted; 143 terminated.
 """,
 )
-
-
-@app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
-def _install_completion() -> None:
-    from cyclopts.completion.detect import ShellDetectionError
-
-    try:
-        print(f"written: {app.install_completion()}; it works in new shells")
-    except ShellDetectionError:
-        raise InputError("--install-completion: the shell is none of bash, zsh and fish") from None
 
 
 @app.default

@@ -1,12 +1,13 @@
 """The command `rate-bearing`. Imports little: everything heavy waits until a scene has been read."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from fem.commands.run_fem import new_app, result_name, run_app_main, settings_of
-from fem.commands.start_up import Outcome, hear_termination, leave
+from fem.commands.start_up import Outcome, entry
 from fem.errors import UsageError
 
 CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
@@ -141,16 +142,8 @@ def _cycle(path: Path):
         raise UsageError(f"--cycle {path}: {error}") from None
 
 
-def rate_main(arguments: list[str] | None = None) -> int:
-    """`rate-bearing`, its exit code."""
-    return run_app_main(rate_app, arguments)
-
-
-def rate_bearing() -> None:
-    """Entry point."""
-    hear_termination()
-    leave(rate_main())
-
+rate_main = partial(run_app_main, rate_app)
+rate_bearing = entry(rate_main)
 
 if __name__ == "__main__":
     rate_bearing()

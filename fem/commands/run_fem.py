@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
-from fem.commands.start_up import Outcome, Terminated, hear_signals, hear_termination, hold_signals, importing, leave
+from fem.commands.start_up import Outcome, Terminated, entry, hear_signals, hold_signals, importing
 from fem.errors import RunFailed, UsageError
 from fem.solver.simulate import SOLVERS
 
@@ -187,7 +187,7 @@ def open_streams() -> None:
             stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
 
 
-def run_app_main(app: App, arguments: list[str] | None) -> int:
+def run_app_main(app: App, arguments: list[str] | None = None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
     open_streams()
     try:
@@ -294,11 +294,7 @@ def run_main(arguments: list[str] | None = None) -> int:
         return run_app_main(run_app, arguments)
 
 
-def run_fem() -> None:
-    """Entry point."""
-    hear_termination()
-    leave(run_main())
-
+run_fem = entry(run_main)
 
 if __name__ == "__main__":
     run_fem()

@@ -1,12 +1,13 @@
 """The command `run-live`. Imports little: everything heavy waits until a scene has been read."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from fem.commands.run_fem import new_app, run_app_main, settings_of
-from fem.commands.start_up import Outcome, hear_termination, leave
+from fem.commands.start_up import Outcome, entry
 
 live_app = new_app(
     "run-live",
@@ -46,16 +47,8 @@ def _live(
     return Outcome.COMPLETE.code
 
 
-def live_main(arguments: list[str] | None = None) -> int:
-    """`run-live`, its exit code."""
-    return run_app_main(live_app, arguments)
-
-
-def run_live() -> None:
-    """Entry point."""
-    hear_termination()
-    leave(live_main())
-
+live_main = partial(run_app_main, live_app)
+run_live = entry(live_main)
 
 if __name__ == "__main__":
     run_live()

@@ -1,13 +1,14 @@
 """The command `run-study`. Imports little: everything heavy waits until a study has been read."""
 
 import signal
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from fem.commands.run_fem import new_app, run_app_main
-from fem.commands.start_up import Outcome, hear_termination, leave, need
+from fem.commands.start_up import Outcome, entry, need
 from fem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -155,16 +156,8 @@ def _collect(points: "Points", folder: "Folder", export: "Form | None", quiet: b
     return (Outcome.COMPLETE if is_complete else Outcome.FAILED).code
 
 
-def study_main(arguments: list[str] | None = None) -> int:
-    """`run-study`, its exit code."""
-    return run_app_main(study_app, arguments)
-
-
-def run_study() -> None:
-    """Entry point."""
-    hear_termination()
-    leave(study_main())
-
+study_main = partial(run_app_main, study_app)
+run_study = entry(study_main)
 
 if __name__ == "__main__":
     run_study()

@@ -4,7 +4,7 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
 from importlib.util import find_spec
@@ -104,6 +104,16 @@ def leave(code: int) -> NoReturn:
     hold_signals()
     gc.freeze()
     sys.exit(code)
+
+
+def entry(main: Callable[[], int]) -> Callable[[], None]:
+    """The entry point of a command, of which `main` gives the exit code."""
+
+    def command() -> None:
+        hear_termination()
+        leave(main())
+
+    return command
 
 
 class Outcome(Enum):

@@ -12,7 +12,7 @@ from scipy.stats import exponnorm
 from residual.check_vibration import main
 from residual.measured import simulated
 from residual.measured.diagnosis import BODIES, Geometry
-from residual.measured.pulse import mean_pulse
+from residual.measured.strikes import mean_pulse
 from tests.reference.synthetic_record import synthetic_record
 
 NU206 = ("--bearing", "NU206", "--speed", "1480")

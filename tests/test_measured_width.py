@@ -8,7 +8,7 @@ from scipy.signal import fftconvolve
 
 from residual.measured.diagnosis import Geometry, diagnose
 from residual.measured.signals import Signal
-from residual.measured.width import damage_width
+from residual.measured.strikes import damage_width
 
 GEOMETRY = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
 SHAFT, RATE = 20.0, 51_200.0  # Hz

@@ -15,8 +15,7 @@ from lagrange.first_state import equilibrium_state
 from lagrange.fits import OperatingClearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
-from lagrange.rating.basic import Basic
-from lagrange.rating.capacity import Dimensions, dynamic_capacity
+from lagrange.rating.capacity import Basic, Dimensions, dynamic_capacity
 from lagrange.rating.contact_stress import LineContact, line_contact
 from lagrange.rating.friction import Torque, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (

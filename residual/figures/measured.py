@@ -11,7 +11,7 @@ from residual.figures.style import STYLE, legend_above, line_handles, mark_lines
 from residual.formatting import text
 from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import DEEP
-from residual.measured.pulse import PASSES_IN_BAND, SMOOTHING, Pulse
+from residual.measured.strikes import PASSES_IN_BAND, SMOOTHING, Pulse
 from residual.measured.trend import Trend
 
 PASSES_SHOWN = 8.0

@@ -10,10 +10,9 @@ from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured.diagnosis import SLIP, Diagnosis, Geometry, diagnose
 from residual.measured.envelope import TURNS
-from residual.measured.pulse import Pulse, mean_pulse
 from residual.measured.signals import Signal, read_signal
 from residual.measured.simulated import Assumed, simulation
-from residual.measured.width import Width, damage_width
+from residual.measured.strikes import Pulse, Width, damage_width, mean_pulse
 from residual.record import Record
 from residual.spectrum import Spectrum, power_spectrum, rms
 from residual.vibration import velocity_level

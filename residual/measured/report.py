@@ -13,7 +13,7 @@ from lagrange.version import VERSION
 from residual.formatting import hertz, text
 from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
-from residual.measured.width import Width
+from residual.measured.strikes import Width
 from residual.store import write_folder
 
 if TYPE_CHECKING:

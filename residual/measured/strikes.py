@@ -1,4 +1,6 @@
-"""The width of a ring's damage, from the lag between a rolling element's entry into it and its strike on the far edge.
+"""Strikes of rolling elements in a record: the mean pulse that they leave, and the width of a ring's damage.
+
+The width follows from the lag between a rolling element's entry into the damage and its strike on the far edge.
 
 The lag shows as a side peak of the envelope's autocorrelation. It is sought in three bands of the prewhitened record,
 three parts of it and with two smoothings. A width is stated only where these agree, with each other and with the same
@@ -23,7 +25,7 @@ RINGS = {"outer_ring": 1.0, "inner_ring": -1.0}  # sign of an element's radius i
 SHARE, LEAST_SHARE, MOST_SHARE = 0.83, 0.70, 0.96  # of the rolling time, until the strike
 BANDS, PARTS = 3, 3
 SMOOTHINGS = (0.01, 0.02)  # of the time between strikes, standard deviation of a Gaussian
-LOWEST, PASSES_IN_BAND = 500.0, 8.0  # Hz, where bands begin: at least, and times the line
+LOWEST, PASSES_IN_BAND = 500.0, 8.0  # Hz, where bands of strikes begin: at least, and times the line
 TOP = 0.45  # of the rate
 PROMINENCE = 0.02  # of a side peak, over the autocorrelation at no lag
 LONGEST = 0.5  # of the time between strikes
@@ -31,6 +33,10 @@ NEAREST = 3.0  # smoothings from no lag
 AGREE, FEWEST_AGREEING = 0.08, 7  # of the median, and of the nine bands and parts
 AGREE_RAW, FEWEST_RAW = 0.1, 4  # the same of the record that is not prewhitened: true lags show in both
 NARROWEST = 1.3e-3  # m: lags of narrower damage drown in the ringing
+# of the mean pulse
+SMOOTHING = 0.01  # of the time between strikes, standard deviation of a Gaussian, to find them
+BEFORE, AFTER = 0.3, 0.7  # of the time between strikes, about its highest
+HALF = 0.5  # of the height over the background, where a pulse's length is measured
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,3 +123,46 @@ def _side_peak(envelope: np.ndarray, smoothing: float, longest: float) -> float:
     at, facts = find_peaks(correlation / correlation[0], prominence=PROMINENCE)
     far = at > NEAREST * smoothing
     return float(at[far][np.argmax(facts["prominences"][far])]) if far.any() else float("nan")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pulse:
+    """Mean power about a strike."""
+
+    time: np.ndarray  # (n_times,), s, from the highest
+    power: np.ndarray  # (n_times,), over the record's mean
+    length: float  # s, for which it stands above half its height over the background
+
+    @property
+    def contrast(self) -> float:
+        """Highest power over the lowest."""
+        return float(self.power.max() / max(self.power.min(), np.finfo(float).tiny))
+
+
+def mean_pulse(values: np.ndarray, rate: float, line: float) -> Pulse | None:
+    """The mean pulse of a record, (n_times,), at a line, Hz; None: the rate leaves no band above it.
+
+    Errors
+    ------
+    The highest power of each pass is taken for its strike: noise alone has a pulse too, of the smoothing's length.
+    """
+    from scipy import fft
+    from scipy.ndimage import gaussian_filter1d
+
+    low = max(LOWEST, PASSES_IN_BAND * line)
+    if low >= 0.4 * rate:
+        return None
+    size = fft.prev_fast_len(values.size, real=True)
+    transform = fft.rfft(values[:size])
+    band = np.zeros(size, dtype=complex)
+    above = fft.rfftfreq(size, 1.0 / rate) >= low
+    band[: transform.size][above] = 2.0 * transform[above]
+    power = np.abs(fft.ifft(band)) ** 2
+    period = rate / line
+    smooth = gaussian_filter1d(power, SMOOTHING * period)
+    before, after = int(BEFORE * period), int(AFTER * period)
+    starts = (np.arange(1, int(size / period) - 1) * period).astype(int)
+    strikes = np.array([start + int(np.argmax(smooth[start : start + int(period)])) for start in starts])
+    mean = smooth[np.add.outer(strikes, np.arange(-before, after))].mean(axis=0) / power.mean()
+    above = mean >= mean.min() + HALF * (mean.max() - mean.min())
+    return Pulse(time=np.arange(-before, after) / rate, power=mean, length=float(np.count_nonzero(above)) / rate)

@@ -129,14 +129,14 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         else:
             before, after = (equilibrium_at(shift, ring).moved for shift in (-DIFFERENCE, DIFFERENCE))
             found = (after - before) / (2.0 * DIFFERENCE)
-            if np.hypot(*found[:2]) <= JUMP * operation.fastest * bearing.inner_raceway_radius:
+            if np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation):
                 rates = found
             else:
                 warning = JUMPS
     zero = np.zeros(n)
     state = State(
         x=now.place[0], y=now.place[1], rho=now.rho, theta=now.theta, x_rate=rates[0], y_rate=rates[1],
-        rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, operation.speed).cage,
+        rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
         tilts=Tilts(
             tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,

@@ -125,9 +125,12 @@ def roller_inertias(bearing: Bearing) -> tuple[float, float]:
     return m * (3.0 * r**2 + length**2) / 12.0, 0.5 * m * r**2
 
 
-def precession_stiffness(bearing: Bearing, speed):
-    """Stiffness against tilt of guided rollers that go round at cage speed, I_a w Ω − I_t Ω², N m/rad."""
-    (across, along), turning = roller_inertias(bearing), kinematics(bearing, speed)
+def precession_stiffness(bearing: Bearing, speeds):
+    """Stiffness against tilt of guided rollers that go round at cage speed, I_a w Ω − I_t Ω², N m/rad.
+
+    `speeds` : of both rings, rad/s
+    """
+    (across, along), turning = roller_inertias(bearing), kinematics(bearing, *speeds)
     return along * turning.roller * turning.cage - across * turning.cage**2
 
 
@@ -230,7 +233,7 @@ def tilt_equations(
     Of a roller whose skew is guided the second is the guide's moment on it.
     """
     across, along = roller_inertias(bearing)
-    turning = along * np.asarray(kinematics(bearing, operation.speed).roller)[..., None]
+    turning = along * np.asarray(kinematics(bearing, *operation.ring_speeds).roller)[..., None]
     t, omega = state.tilts, state.theta_rate
     of_tilt = tilt_acc + 2.0 * omega * t.skew_rate + theta_acc * t.skew - omega**2 * t.tilt
     of_skew = skew_acc - 2.0 * omega * t.tilt_rate - theta_acc * t.tilt - omega**2 * t.skew

@@ -153,7 +153,7 @@ class _System:
         elastic = elastic or Elastic(nothing, nothing, np.zeros(2 * n))
         self.compliance = np.block([[elastic.compliance, nothing], [nothing, elastic.tilt_compliance]])
         self.closing = np.concatenate([elastic.closing, np.zeros(2 * n)])
-        cage, m = kinematics(bearing, operation.speed).cage, bearing.roller_mass
+        cage, m = kinematics(bearing, *operation.ring_speeds).cage, bearing.roller_mass
         self.spin, self.length = m * cage**2, bearing.roller_length
         self.applied = np.concatenate([
             [operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)], np.zeros(2),
@@ -170,7 +170,7 @@ class _System:
             self.springs[:2], slack[:2] = shaft.stiffness, -ring
         self.slack, self.moves = slack, np.isfinite(self.springs)
         self.arms = np.repeat([1.0, self.length], 2 * n)
-        self.precession = precession_stiffness(bearing, operation.speed)
+        self.precession = precession_stiffness(bearing, operation.ring_speeds)
 
     def geometry(
         self, moved

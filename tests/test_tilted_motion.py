@@ -132,6 +132,22 @@ SURFACES = {
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("keys", [{"bearing__missing_rollers": [2]}, {"operation__outer_ring_speed_rpm": -3000.0}])
+def test_missing_rollers_and_a_turning_outer_ring_move_as_the_reference_says(keys):
+    found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0, **keys)
+    bearing, operation = found.ideal_bearing(), found.ideal_operation()
+    laws = contact_laws(found.lagrange.law, bearing)
+    reference, samples = simulate(bearing, operation, laws, 5e-4, 1e-5, axial=found.ideal_axial()), moved(found)
+    loaded = reference.inner_force > 50.0
+    assert samples["inner_force"][loaded] == pytest.approx(
+        reference.inner_force[loaded], abs=2e-3 * 700.0
+    )  # N, of a table
+    assert samples["roller_tilt"][loaded] == pytest.approx(reference.tilt.roller_tilt[loaded], abs=1e-2 * 5e-4)
+    assert samples["inner_moment"] == pytest.approx(reference.tilt.inner_moment, abs=5e-3)  # N m, of 0.7
+    assert missed(samples) < 1e-6
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["reduced", "lagrange"])
 def test_energy_balances_over_spalls_of_half_the_length(model):
     found = scene(model, {"slices": 20}, operation__misalignment_mrad=1.0, numerics__duration_ms=10.0, **SURFACES)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.drive import speed_of
+from fem.kernels.drive import SPEED, outer_of, speed_of, with_outer
 from fem.kernels.fields import room, state
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
@@ -31,8 +31,9 @@ class Tilts(NamedTuple):
     slope_pushed: room("2")
     furthest: state("3, lanes")  # by lane, the largest approaches of both rows' contacts, m, and misalignment, rad
     inertia: float  # kg m², of a roller about an axis across its own
-    precession: float  # kg m², stiffness against tilt of rollers that go round, over the square of the shaft's speed
-    turning: float  # kg m², energy ½ I_t Ω² τ² of that, over ½ τ² and the square of the shaft's speed
+    along: float  # kg m², of a roller about its own axis
+    spin: tuple[float, float]  # turns of a roller in one of the shaft, and of the outer ring
+    cage: tuple[float, float]  # turns of the rollers about the bearing's axis
     hub_over: float  # 1/(kg m²), of the hub about an axis across; 0: its slope is held
     hub_spin: float  # kg m², of the hub about its axis
     hub_stiffness: float  # N m/rad, of the shaft
@@ -92,10 +93,18 @@ def kick_hub_axis(tilts, drive, moments):
 
 
 @part
+def _going_round(tilts, drive):
+    """Stiffness against tilt of rollers that go round, I_a w Ω − I_t Ω², N m/rad, and I_t Ω²."""
+    speed, outer = speed_of(drive.history, drive), outer_of(drive.history)
+    cage = with_outer(outer, tilts.cage[0] * speed, tilts.cage[1], SPEED)
+    whirl = tilts.inertia * cage * cage
+    return tilts.along * with_outer(outer, tilts.spin[0] * speed, tilts.spin[1], SPEED) * cage - whirl, whirl
+
+
+@part
 def kick_axes(tilts, drive, group, moments):
     """The kick of eight rollers by moments that tilt them outwards, N m."""
-    rate, speed = load(tilts.rate, group), speed_of(drive.history, drive)
-    back = tilts.precession * speed * speed * load(tilts.tilt, group)
+    rate, back = load(tilts.rate, group), _going_round(tilts, drive)[0] * load(tilts.tilt, group)
     store(tilts.before, group, rate)
     store(tilts.rate, group, rate + (moments - back) * (drive.dt / tilts.inertia))
 
@@ -109,7 +118,12 @@ def write_tilts(tilts, bodies, forces, drive, out):
 
 @part
 def _write(tilts, bodies, forces, drive, out):
-    n, at, ahead, speed = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt, speed_of(drive.history, drive)
+    n, at, ahead, (precession, whirl) = (
+        bodies.n,
+        tilts.column,
+        TWELFTH * drive.dt * drive.dt,
+        _going_round(tilts, drive),
+    )
     moment = forces.tilted.moment
     moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
@@ -121,7 +135,7 @@ def _write(tilts, bodies, forces, drive, out):
         out[at + j] = tilts.tilt[j] + ahead * tilts.pushed[j]
         out[at + n + j] = 0.0
         out[at + 2 * n + j], out[at + 3 * n + j] = moment[INNER, j], moment[OUTER, j]
-    stored, turning = 0.0, 0.5 * tilts.turning * speed * speed * total(aslant)
+    stored, turning = 0.0, 0.5 * whirl * total(aslant)
     kinetic, more = tilts.inertia * total(moving), tilts.inertia * total(pushed)
     for k in range(2):
         place = tilts.slope[k] + ahead * tilts.slope_pushed[k]
@@ -133,4 +147,4 @@ def _write(tilts, bodies, forces, drive, out):
     out[KINETIC] += 0.5 * kinetic + turning
     out[CONTACT] += stored + drive.dt * drive.dt / 24.0 * more
     # guides and cage give what going round with a tilt takes, beside contacts
-    out[WORK_DRIVE] += turning - 0.5 * tilts.precession * speed * speed * total(aslant)
+    out[WORK_DRIVE] += turning - 0.5 * precession * total(aslant)

@@ -29,15 +29,16 @@ def axes_at(
 ) -> TiltArrays:
     """The axes of rollers and hub at the slopes and rates of a start; `columns` : of rollers in arrays."""
     n, hub = bearing.n_rollers, hub_tilt(operation, axial)
-    (across, along), turn = roller_inertias(bearing), kinematics(bearing, 1.0)
+    (across, along), turns = roller_inertias(bearing), (kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0))
     tilts = filled(
         TiltArrays,
         {"columns": columns, "lanes": WIDTH},
         slope=np.array([start.slope_x, start.slope_y], dtype=float),
         slope_rate=np.array([start.slope_x_rate, start.slope_y_rate], dtype=float),
         inertia=float(across),
-        precession=float(along * turn.roller * turn.cage - across * turn.cage**2),
-        turning=float(across * turn.cage**2),
+        along=float(along),
+        spin=tuple(float(each.roller) for each in turns),
+        cage=tuple(float(each.cage) for each in turns),
         hub_over=1.0 / hub.inertia if hub.is_free else 0.0,
         hub_spin=float(hub_axial_inertia(bearing, operation)),
         hub_stiffness=float(hub.stiffness),

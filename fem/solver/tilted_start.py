@@ -16,7 +16,7 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import placed
 from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.raceway_laws import contact_pairs
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import UNTURNED, Turns
@@ -68,7 +68,7 @@ def tilted_start(
             raise NotFound(str(error)) from None
 
     now, rates, warning = balanced(0.0), np.zeros(4 + 2 * n), None
-    speed = abs(operation.speed) * bearing.inner_raceway_radius
+    speed = surface_speed(bearing, operation)
     if speed > SLOWEST and plane.steady:
         if followed(now.stiffness, bearing, operation)[0].size < 2:
             warning = SOFT

@@ -84,6 +84,7 @@ COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
 RINGS_ALONE = "whose modes are those of rings that contacts and load alone move"
 OTHER_MODES = f"{{given}}: not together with {{modes}}, {RINGS_ALONE}{EITHER}"
+AXIAL_MESH = '{given}: not together with [axial] on meshes; take model = "reduced", or leave one of them out'
 RADIAL = f"{{given}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
 REFUSED = (
     ("fields", "no mesh", "{given}: model = '{model}' has no mesh and no fields; leave it out or 0"),
@@ -126,12 +127,12 @@ REFUSED = (
      f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
     ("bodies' damping", "axial on meshes",
      f"{{given}}: not together with [axial], whose tilts it leaves undamped{EITHER}"),
-    ("surfaces", "axial on meshes",
-     f'{{given}}: not together with [axial] on meshes; take model = "reduced"{EITHER}'),
+    ("surfaces", "axial on meshes", AXIAL_MESH),
+    ("missing rollers", "axial on meshes", AXIAL_MESH),
+    ("outer ring's speed", "axial on meshes", AXIAL_MESH),
     ("part of the length", "no axial",
      "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
-    ("missing rollers", "axial", f"{{given}}: not together with [axial]{EITHER}"),
     ("contacts' damping", "axial",
      f"{{given}}: not together with [axial], of whose tilts dampers of approaches know nothing{EITHER}"),
     ("free skew", "any",
@@ -146,7 +147,6 @@ REFUSED = (
     ("outer ring's speed", "fitted",
      f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
     ("outer ring's speed", "modes", OTHER_MODES),
-    ("outer ring's speed", "axial", f"{{given}}: not with [axial], whose outer ring stands still{EITHER}"),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 

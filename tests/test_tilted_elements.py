@@ -49,6 +49,8 @@ def test_a_table_below_the_grid_is_the_plane_law_less_the_meshes_compliance():
         ({"bodies.rollers": "rigid"}, "whose slices are those of elastic bodies"),
         ({"spall": [{"body": "outer_ring", "width_mm": 1.0, "angle_deg": 0.0}]}, r"\[\[spall\]\]: not together with"),
         ({"damping.contact_N_s_m": 10.0}, "leave one of them out"),
+        ({"support.kind": "points"}, "held all around"),
+        ({"support.kind": "bore", "support.fit_clearance_um": 10.0}, "held all around"),
         ({"damping.bodies_1_s": 500.0}, "whose tilts it leaves undamped"),
     ],
 )

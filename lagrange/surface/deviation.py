@@ -27,6 +27,7 @@ from lagrange.surface.rolling_envelope import Meeting, measured_sinkage, points_
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
 FEWEST_KNOTS = 8
+FAINT = 1e-13  # m, of a spline's ringing beside spalls
 RINGING = 10  # knots beyond a kink after which a spline through it is off by a millionth of what it is at the kink
 
 
@@ -266,6 +267,7 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     whole, parts = ([[f for f in some if _is_part(f, bearing) is wanted] for some in rows] for wanted in (False, True))
     if any(parts):
         part = _spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in parts]))
+        part = np.where(np.abs(part) > FAINT, part, 0.0)  # off spalls exactly nothing: contacts there look no more up
     smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]
     return Profile(
         coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in whole])),

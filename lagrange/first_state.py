@@ -124,7 +124,7 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
     now, n = equilibrium_at(0.0, ring), bearing.n_rollers
     rates, warning = np.zeros(4 + 2 * n), None
     if operation.fastest > 0.0:
-        if followed(now.stiffness, bearing, operation)[0].size < 2:
+        if followed(now.radial_stiffness, bearing, operation)[0].size < 2:
             warning = SOFT
         else:
             before, after = (equilibrium_at(shift, ring).moved for shift in (-DIFFERENCE, DIFFERENCE))

@@ -47,8 +47,21 @@ class TiltedStatics:
     inner_moment: np.ndarray  # N m
     outer_moment: np.ndarray
     own: np.ndarray  # (2, 2 n_rollers), approach, m, and misalignment, rad, of each contact's law
-    stiffness: np.ndarray  # (2, 2), N/m, of the hub's place as all else follows
+    stiffness: np.ndarray  # (4, 4), by the hub's place and slope as rollers follow: N/m, N/rad, N m/rad
     on_hub: np.ndarray  # (2,), N m, moment of the contacts on the hub's slope
+    is_free: bool  # whether that slope moves
+
+    def of_side(self, row: int) -> np.ndarray:
+        """Approaches, m, and misalignments, rad, of the inner (0) or outer (1) contacts' laws, (2, n_rollers)."""
+        return self.own.reshape(2, 2, -1)[:, row]
+
+    @property
+    def radial_stiffness(self) -> np.ndarray:
+        """Of the hub's place as all else follows, a free slope too, (2, 2), N/m."""
+        whole = self.stiffness
+        if not self.is_free:
+            return whole[:2, :2]
+        return whole[:2, :2] - whole[:2, 2:] @ np.linalg.solve(whole[2:, 2:], whole[2:, :2])
 
     @property
     def moved(self) -> np.ndarray:
@@ -247,7 +260,7 @@ class _System:
 
     def _stiffness(self, here: _Point, contacts: np.ndarray) -> np.ndarray:
         n = self.n
-        own = np.where(self.moves, self.springs, 1.0)
+        own = np.where(self.moves, self.springs, 0.0)
         own[4 : 4 + n] -= self.spin
         own[4 + n :] += self.precession
         return here.ways.T @ contacts @ here.ways + here.turning + np.diag(own)
@@ -270,12 +283,10 @@ class _System:
         n, forces = self.n, here.forces
         effective = np.linalg.solve((np.eye(4 * n) + self.compliance @ here.stiff).T, here.stiff.T).T
         whole = self._stiffness(here, effective)
-        first, rest = np.arange(2), np.flatnonzero(self.moves)[2:]
-        cross = whole[np.ix_(first, rest)]
-        stiffness = whole[:2, :2] - cross @ np.linalg.solve(whole[np.ix_(rest, rest)], cross.T)
+        stiffness = whole[:4, :4] - whole[:4, 4:] @ np.linalg.solve(whole[4:, 4:], whole[4:, :4])
         return TiltedStatics(
             place=moved[:4], rho=moved[4 : 4 + n], tilt=moved[4 + n :], theta=self.theta,
             inner_force=forces[:n], outer_force=forces[n : 2 * n], inner_moment=-forces[2 * n : 3 * n],
             outer_moment=-forces[3 * n :], own=here.own.reshape(2, 2 * n), stiffness=stiffness,
-            on_hub=-(here.ways.T @ forces)[2:4],
+            on_hub=-(here.ways.T @ forces)[2:4], is_free=self.hub.is_free,
         )  # fmt: skip

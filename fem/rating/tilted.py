@@ -13,13 +13,14 @@ from fem.statics.exact_statics import exact_contacts
 from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, sharp_ends
 from lagrange.axial.slices import Slices
-from lagrange.axial.statics import TiltedBearing, TiltedStatics
 from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.raceway_laws import ContactLaws, contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch, Point, over_pitch
+from lagrange.tilt import TiltedLaws, hub_tilt
+from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
 
 SAMPLES = 16  # cage angles in a pitch
 
@@ -38,10 +39,9 @@ class TiltedPitch:
     def loads(self) -> tuple[np.ndarray, np.ndarray]:
         """Forces of slices, inner and outer contact, (angles · n_rollers, n_slices), N."""
         inner, outer = (
-            slices.forces(*(np.concatenate([getattr(each, name)[k] for each in self.statics])
-                            for name in ("approach", "slope")))
+            slices.forces(*np.concatenate([each.of_side(k) for each in self.statics], axis=1))
             for k, slices in enumerate(self.slices)
-        )  # fmt: skip
+        )
         return inner, outer
 
     @cached_property
@@ -77,18 +77,18 @@ class TiltedPitch:
     @property
     def moment(self) -> float:
         """That holds the shaft at its slope, in the plane of the load, mean over the pitch, N m."""
-        return -float(np.mean([each.hub_moment[1] for each in self.statics]))
+        return float(np.mean([each.on_hub[1] for each in self.statics]))
 
     @property
     def slope(self) -> float:
         """Of the shaft, its +z end towards the load, mean over the pitch, rad."""
-        return -float(np.mean([each.hub_slope[1] for each in self.statics]))
+        return -float(np.mean([each.place[3] for each in self.statics]))
 
     def pressures(self, angle: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Along the rollers at a cage angle: z, (n_slices,), m; inner and outer, (n_rollers, n_slices), Pa."""
         at, pairs = self.statics[angle], contact_pairs(self.bearing)
         inner, outer = (
-            pressures(slices, pair, at.approach[k], at.slope[k])
+            pressures(slices, pair, *at.of_side(k))
             for k, (slices, pair) in enumerate(zip(self.slices, pairs[:2], strict=True))
         )
         return self.slices[0].place, inner, outer
@@ -108,24 +108,21 @@ def tilted_pitch(
     Unavailable: a rigid body among elastic ones, no equilibrium, slices narrower than their contacts.
     """
     bearing = replace(bearing, faults=())
-    down = float(operation.radial_load) + operation.inner_mass * operation.gravity
-    load = float(operation.side_load), -down
-    misalignment, first = operation.misalignment, roller_angles(bearing, operation.first_roller_angle)
-    stiffness = axial.shaft_tilt_stiffness if axial.has_free_slope else None
-    found: list[TiltedStatics] = []
+    down = operation.radial_load + operation.inner_mass * operation.gravity
+    still = replace(operation, speed=0.0, gravity=0.0, radial_load=down)
+    hub, first = hub_tilt(operation, axial), roller_angles(bearing, operation.first_roller_angle)
+    nothing, found = np.zeros(2 * bearing.n_rollers), []
     try:
         slices, compliance = contacts_of(bearing, axial, laws, first)
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
-            standing = TiltedBearing(
-                bearing=bearing, angle=angles, slices=slices, load=load, shaft_tilt_stiffness=stiffness,
-                compliance=compliance,
-            )  # fmt: skip
-            still = standing.equilibrium((0.0, -misalignment))
-            found.append(still)
+            elastic = None if compliance is None else Elastic(compliance, np.zeros(compliance.shape), nothing)
+            start = _pushed(bearing, slices[0], still, angles) if near is None else (near.place, near.rho)
+            now = tilted_equilibrium(bearing, still, TiltedLaws(*slices), hub, angles, start, elastic=elastic)
+            found.append(now)
             return Point(
-                place=still.hub, rho=still.rho, inner_force=still.force[0], outer_force=still.force[1],
-                stiffness=_hub(still.stiffness, stiffness), damping=np.zeros((2, 2)),
+                place=now.place[:2], rho=now.rho, inner_force=now.inner_force, outer_force=now.outer_force,
+                stiffness=now.radial_stiffness, damping=np.zeros((2, 2)),
             )  # fmt: skip
 
         pitch = over_pitch(bearing, operation.first_roller_angle, solve, samples)
@@ -140,11 +137,13 @@ def tilted_pitch(
     return answer
 
 
-def _hub(whole: np.ndarray, shaft: float | None) -> np.ndarray:
-    """Stiffness of the hub's place, (2, 2), N/m, as a free slope follows."""
-    if shaft is None:
-        return whole[:2, :2]
-    return whole[:2, :2] - whole[:2, 2:] @ np.linalg.solve(whole[2:, 2:], whole[2:, :2])
+def _pushed(bearing: Bearing, slices: Slices, operation: Operation, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The hub where one roller carries the load, and radii of rollers midway."""
+    load = np.array([float(operation.side_load), -float(operation.radial_load)])
+    size = max(float(np.hypot(*load)), 1e-3)
+    deep = max(slices.straight_approach(0.5 * size), 0.0)
+    hub = (max(bearing.radial_clearance, 0.0) + 2.0 * deep) * load / size
+    return hub, bearing.pitch_radius + 0.5 * np.column_stack([np.cos(angle), np.sin(angle)]) @ hub
 
 
 def contacts_of(

@@ -70,7 +70,7 @@ def tilted_start(
     now, rates, warning = balanced(0.0), np.zeros(4 + 2 * n), None
     speed = surface_speed(bearing, operation)
     if speed > SLOWEST and plane.steady:
-        if followed(now.stiffness, bearing, operation)[0].size < 2:
+        if followed(now.radial_stiffness, bearing, operation)[0].size < 2:
             warning = SOFT
         else:
             ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)

@@ -49,6 +49,17 @@ def test_a_table_gives_the_forces_and_moments_of_its_slices(kind):
     assert found.force.min() >= 0.0
 
 
+def test_a_light_load_on_a_roller_that_may_tilt_far_takes_no_larger_table():
+    """By steps of approach as fine as under a heavy load, beside slopes that cannot be, it would have 9000 rows."""
+    own, light, steepest = slices("logarithmic"), 20.0, 1e-2  # N, rad
+    table = tabulated(own, own.straight_approach(light), steepest)
+    assert table.coefficients.shape[0] < 700 and table.coefficients.shape[1] == 603
+    rng = np.random.default_rng(3)
+    slope, force = rng.uniform(-steepest, steepest, 2000), rng.uniform(0.0, light, 2000)
+    found = table.at(own.approach_under(force, slope), slope)
+    assert np.sqrt(np.mean((found.force - force) ** 2)) < 5e-3 * light
+
+
 @pytest.mark.parametrize("kind, sharp", [("logarithmic", False), ("crowned", True)])
 def test_peaks_by_force_and_moment_are_those_of_the_slices(kind, sharp):
     own, pair, largest = slices(kind), contact_pairs(PAPER)[0], 800.0

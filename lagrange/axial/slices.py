@@ -59,7 +59,7 @@ class Slices:
         """Of a contact without slope under a force, N; m."""
         return float(self.approach_under(force, np.zeros(1))[0])
 
-    def approach_under(self, force: float, slope: np.ndarray) -> np.ndarray:
+    def approach_under(self, force: float | np.ndarray, slope: np.ndarray) -> np.ndarray:
         """Of contacts with slopes, rad, each under a force, N; m, (n,) as the slopes."""
         low = self.opening(slope)
         high = low + FIRST

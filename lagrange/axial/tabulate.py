@@ -79,10 +79,13 @@ def contact_slices(
 
 
 def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
-    """The table of a contact's energy up to an approach, m, and to a slope, rad, either way."""
-    step = (deepest - float(slices.opening(np.zeros(1))[0])) / KNOTS
-    by_slope = COARSER * step / float(np.abs(slices.place).max())
-    half = min(ceil(steepest / by_slope), MOST_SLOPES)
+    """The table of a contact's energy up to an approach, m, and to a slope, rad, either way.
+
+    Of a light load on a roller that may tilt far the slopes are too many: then both steps are wider, in their ratio.
+    """
+    step, end = (deepest - float(slices.opening(np.zeros(1))[0])) / KNOTS, float(np.abs(slices.place).max())
+    half = min(ceil(steepest * end / (COARSER * step)), MOST_SLOPES)
+    step = max(step, steepest / half * end / COARSER)
     first = float(slices.opening(steepest / half * np.arange(-half, half + 1)).min()) - 2.0 * step
     return _on_grid(slices, (first, step, ceil((deepest - first) / step) + 1), (steepest / half, half))
 

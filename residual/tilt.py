@@ -199,6 +199,8 @@ def _sides(record: Record) -> list[_Side]:
     loads = (record.inner_force, record.inner_moment), (record.outer_force, record.outer_moment)
     if axial is None or slices is None or any(each is None for side in loads for each in side):
         return []
+    if any(part is not None for part in axial.parts(record.bearing)):
+        raise Unavailable("spalls of part of the length end with edges, where pressure has no limit")
     each = zip(slices, contact_pairs(bearing), sharp_ends(bearing, axial), loads, strict=False)
     return [
         _Side(own, pair, bool(sharp), np.asarray(force), np.asarray(moment))

@@ -14,7 +14,15 @@ from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, co
 from lagrange.equations import Overlaps
 from lagrange.motion import State
 from lagrange.rating.sources import Unavailable
-from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
+from lagrange.tilt import (
+    Misalignments,
+    SlicedTractions,
+    TiltedContacts,
+    Tilts,
+    hub_slope_equations,
+    hub_tilt,
+    tilt_equations,
+)
 from residual.differentiate import derivative
 from residual.record import Record
 
@@ -103,18 +111,26 @@ def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.nda
 
 
 @dataclass(frozen=True, kw_only=True)
-class TiltErrors:
-    """Error moments of equations of tilt; their terms, `contact_law` and `balance`, add up to them."""
+class MomentError:
+    """Error moments of one equation, N m, (n_times, n_rollers), and their terms, which add up to them."""
 
-    error: np.ndarray  # (n_times, n_rollers), N m, of the rollers' tilt by the law
+    error: np.ndarray  # by the law
     contact_law: np.ndarray  # moments of the law less the run's, with the sign that they have in the error
-    balance: np.ndarray  # the error with the run's own moments
-    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else than contacts must give the hub's slope
+    balance: np.ndarray  # the error with the run's own moments, those of tractions and guides included
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltErrors(MomentError):
+    """Error moments of the equation of tilt, those of skew, and what the hub's slope needs."""
+
+    skew: MomentError | None  # of rollers that are free to; None: guides give whatever moment it takes
+    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else must give the hub's slope
     largest_tilt: float  # rad
+    largest_skew: float
 
 
 def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
-    """Put a record's tilts into the equations of τ and of the hub's slope; `law` : by name; `order` : of stencils."""
+    """Put a record's slopes into the equations of τ, σ and the hub's slope; `law` : by name; `order` : of stencils."""
     laws, bearing, contacts, interval = (
         contact_laws(law, record.bearing),
         record.bearing,
@@ -130,6 +146,9 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     }  # fmt: skip
     rates = {f"{name}_rate": derivative(value, interval, 1, order) for name, value in columns.items()}
     gains = {name: derivative(value, interval, 2, order) for name, value in columns.items()}
+    tractions, given, spin = _tractions(record), np.zeros_like(theta), None
+    if tractions is not None and record.roller_turn is not None:
+        spin = derivative(record.roller_turn, interval, 1, order)
     state = State(
         x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
         x_rate=0.0, y_rate=0.0, rho_rate=np.zeros_like(theta), theta_rate=derivative(theta, interval, 1, order),
@@ -139,24 +158,32 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     nx, ny = contacts.normal
     normal = nx * cos + ny * sin, ny * cos - nx * sin
     at = Misalignments(*misaligned(record, contacts)[:1], *(3 * (np.zeros_like(theta),)))
+    on_roller, on_hub = (given, given), (given[:, 0], given[:, 0])
+    if tractions is not None:
+        on_roller, on_hub = tractions.on_roller(bearing, normal), tractions.on_hub(bearing, normal, cos, sin)
+        on_roller = on_roller[0], on_roller[1] + np.asarray(record.guide_moment)
 
     def left(moments):
-        more = TiltedContacts(
-            inner_moment=moments[0], outer_moment=moments[1], energy=np.zeros_like(theta), at=at, normal=normal
-        )
+        more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at, normal=normal)
         around, met = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
-        of_tilt, _ = tilt_equations(bearing, record.acting, state, met, gains["tilt"], gains["skew"], around)
+        found = tilt_equations(bearing, record.acting, state, met, gains["tilt"], gains["skew"], around, spin)
         axial = record.scene.ideal_axial()
         hub = hub_tilt(record.operation, axial) if axial is not None else None
-        return of_tilt, hub_slope_equations(bearing, record.acting, hub, state, met, gains["slope_x"], gains["slope_y"])
+        slopes = hub_slope_equations(bearing, record.acting, hub, state, met, gains["slope_x"], gains["slope_y"])
+        of_rollers = tuple(each - moment for each, moment in zip(found, on_roller, strict=True))
+        return of_rollers, tuple(each - moment for each, moment in zip(slopes, on_hub, strict=True))
 
     own = tuple(
         law if run is None else run for run, law in ((record.inner_moment, inner), (record.outer_moment, outer))
     )
-    (error, hub), (balance, _) = left((inner, outer)), left(own)
+    (errors, hub), (balances, _) = left((inner, outer)), left(own)
+    tilt, skew = (
+        MomentError(error=error, contact_law=error - balance, balance=balance)
+        for error, balance in zip(errors, balances, strict=True)
+    )
     return TiltErrors(
-        error=error, contact_law=error - balance, balance=balance, hub=hub,
-        largest_tilt=float(np.abs(np.asarray(record.roller_tilt)).max()),
+        **vars(tilt), skew=None if tractions is None else skew, hub=hub,
+        largest_tilt=float(np.abs(columns["tilt"]).max()), largest_skew=float(np.abs(columns["skew"]).max()),
     )  # fmt: skip
 
 
@@ -256,6 +283,17 @@ def largest_pressures(record: Record) -> tuple[float, ...]:
     return tuple(found)
 
 
+def _tractions(record: Record) -> SlicedTractions | None:
+    """Of rollers that are free to skew; None: they are guided."""
+    if record.guide_moment is None:
+        return None
+    names = (f"{side}_{kind}" for kind in ("traction_moment", "axial_traction") for side in ("inner", "outer"))
+    inner_moment, outer_moment, inner_axial, outer_axial = (np.asarray(getattr(record, name)) for name in names)
+    return SlicedTractions(
+        inner_moment=inner_moment, inner_axial=inner_axial, outer_moment=outer_moment, outer_axial=outer_axial
+    )
+
+
 def tilt_summary(found: TiltErrors) -> dict:
     """Numbers of error moments, N m, as JSON has them."""
 
@@ -266,9 +304,14 @@ def tilt_summary(found: TiltErrors) -> dict:
             "max_abs_N_m": float(np.abs(values).max()),
         }  # fmt: skip
 
+    def of(equation: MomentError) -> dict:
+        terms = {"contact_law": numbers(equation.contact_law), "balance": numbers(equation.balance)}
+        return {"error_moment": numbers(equation.error), "budget": terms}
+
+    skew = {} if found.skew is None else {"skew": of(found.skew) | {"largest_skew_rad": found.largest_skew}}
     return {
-        "error_moment": numbers(found.error),
-        "budget": {"contact_law": numbers(found.contact_law), "balance": numbers(found.balance)},
+        **of(found),
         **{f"hub_moment_{axis}": numbers(values) for axis, values in zip("xy", found.hub, strict=True)},
         "largest_tilt_rad": found.largest_tilt,
+        **skew,
     }

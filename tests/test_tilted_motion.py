@@ -79,7 +79,6 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
 @pytest.mark.parametrize(
     ("model", "axial", "changes", "remedy"),
     [
-        ("reduced", {"skew": "free"}, {}, 'take skew = "guided"'),
         ("reduced", {}, {"reduced__modes_up_to_kHz": 200.0}, "leave one of them out"),
         ("reduced", {}, {"damping__contact_N_s_m": 10.0}, "leave one of them out"),
     ],

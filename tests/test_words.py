@@ -20,7 +20,7 @@ BANNED = re.compile(
 IDENTIFIERS = re.compile(r"(?:^|_)(told|debts?|paid|stuck|put_down)(?:$|_)", re.I)  # parts of names in the code
 DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
 LONGEST_LINE = 160
-MOST_LINES = 3400  # of the pages for readers
+MOST_LINES = 3450  # of the pages for readers
 
 
 def prose(page: Path) -> str:

@@ -170,6 +170,21 @@ def kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level):
 
 
 @part
+def released(most, Q, P, residual, ways, shortest):
+    """Kicks P and residual energies of contacts that open, whose last force was `most`.
+
+    `ways` : by how far approaches have changed, and by how much further forces are taken; `shortest` : that counts
+    """
+    behind, ahead = ways
+    behind = select(behind < 0.0, behind, 0.0)  # no release of an unknown residual
+    onward = behind + ahead * 12.0
+    opens = (Q <= 0.0) & (most > 0.0) & (behind < -shortest)
+    more = (2.0 * residual - onward * P) / minimum(minimum(onward + behind, behind), -shortest)
+    more = select(opens, maximum(minimum(more, most), -most), 0.0)
+    return P + more, residual - 0.5 * behind * more
+
+
+@part
 def stored_energy(Q, approach, A, Q_line):
     """`contact_energy` by way of the approach; scalars or lanes."""
     q = minimum(Q, Q_line)

@@ -118,7 +118,7 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             drive.sums[0] = with_side_load(drive.history, drive.sums[0], 0.5 * drive.dt * side_load * work)
             _change_ahead(drive.history, drive, before, time, radial_load)
             _drift(bodies, drive.dt)
-            drift_tilts(bodies.tilts, drive)
+            drift_tilts(bodies.tilts, bodies, drive)
             _drift_cage(bodies.cage, drive)
             _drift_shaft(bodies.shaft, drive)
             drift_ring(bodies.housing, drive)

@@ -166,7 +166,7 @@ def _kick_axes(axes, drive):
 
 @drift_body.of(Axes)
 def _drift_axes(axes, drive):
-    drift_tilts(axes.tilts, drive)
+    drift_tilts(axes.tilts, axes, drive)
 
 
 @add_motion.of(Axes)

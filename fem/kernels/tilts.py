@@ -1,6 +1,7 @@
-"""Tilt of rigid bodies in the time loop: of rollers, guided against skew, and of a hub whose slope may be free.
+"""Tilt of rigid bodies in the time loop: of rollers, and of a hub whose slope may be free.
 
-A roller's axis stays in the plane through the bearing's axis: a = τ n, n outward from the outer ring's centre.
+The axis of a roller that is guided against skew stays in the plane through the bearing's axis: a = τ n, n outward from
+the outer ring's centre. Those of rollers that are free to skew are in `skews`.
 """
 
 from math import cos, sin
@@ -14,6 +15,7 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
+from fem.kernels.skews import Skews, drift_skews, kick_skews, push_skews, write_skews
 
 INNER, OUTER, TWELFTH = 0, 1, 1.0 / 12.0
 
@@ -39,6 +41,7 @@ class Tilts(NamedTuple):
     hub_stiffness: float  # N m/rad, of the shaft
     rest: tuple[float, float]  # rad, where that is slack
     column: int  # of a sample's row
+    skews: Skews | None = None  # None: rollers are guided against skew, and `tilt` to `before` are theirs
 
 
 class TiltedForces(NamedTuple):
@@ -57,12 +60,13 @@ class TiltedForces(NamedTuple):
 
 
 @part
-def drift_tilts(tilts, drive):
+def drift_tilts(tilts, bodies, drive):
     """Turn the axes; None: they stay parallel. A hub that spins turns its slope's rate round (gyroscopic moment)."""
     if tilts is not None:
         dt = drive.dt
         for group in range(0, tilts.tilt.size, WIDTH):
             store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
+        drift_skews(tilts.skews, bodies, drive)
         if tilts.hub_over > 0.0:
             angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
             c, s, half = cos(angle), sin(angle), 0.5 * dt
@@ -71,6 +75,61 @@ def drift_tilts(tilts, drive):
             tilts.slope[0] += half * (x + u)
             tilts.slope[1] += half * (y + v)
             tilts.slope_rate[0], tilts.slope_rate[1] = u, v
+
+
+@part
+def axes(skews, tilts, group, ox, oy):
+    """Slopes of eight rollers' axes along x, y and outwards, rad."""
+    if skews is None:
+        tilt = load(tilts.tilt, group)
+        return tilt * ox, tilt * oy, tilt
+    ax, ay = load(skews.axis, group), load(skews.axis, skews.axis.shape[1] + group)
+    return ax, ay, ax * ox + ay * oy
+
+
+@part
+def push_rollers(skews, tilts, group, normals, moments):
+    """Keep the angular accelerations of eight rollers by their contacts' moments, N m, inner and outer."""
+    if skews is None:
+        ix, iy, ox, oy = normals
+        store(tilts.pushed, group, (moments[0] * (ix * ox + iy * oy) - moments[1]) * (1.0 / tilts.inertia))
+    else:
+        push_skews(skews, tilts, group, normals, moments)
+
+
+@part
+def pushed_rollers(skews, tilts, group, normals):
+    """Those accelerations along the inner and the outer contacts' normals, rad/s²."""
+    ix, iy, ox, oy = normals
+    if skews is None:
+        pushed = load(tilts.pushed, group)
+        return pushed * (ix * ox + iy * oy), pushed
+    px, py = load(skews.pushed, group), load(skews.pushed, skews.axis.shape[1] + group)
+    return px * ix + py * iy, px * ox + py * oy
+
+
+@part
+def kick_rollers(skews, tilts, drive, group, normals, moments):
+    """The kick of eight rollers' axes by their contacts' moments, N m, inner and outer.
+
+    Returns the slopes' part across the inner contacts' normals, rad, and the moments, N m, by which contacts push
+    against +θ at the outer ones, as tilts turn with their rollers' angles.
+    """
+    (ix, iy, ox, oy), (M_i, M_o) = normals, moments
+    if skews is None:
+        tilt, facing, beside = load(tilts.tilt, group), ix * ox + iy * oy, oy * ix - ox * iy
+        kick_axes(tilts, drive, group, M_i * facing - M_o)
+        return tilt * beside, M_i * tilt * beside
+    ax, ay, _ = axes(skews, tilts, group, ox, oy)
+    return ay * ix - ax * iy, M_o * (ay * ox - ax * oy) - kick_skews(skews, tilts, drive, group, normals, moments)
+
+
+@part
+def rubbed_hub(skews, axis, group):
+    """Moments of eight rollers' tractions on the hub's slope along x or y, N m."""
+    if skews is None:
+        return splat(0.0)
+    return load(skews.rubbed, (2 + axis) * skews.axis.shape[1] + group)
 
 
 @part
@@ -118,25 +177,10 @@ def write_tilts(tilts, bodies, forces, drive, out):
 
 @part
 def _write(tilts, bodies, forces, drive, out):
-    n, at, ahead, (precession, whirl) = (
-        bodies.n,
-        tilts.column,
-        TWELFTH * drive.dt * drive.dt,
-        _going_round(tilts, drive),
-    )
-    moment = forces.tilted.moment
-    moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
-    for group in range(0, n, WIDTH):
-        there, tilt = count_from(group) < n, load(tilts.tilt, group)
-        moving += select(there, load(tilts.before, group) * load(tilts.rate, group), 0.0)
-        pushed += select(there, load(tilts.pushed, group) * load(tilts.pushed, group), 0.0)
-        aslant += select(there, tilt * tilt, 0.0)
+    n, at, ahead = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt
     for j in range(n):
-        out[at + j] = tilts.tilt[j] + ahead * tilts.pushed[j]
-        out[at + n + j] = 0.0
-        out[at + 2 * n + j], out[at + 3 * n + j] = moment[INNER, j], moment[OUTER, j]
-    stored, turning = 0.0, 0.5 * whirl * total(aslant)
-    kinetic, more = tilts.inertia * total(moving), tilts.inertia * total(pushed)
+        out[at + 2 * n + j], out[at + 3 * n + j] = forces.tilted.moment[INNER, j], forces.tilted.moment[OUTER, j]
+    kinetic, more, stored, turning = _write_rollers(tilts.skews, tilts, bodies, forces, drive, out)
     for k in range(2):
         place = tilts.slope[k] + ahead * tilts.slope_pushed[k]
         out[at + 4 * n + k] = place
@@ -146,5 +190,25 @@ def _write(tilts, bodies, forces, drive, out):
             more += tilts.slope_pushed[k] * tilts.slope_pushed[k] / tilts.hub_over
     out[KINETIC] += 0.5 * kinetic + turning
     out[CONTACT] += stored + drive.dt * drive.dt / 24.0 * more
+
+
+@part
+def _write_rollers(skews, tilts, bodies, forces, drive, out):
+    """The rollers' slopes; I_t Σ of squares of rates and of accelerations, energy of guides and of going round, J."""
+    if skews is not None:
+        return write_skews(skews, tilts, bodies, forces, drive, out)
+    n, at, ahead = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt
+    moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
+    for group in range(0, n, WIDTH):
+        there, tilt = count_from(group) < n, load(tilts.tilt, group)
+        moving += select(there, load(tilts.before, group) * load(tilts.rate, group), 0.0)
+        pushed += select(there, load(tilts.pushed, group) * load(tilts.pushed, group), 0.0)
+        aslant += select(there, tilt * tilt, 0.0)
+    for j in range(n):
+        out[at + j] = tilts.tilt[j] + ahead * tilts.pushed[j]
+        out[at + n + j] = 0.0
     # guides and cage give what going round with a tilt takes, beside contacts
+    precession, whirl = _going_round(tilts, drive)
+    turning = 0.5 * whirl * total(aslant)
     out[WORK_DRIVE] += turning - 0.5 * precession * total(aslant)
+    return tilts.inertia * total(moving), tilts.inertia * total(pushed), 0.0, turning

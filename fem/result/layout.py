@@ -58,6 +58,7 @@ def variables_of(scene: Scene) -> Variables:
         "cage": scene.cage is not None,
         "damping": scene.damping.acts,
         "axial": scene.axial is not None,
+        "skew": scene.axial is not None and "skew" in scene.axial.parts,
     }
     return columns_of("", *scene.mounting().parts, *(name for name, is_there in features.items() if is_there))
 

@@ -63,10 +63,10 @@ class ReducedPlan(RigidPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Two of the hub, three of each roller, one of each mode; tilts of rollers and two of a hub's free slope."""
+        """Two of the hub, three of each roller, one of each mode; tilts, skews and two of a hub's free slope."""
         n, modes = self.model.bearing.n_rollers, self.model.modes
         axial = self.scene.ideal_axial()
-        tilts = 0 if axial is None else n + 2 * axial.has_free_slope
+        tilts = 0 if axial is None else n * (1 + (axial.skew == "free")) + 2 * axial.has_free_slope
         return 2 + 3 * n + tilts + (0 if modes is None else modes.count(n))
 
     @property

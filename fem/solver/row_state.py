@@ -75,8 +75,9 @@ class RowState(RunState):
     @property
     def _row_width(self) -> int:
         plan = self.plan
-        cage, tilts = plan.scene.ideal_cage(), plan.scene.axial is not None
-        return row_width(plan.model.bearing.n_rollers, cage, plan.operation.mounting, tilts)
+        cage, axial = plan.scene.ideal_cage(), plan.scene.axial
+        further = () if axial is None else axial.parts
+        return row_width(plan.model.bearing.n_rollers, cage, plan.operation.mounting, further)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""

@@ -26,9 +26,9 @@ def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | s
     return places
 
 
-def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD, tilts: bool = False) -> int:
-    """Numbers in a sample of the time loops."""
-    parts = *mounting.parts, *(() if cage is None else ("cage",)), *(("axial",) if tilts else ())
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD, further: tuple[str, ...] = ()) -> int:
+    """Numbers in a sample of the time loops; `further` : parts of a scene beside cage and mounting."""
+    parts = *mounting.parts, *(() if cage is None else ("cage",)), *further
     return sum(n_rollers if isinstance(at, slice) else 1 for at in row_places(n_rollers, parts).values())
 
 
@@ -39,8 +39,9 @@ class SampleReader:
     """
 
     def __init__(self, plan):
-        of_scene = {"cage": plan.scene.cage, "axial": plan.scene.axial}
-        parts = (*plan.operation.mounting.parts, *(part for part, table in of_scene.items() if table is not None))
+        scene = plan.scene
+        of_scene = () if scene.cage is None else ("cage",), () if scene.axial is None else scene.axial.parts
+        parts = *plan.operation.mounting.parts, *of_scene[0], *of_scene[1]
         self._places = row_places(plan.model.bearing.n_rollers, parts)
         self._pressed = plan.pressed_energy
         self._looks = plan.looks

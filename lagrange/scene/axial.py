@@ -22,6 +22,7 @@ FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
 PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a file beside the scene, CSV with the '
 PROFILE += "columns z_mm, drop_um"
+PLAY = 5.0  # mrad, of rollers in their guides
 
 
 class AxialTable(Table):
@@ -53,6 +54,13 @@ class AxialTable(Table):
     skew: Literal["guided", "free"] = Field(
         "guided", description="of rollers: held along the axis, or free, which takes friction"
     )
+    skew_play_mrad: float | None = Field(
+        None,
+        ge=0.0,
+        le=50.0,
+        description='either way, of rollers whose skew is "free", until a flange or a pocket '
+        f"stops them; {PLAY:g} if left out",
+    )
     hub_tilt_inertia_kg_m2: float | None = Field(
         None,
         gt=0.0,
@@ -75,6 +83,8 @@ class AxialTable(Table):
                 yield f'a profile that is "{kind}" needs {key}, e.g. {key} = {example:g}'
             if kind not in kinds and given is not None:
                 yield f'{key} = {given:g}: only with a profile that is "{kind}"; leave it out'
+        if self.skew_play_mrad is not None and self.skew == "guided":
+            yield f'skew_play_mrad = {self.skew_play_mrad:g}: only with skew = "free"; leave it out'
         if self.hub_tilt_inertia_kg_m2 is None and self.shaft_tilt_stiffness_N_m_rad is not None:
             yield (
                 f"shaft_tilt_stiffness_N_m_rad = {self.shaft_tilt_stiffness_N_m_rad:g}: only of a shaft whose slope "
@@ -91,6 +101,11 @@ class AxialTable(Table):
                     yield f'{surface}_profile = "{name}": {error}'
 
     @property
+    def parts(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs with it have."""
+        return ("axial", "skew") if self.skew == "free" else ("axial",)
+
+    @property
     def files(self) -> dict[str, str]:
         """Texts of its files, by their digests, as far as they are at hand."""
         found = [[getattr(self, f"{surface}_profile_{end}") for end in ("sha256", "content")] for surface in SURFACES]
@@ -105,6 +120,7 @@ class AxialTable(Table):
             coupling=self.coupling,
             ring_width=2.0 * bearing.roller_length if width is None else MM * width,
             skew=self.skew,
+            skew_play=1e-3 * (PLAY if self.skew_play_mrad is None else self.skew_play_mrad),
             hub_tilt_inertia=self.hub_tilt_inertia_kg_m2,
             shaft_tilt_stiffness=self.shaft_tilt_stiffness_N_m_rad or 0.0,
         )

@@ -73,6 +73,8 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "axial": lambda scene: scene.axial is not None,
     "no axial": lambda scene: scene.axial is None,
     "axial on meshes": lambda scene: scene.axial is not None and scene.model == "fem",
+    "not reduced": lambda scene: scene.model != "reduced",
+    "frictionless": lambda scene: scene.friction_coefficient == 0.0,
     "fitted": lambda scene: scene.fit is not None,
     "no housing": lambda scene: scene.mounting().housing is None,
     "mounted": lambda scene: scene.support is not None and scene.support.kind != "held",
@@ -138,9 +140,12 @@ REFUSED = (
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
     ("contacts' damping", "axial",
      f"{{given}}: not together with [axial], of whose tilts dampers of approaches know nothing{EITHER}"),
-    ("free skew", "any",
-     '{given}: slices without friction of their own leave rollers neutral against skew, in which they would turn on; '
-     'take skew = "guided"'),
+    ("free skew", "not reduced",
+     '{given}: only with model = "reduced", whose tractions act slice by slice, not with "{model}"; take '
+     'skew = "guided"'),
+    ("free skew", "frictionless",
+     '{given}: rollers without friction are neutral against skew, in which they would turn on; give '
+     'contact.friction_coefficient, or take skew = "guided"'),
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),

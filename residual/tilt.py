@@ -1,6 +1,6 @@
 """Rollers that tilt: laws in slices along the run's own tilts, error moments of rollers, the moment on the shaft."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -26,6 +26,7 @@ from lagrange.tilt import (
 from residual.differentiate import derivative
 from residual.record import Record
 
+FLAT = 1e-10  # m: less have contacts not sunk
 BLOCK = 4096  # samples whose slices are held in memory at a time
 FAINT = 0.01  # of the largest force: contacts taken as open
 INSIDE = 0.99  # of the largest moment that a force has: beyond, a roller stands on an end
@@ -208,13 +209,16 @@ class _Side(NamedTuple):
     sharp: bool  # whether profiles end with an edge
     force: np.ndarray
     moment: np.ndarray
+    sunk: np.ndarray  # m, of the part of the length that spalls take
 
     def pressures(self, at: np.ndarray) -> np.ndarray:
         """Along the rollers of contacts by their places among all, (n, n_slices), Pa; 0 of open ones."""
         force, moment, found = self.force.ravel()[at], self.moment.ravel()[at], np.zeros((at.size, self.slices.count))
         closed = (force > FAINT * self.force.max()) & (np.abs(moment) < INSIDE * self.slices.place[-1] * force)
         try:
-            found[closed] = pressures(self.slices, self.pair, *placed(self.slices, force[closed], moment[closed]))
+            sunk = self.sunk.ravel()[at][closed]
+            place = placed(self.slices, force[closed], moment[closed], sunk)
+            found[closed] = pressures(self.slices, self.pair, *place, sunk)
         except (RuntimeError, ValueError) as error:
             raise Unavailable(str(error)) from None
         return found
@@ -226,13 +230,16 @@ def _sides(record: Record) -> list[_Side]:
     loads = (record.inner_force, record.inner_moment), (record.outer_force, record.outer_moment)
     if axial is None or slices is None or any(each is None for side in loads for each in side):
         return []
-    if any(part is not None for part in axial.parts(record.bearing)):
-        raise Unavailable("spalls of part of the length end with edges, where pressure has no limit")
+    contacts, parts = record.contacts, axial.parts(record.bearing)
+    found = []
     each = zip(slices, contact_pairs(bearing), sharp_ends(bearing, axial), loads, strict=False)
-    return [
-        _Side(own, pair, bool(sharp), np.asarray(force), np.asarray(moment))
-        for own, pair, sharp, (force, moment) in each
-    ]
+    for (own, pair, sharp, load), part, sunk in zip(
+        each, parts, (contacts.inner_part, contacts.outer_part), strict=True
+    ):
+        force, moment = (np.asarray(value) for value in load)
+        depth = np.broadcast_to(sunk, force.shape)
+        found.append(_Side(replace(own, part=part), pair, bool(sharp), force, moment, depth))
+    return found
 
 
 def along_rollers(record: Record) -> AlongRollers | None:
@@ -277,6 +284,8 @@ def largest_pressures(record: Record) -> tuple[float, ...]:
         pressure = side.pressures(most)
         if side.sharp and pressure[:, [0, -1]].any():
             raise Unavailable(SHARP)
+        if np.any(side.sunk.ravel()[most] > FLAT):
+            raise Unavailable("a spall of part of the rollers' length ends with an edge, where pressure has no limit")
         found.append(float(pressure.max()))
     if not found:
         raise Unavailable("rollers tilt, and the source does not say how pressure changes along them")

@@ -8,7 +8,7 @@ import pytest
 from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
 from lagrange.axial import ContactTable
-from lagrange.axial.pressure import peak_table, pressures
+from lagrange.axial.pressure import peak_table, placed, pressures
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import spalled, tabulated
@@ -141,3 +141,15 @@ def test_coupled_slices_over_a_spall_are_exact_where_all_or_none_have_sunk():
     sunk = rng.uniform(0.0, 8e-6, 400)  # between, where slices of the part and of the rest are coupled
     missed = table.at(approach, slope, sunk).force - own.sums(approach, slope, sunk).force
     assert np.sqrt(np.mean(missed**2)) < 0.02 * 1900.0
+
+
+def test_pressures_over_a_spall_follow_from_force_and_moment():
+    whole = slices("logarithmic", 20)
+    own, pair = replace(whole, part=whole.place > 0.0), contact_pairs(PAPER)[0]
+    approach, slope, sunk = np.array([6e-6, 7e-6, 8e-6]), np.array([0.0, 5e-4, -5e-4]), np.array([0.0, 2e-6, 50e-6])
+    sums = own.sums(approach, slope, sunk)
+    found = placed(own, sums.force, sums.moment, sunk)
+    assert found[0] == pytest.approx(approach, rel=1e-4) and found[1] == pytest.approx(slope, abs=1e-7)
+    along = pressures(own, pair, *found, sunk)
+    assert along[2][own.part].max() == 0.0 and along[2][~own.part].max() > 5e8
+    assert along[0] == pytest.approx(along[0][::-1])

@@ -236,7 +236,8 @@ def _sinkage(surfaces: Profiles, body: Body, roller: int | None, angle: np.ndarr
     own = {"inner_ring": surfaces.inner_ring, "outer_ring": surfaces.outer_ring}
     profile = own.get(body, surfaces.rollers_outside)
     every = np.repeat(angle[:, None], profile.row.size, axis=1)
-    return profile.at(every)[0][:, roller or 0]
+    met = profile.at(every)
+    return (met.sinkage + met.part)[:, roller or 0]
 
 
 def _wave_name(wave: Waviness | MeasuredSurface) -> str:

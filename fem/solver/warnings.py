@@ -77,6 +77,7 @@ def _undamped(scene: Scene) -> str | None:
     named = [name for name, there in excited.items() if there]
     takes_none = scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0
     takes_none |= scene.model == "fem" and scene.contact.model != "subgrid"
+    takes_none |= scene.axial is not None
     if not named or scene.damping.acts or takes_none or scene.numerics.duration_ms == 0.0:
         return None
     return (

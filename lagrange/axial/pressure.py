@@ -19,9 +19,10 @@ SLOPES, DEPTHS = 64, 64  # of which a table of peaks is made: slopes either way,
 FORCES, PLACES = 128, 512  # steps of the table, of √Q and of M/Q
 
 
-def pressures(slices: Slices, pair: Pair, approach, slope) -> np.ndarray:
+def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> np.ndarray:
     """Largest pressure of each slice, (..., n), Pa, by approach, m, and slope, rad, of contacts, (...,).
 
+    `sunk` : m, of the part of the length that spalls take.
     Each slice has Hertz's pressure across: p0 = √(q E*/(π R)), q its force by its width.
 
     Errors
@@ -29,7 +30,7 @@ def pressures(slices: Slices, pair: Pair, approach, slope) -> np.ndarray:
     With coupled slices 0.7 % of peaks on profiled rollers; alone 3 to 9 %. At an edge there is no limit: `is_sharp`.
     RuntimeError: as `Slices.forces`.
     """
-    return _hertz(pair, slices.count * slices.forces(approach, slope))
+    return _hertz(pair, slices.count * slices.forces(approach, slope, sunk))
 
 
 def _hertz(pair: Pair, force: np.ndarray) -> np.ndarray:
@@ -95,8 +96,10 @@ def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, st
     return PeakTable(root=root, arm=arm, peaks=found)
 
 
-def placed(slices: Slices, force, moment) -> tuple[np.ndarray, np.ndarray]:
+def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[np.ndarray, np.ndarray]:
     """Approaches, m, and slopes, rad, of contacts that bear forces, N, > 0, and moments, N m, of one shape.
+
+    `sunk` : as of `pressures`
 
     Errors
     ------
@@ -111,7 +114,7 @@ def placed(slices: Slices, force, moment) -> tuple[np.ndarray, np.ndarray]:
     weight = np.array([1.0, 1.0 / arm]).reshape(2, *(1 for _ in force.shape))
 
     def left(place):
-        found = slices.at(*place)
+        found = slices.at(*place, sunk)
         missing = np.array([force - found.force, found.moment - moment])
         return found, missing, np.abs(missing * weight).max(axis=0)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
-from lagrange.axial.slices import Slices
+from lagrange.axial.slices import Slices, Sums
 from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
@@ -74,7 +74,9 @@ class SlicedLaw:
         found, sunk = np.empty_like(self.misalignment), np.broadcast_to(self.sunk, self.misalignment.shape)
         for first in range(0, len(found), BLOCK):
             part = slice(first, first + BLOCK)
-            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part], sunk[part]), name)
+            at = approach[part], self.misalignment[part], sunk[part]
+            # derivatives take a matrix of the slices, which sums do without
+            found[part] = getattr(self.slices.sums(*at) if name in Sums._fields else self.slices.at(*at), name)
         return found
 
 

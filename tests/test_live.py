@@ -51,6 +51,16 @@ def test_values_are_those_of_the_scene_they_are_put_into(some):
     assert Values.of(values.put_into(scene)) == values
 
 
+def test_a_shaft_whose_rollers_tilt_has_a_slope_to_be_changed():
+    scene = scene_of("axial.slices=11", "operation.misalignment_mrad=1.0")
+    assert Values.of(scene).put_into(scene) == scene
+    values = changed(Values.of(scene), misalignment_mrad=-0.4)
+    assert values.put_into(scene).operation.misalignment_mrad == -0.4
+    shown = {slider.key: slider for slider in sliders(scene)}
+    assert (shown["misalignment_mrad"].low, shown["misalignment_mrad"].high) == (-3.0, 3.0)
+    assert "misalignment_mrad" not in {slider.key for slider in sliders(scene_of())}
+
+
 def test_the_outer_rings_first_spall_is_the_one_that_changes():
     scene = scene_of("spall.0.body=inner_ring", "spall.1.width_mm=0.5", "spall.1.depth_um=30")
     values = Values.of(scene)

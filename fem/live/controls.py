@@ -21,6 +21,8 @@ FURTHER = {  # controls of what not every scene has, by key of their table: its 
     "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "its own, undamped"),
     "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
 }
+PLACES = {"misalignment_mrad": "operation", **{key: table for key, (table, *_) in FURTHER.items()}}  # tables of keys
+STEEPEST, SLOPE = 3.0, "slope of the shaft, its +z end towards the load"  # mrad
 LONGER = 4.0  # times the scene's own value: the end of such a slider
 
 
@@ -34,7 +36,8 @@ class Values(BaseModel):
     clearance_um: float  # diametral
     friction_coefficient: float
     spall_width_mm: float  # of the outer ring's first spall; 0: there is none
-    contact_N_s_m: float | None = None  # of [damping]; as of all below None: as the scene has it
+    misalignment_mrad: float | None = None  # where rollers tilt; as of all below None: as the scene has it
+    contact_N_s_m: float | None = None  # of [damping]
     contact_time_us: float | None = None
     hunt_crossley_s_m: float | None = None
     mass_kg: float | None = None  # of the housing
@@ -54,6 +57,7 @@ class Values(BaseModel):
             clearance_um=round(clearance / MM_PER_UM, 3),
             friction_coefficient=scene.contact.friction_coefficient,
             spall_width_mm=0.0 if at is None else scene.spall[at].width_mm,
+            misalignment_mrad=None if scene.axial is None else scene.operation.misalignment_mrad,
             **{key: getattr(getattr(scene, table), key, None) for key, (table, *_) in FURTHER.items()},
         )
 
@@ -63,7 +67,7 @@ class Values(BaseModel):
         data["operation"]["speed_rpm"] = self.speed_rpm
         data["operation"]["radial_load_N"] = self.radial_load_N
         data["contact"]["friction_coefficient"] = self.friction_coefficient
-        for key, (table, *_) in FURTHER.items():
+        for key, table in PLACES.items():
             if getattr(self, key) not in (None, getattr(before, key)):
                 data.setdefault(table, {})[key] = getattr(self, key)
         if self.clearance_um != before.clearance_um:
@@ -109,6 +113,7 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     tightest, widest = -2.0 * b.roller_diameter_mm, 10.0 * b.roller_diameter_mm
     spalled = max(0.3 * b.roller_diameter_mm, values.spall_width_mm)
     rubbing = max(0.3, values.friction_coefficient)
+    steepest = max(STEEPEST, abs(values.misalignment_mrad or 0.0))
     slowest = -fastest if values.speed_rpm < 0.0 else 0.0
     low, high = min(tightest, values.clearance_um), max(widest, values.clearance_um)
     return (
@@ -117,6 +122,11 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
         Slider("clearance_um", "Clearance", "µm", low, high, 1.0, "diametral; below 0 it is preload"),
         Slider("friction_coefficient", "Friction", "", 0.0, rubbing, 0.01, "Coulomb's, in every contact"),
         Slider("spall_width_mm", "Spall width", "mm", 0.0, spalled, 0.05, "of the outer raceway; 0: none"),
+        *(
+            ()
+            if values.misalignment_mrad is None
+            else (Slider("misalignment_mrad", "Misalignment", "mrad", -steepest, steepest, 0.1, SLOPE),)
+        ),
         *(
             Slider(key, label, unit, 0.01 * own, _end(key, own), 0.01 * own, hint)
             for key, (_, label, unit, hint) in FURTHER.items()

@@ -11,7 +11,7 @@ it (antiplane strain), to tractions of at most μ times the slice's force.
 Source: Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), creepage coefficients of slender contacts;
 Vermeulen and Johnson, J. Appl. Mech. 31 (1964) 338 (both creeps as one vector).
 
-Equation (5) of docs/tilted_motion.md.
+Equation (6) of docs/tilted_motion.md.
 """
 
 from fem.kernels.drive import drive_outer, less_outer, outer_of, speed_of

@@ -13,7 +13,8 @@ import fem
 import lagrange
 import meshes
 import residual
-from fem.commands.run_fem import new_app, run_app_main, run_main
+from fem.commands.run_fem import run_main
+from fem.commands.start_up import new_app, run_app_main
 from fem.errors import RunFailed
 from lagrange.version import VERSION
 from residual.cli import main as check_main

@@ -5,7 +5,7 @@ from importlib import import_module
 
 from fem.commands.start_up import hold_signals
 
-hold_signals()  # before all else; `fem.commands.run_fem` hears those that have come
+hold_signals()  # before all else; `run_app_main` hears those that have come
 
 
 def _command(name: str) -> Callable[[], None]:

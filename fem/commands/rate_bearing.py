@@ -6,8 +6,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import new_app, result_name, run_app_main, settings_of
-from fem.commands.start_up import Outcome, entry
+from fem.commands.run_fem import result_name
+from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of
 from fem.errors import UsageError
 
 CYCLE_COLUMNS = "load_N", "speed_rpm", "share"

@@ -7,8 +7,18 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import RUNS, interrupted, new_app, open_streams, run_app_main
-from fem.commands.start_up import Outcome, hear_termination, imported, importing, leave
+from fem.commands.run_fem import RUNS
+from fem.commands.start_up import (
+    Outcome,
+    hear_termination,
+    imported,
+    importing,
+    interrupted,
+    leave,
+    new_app,
+    open_streams,
+    run_app_main,
+)
 from fem.errors import UsageError
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import new_app, run_app_main, settings_of
-from fem.commands.start_up import Outcome, entry
+from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of
 
 live_app = new_app(
     "run-live",

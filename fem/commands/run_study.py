@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import new_app, run_app_main
-from fem.commands.start_up import Outcome, entry, need
+from fem.commands.start_up import Outcome, entry, need, new_app, run_app_main
 from fem.errors import UsageError
 
 if TYPE_CHECKING:

@@ -19,6 +19,7 @@ from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
 from fem.statics.tilted_pressures import peak_columns
 from lagrange import mounting
+from lagrange.columns import ENERGIES
 from lagrange.kinematics import mean_kinematics
 from lagrange.rating.contact_stress import hertz_columns
 from lagrange.scene.scene import Scene
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from fem.solver.frames import Frame
 
 PICTURE_WIDTH = 1600  # pixels
-ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
 class Memory:

@@ -5,7 +5,9 @@ A column more is a line here and the kernel, or the formula in `fem.solver.sampl
 
 from typing import NamedTuple
 
+FORMAT_VERSION = 1  # of result files
 PER_TIME, PER_ROLLER = ("time",), ("time", "roller")
+ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")  # of the balance
 
 
 class Column(NamedTuple):

@@ -66,7 +66,7 @@ def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
     """Rings centred, contacts undeformed, elements at cage speed."""
     zero = np.zeros(bearing.n_rollers)
     alone = replace(operation.mounting, shaft=None)
-    ring = ring_place(alone, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
+    ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     state = State(
         x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=roller_angles(bearing, operation.first_roller_angle),
         x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
@@ -88,7 +88,7 @@ def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws)
         still = static_equilibrium(bearing, operation, laws, angles=theta, ring=place)
         return np.array([still.outer_force @ np.cos(theta), still.outer_force @ np.sin(theta)])
 
-    ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
+    ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
     now = static_equilibrium(bearing, operation, laws, angles=theta, ring=ring)
     rates, warning = _rates(bearing, operation, laws, now, ring)
     state = State(
@@ -120,7 +120,7 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         still = equilibrium_at(0.0, place)
         return np.array([still.outer_force @ np.cos(still.theta), still.outer_force @ np.sin(still.theta)])
 
-    ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
+    ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
     now, n = equilibrium_at(0.0, ring), bearing.n_rollers
     rates, warning = np.zeros(4 + 2 * n), None
     if operation.fastest > 0.0:
@@ -189,7 +189,7 @@ def _rates(
     return rates, SOFT if values.size < 2 and operation.fastest > 0.0 else None
 
 
-def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
+def weight_on_springs(bearing: Bearing, operation: Operation) -> float:
     """Of a housing and its outer ring, N; 0 without."""
     housing = operation.mounting.housing
     return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)

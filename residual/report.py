@@ -17,7 +17,7 @@ from lagrange.scene.operation import RPM
 from lagrange.section import is_plain, section_words
 from residual import tables, vibration_tables
 from residual.evaluation import Evaluation
-from residual.figures.saved import LINE_COLOURS, SavedFigure, family
+from residual.figures.saved import LARGEST_SVG, LINE_COLOURS, SavedFigure, family
 from residual.formatting import text
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import QuasiStatic
@@ -39,7 +39,6 @@ MOST_FRAMES = 400
 MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
 FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame to frame
 PATH_POINTS = 1500  # of the hub's path
-LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
 def render_report(

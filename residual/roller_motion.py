@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.contact.laws import Side
 from lagrange.contact.raceway_laws import Pair, contact_laws, contact_pairs
 from lagrange.equations import approaches
 from lagrange.kinematics import turned
@@ -15,7 +16,6 @@ from lagrange.surface.faults import Spall
 from lagrange.surface.rolling_envelope import Meeting
 from residual.record import SMALL_LOAD, Record
 
-Side = Literal["inner", "outer"]
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
 PHASE_STEP = 0.7  # of the roller's vibration between its contacts, rad: leapfrog is off by 2 % of a cycle

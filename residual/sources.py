@@ -7,7 +7,7 @@ import numpy as np
 from lagrange.axial.slices import Slices
 from lagrange.axial.stored import read_slices
 from lagrange.axial.tabulate import contact_slices
-from lagrange.columns import columns_of
+from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.files.hdf5 import (
     SIGNATURE,
@@ -26,7 +26,6 @@ from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 from residual.errors import InputError
 from residual.record import COLUMNS, FEWEST_SAMPLES, CageMotion, Record, StatedError, checked, relative
 
-FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
@@ -43,7 +42,6 @@ ATTRIBUTES = (
     "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
 )  # fmt: skip
 SOLVER = "run-fem"  # attribute `program`: of a file that holds all variables
-ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
 def read_result(path: str | Path) -> Record:

@@ -21,7 +21,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from fem.result.layout import FORMAT_VERSION
+from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
 
 ROOT = Path(__file__).parents[1]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fem.result.layout import FORMAT_VERSION
+from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
 from tests import measurements
 from tests.measurements import HEAD, cell_of, markdown_table, marked, measurement_pages, quotes, reader_pages, refreshed

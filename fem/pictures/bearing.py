@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.pictures.bodies import DrawnBearing
 from fem.pictures.canvas import (
+    ASPECT,
     FAULT,
     INK,
     Canvas,
@@ -76,7 +77,6 @@ def _arc(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
-ASPECT = 4.0 / 3.0
 FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
 RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of fringes

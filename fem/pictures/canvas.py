@@ -19,6 +19,7 @@ from fem.pictures.drawing_process import rendering_failure
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
+ASPECT = 4.0 / 3.0  # of a picture
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
 FROM_FILE = 4  # VTK_FONT_FILE

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.elastic.stress import max_shear
 from fem.pictures.bodies import DrawnBearing
-from fem.pictures.canvas import FAULT, INK, Canvas, Panel, View, border, cells, line, segments, strip
+from fem.pictures.canvas import ASPECT, FAULT, INK, Canvas, Panel, View, border, cells, line, segments, strip
 from fem.pictures.legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed
 from fem.pictures.look import Look
 from fem.pictures.recover import Instant
@@ -88,7 +88,6 @@ BARS = (0.685, 0.22, 0.72), (1.172, 0.24, 0.74)  # left, bottom and top of the m
 BAR_WIDTH = 0.020
 SMALL = 20.0  # pixels
 CROSS = 0.16  # half the size of a mark
-ASPECT = 4.0 / 3.0
 
 
 def pixels() -> tuple[float, float]:

@@ -15,7 +15,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from fem.pictures import bearing, closeup
 from fem.pictures.bodies import drawn_bearing
-from fem.pictures.canvas import INK, Canvas
+from fem.pictures.canvas import ASPECT, INK, Canvas
 from fem.pictures.look import Request, chosen_look
 from fem.pictures.recover import StoredRun
 from fem.pictures.scale import TITLES
@@ -23,7 +23,6 @@ from fem.pictures.target import MARK
 from lagrange.files.output import replaced
 from lagrange.messages import shown
 
-ASPECT = 4.0 / 3.0
 SCALE_COLOURS, GREYS = 160, 32  # of a palette
 NEARLY_WHITE = 248.0
 PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room

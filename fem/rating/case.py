@@ -33,6 +33,7 @@ from lagrange.rating.reference_life import LAMINAE, LaminaLoads, positions, refe
 from lagrange.rating.run_loads import RunLoads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
+from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
 from lagrange.spinning import growths, outer_growth
@@ -41,7 +42,6 @@ from lagrange.surface.film import film_thicknesses
 if TYPE_CHECKING:
     from fem.rating.tilted import TiltedPitch
 
-RPM = 2.0 * pi / 60.0
 POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
 INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad

@@ -15,10 +15,9 @@ from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
 from lagrange.rating.reference_life import reference_life, rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
-from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED
+from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, WIDTH
 from residual.figures.style import STYLE
 
-WIDTH = 7.0  # inches
 FEW = 12  # cage angles in a pitch, where curves are means
 LOADS = np.array([0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])  # of the scene's
 PRELOAD, PLAY = -0.0025, 0.006  # of a roller's diameter: clearances of the figure of lives

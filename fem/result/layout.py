@@ -23,7 +23,6 @@ from lagrange.columns import DERIVED, OF_TILTED, PER_ROLLER, Column, columns_of
 from lagrange.files.hdf5 import CHECKSUM, hdf5_to_write
 from lagrange.scene.scene import Scene
 
-FORMAT_VERSION = 1
 COMMITTED = "committed_samples"
 MARK = 0x5EED_F00D_0000_0000  # plus a number: stands in a new file where a counter will be, to find the place
 

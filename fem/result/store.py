@@ -21,9 +21,10 @@ from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.later_columns import events_of, with_sinkages, write_events, write_scene_files
-from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
+from fem.result.layout import Places, create, variables_of
 from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.stored import write_slices
+from lagrange.columns import FORMAT_VERSION
 from lagrange.files.hdf5 import checksum, hdf5_to_write, text_checksum
 from lagrange.files.output import new_part, real_path, remove_left
 from lagrange.surface.faults import labels

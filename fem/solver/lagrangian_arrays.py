@@ -8,6 +8,7 @@ from fem.kernels.fields import filled
 from fem.kernels.isolated_contacts import Isolated, PowerConstants
 from fem.kernels.lanes import WIDTH
 from fem.kernels.prescribed_rollers import Prescribed
+from fem.kernels.reduced_housing import TWELFTH
 from fem.kernels.reduced_state import UNEVEN, ReducedForces, RigidBodies
 from fem.kernels.state import Law
 from fem.kernels.tilted_contacts import Tilted
@@ -28,8 +29,6 @@ from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     from fem.solver.lagrangian import LagrangianPlan
-
-TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
 
 
 def bodies_of(plan: "LagrangianPlan") -> RigidBodies:

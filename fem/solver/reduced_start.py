@@ -19,8 +19,8 @@ from fem.statics.contact_balance import (
     standing_ring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
-from lagrange import Bearing, Kinematics, Operation, kinematics
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
+from lagrange import Kinematics, Operation, kinematics
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed, weight_on_springs
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import HELD
@@ -69,7 +69,7 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     def force_at(where):
         return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where)[1])[bearing.n_rollers :]
 
-    ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
+    ring = standing_ring(operation, weight_on_springs(bearing, operation), force_at)
     place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
     speed, rate = surface_speed(bearing, operation), np.zeros_like(place)
     contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
@@ -93,12 +93,6 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     return replace(_start(model, operation, place, rate, forces), ring=ring, warning=warning)
 
 
-def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
-    """Of a housing and its outer ring, N; 0 without."""
-    housing = operation.mounting.housing
-    return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)
-
-
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """Centred, in rolling motion; with preload, the equilibrium without load.
 
@@ -106,7 +100,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """
     bearing, n, alone = model.bearing, model.bearing.n_rollers, replace(operation.mounting, shaft=None)
     at_rest = replace(operation, mounting=alone)
-    ring = standing_ring(at_rest, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
+    ring = standing_ring(at_rest, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
         unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
         place, forces = _balanced(model, unloaded, 0.0)

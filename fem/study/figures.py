@@ -11,15 +11,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.study.effects import Column, Effect, Indices, Table
-from residual.figures.saved import BLUE, GREY, ORANGE
+from residual.figures.saved import BLUE, DPI, GREY, LARGEST_SVG, ORANGE, WIDTH
 from residual.figures.style import STYLE, make_plain
 
-WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many
 MOST = 6  # rows, or columns, of a figure
 MOST_TICKS = 4  # of a small axis
-LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded
-DPI = 150
 CLOUD = 3000  # points drawn one by one, at most
 
 

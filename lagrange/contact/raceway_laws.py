@@ -7,12 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from math import exp, log, pi, sqrt
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Material, OwnLaw
-from lagrange.contact.laws import LAWS, PowerLaw, ball_law
+from lagrange.contact.laws import LAWS, PowerLaw, Side, ball_law
 
 
 def line_compliance(material: Material, length: float) -> float:
@@ -76,7 +76,6 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
     return inner, outer, rollers
 
 
-Side = Literal["inner", "outer"]
 NEWTON_STEPS = 4  # from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
 STEEL = (190e9, 220e9)  # Pa, Young's modulus of bearing steels
 SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange import mounting
+from lagrange.columns import ENERGIES
 from lagrange.rating.sources import Unavailable
 from residual.evaluation import Evaluation
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
@@ -12,7 +13,6 @@ from residual.figures.style import COLOUR_BAR, DASHED, DOTS, colour_bar, legend_
 from residual.formatting import length, text
 from residual.load_zone import QuasiStatic, chosen_roller, load_zones
 from residual.record import angle_from_load
-from residual.sources import ENERGIES
 from residual.tilt import along_rollers
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+WIDTH, DPI = 7.0, 150  # inches: about one page's text width, still legible when a phone shrinks it
+LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 # Okabe and Ito's palette, distinguished by colour-blind readers
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",

@@ -20,12 +20,11 @@ from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormat
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from residual.figures.saved import BLUE, GREY, LINE_COLOURS, ORANGE, Curve, SavedFigure, family
+from residual.figures.saved import BLUE, DPI, GREY, LINE_COLOURS, ORANGE, WIDTH, Curve, SavedFigure, family
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
-WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 LEFT, RIGHT = 0.86, 0.14  # beside panels: tick labels and the axis' name; half a tick label
 BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share their x axis
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
@@ -33,7 +32,6 @@ NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's mi
 SLIM, SLIM_GAP, SLIM_LABELS = 0.6, 0.12, 0.5  # axes for the paper's ranges
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
 COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
-DPI = 150
 MARK = 0.012  # of a panel's height, long
 RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 2))

@@ -23,16 +23,19 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
-from numba.extending import overload, register_jitable
 
+from fem.kernels.fields_used import forget, shifted
 from fem.kernels.kernel_folder import cache_folder, notices
+from fem.kernels.part_compiler import Code, rebuilt, reduced, register
 from lagrange.files.output import read_sealed, write_sealed
 
+GENERATED = "<every>"  # file of functions that `every` writes
 
-def keep(function, folder: Path | None):
+
+def keep(function, folder: Path | None, cache: type["KernelCache"] | None = None):
     """Keep what numba compiles of a function in a folder; None: nowhere."""
     if folder is not None and isinstance(function, Dispatcher):  # it is none where numba is switched off
-        function._cache = KernelCache(function.py_func, folder)
+        function._cache = (cache or KernelCache)(function.py_func, folder)
     return function
 
 
@@ -57,7 +60,7 @@ class KernelCache(_Cache):
             data = read_sealed(self._file(key))
             kept_key, parts = pickle.loads(data) if data is not None else (None, None)
             if kept_key == key:  # names are shortened digests of keys
-                return CompileResult._rebuild(context, *parts)
+                return self._rebuilt(context, *parts)
         except OSError:
             return None
         except Exception:  # sealed, and yet of another LLVM, say
@@ -74,12 +77,14 @@ class KernelCache(_Cache):
             return
         key = self._key(signature, compiled.codegen)
         with suppress(OSError):
-            write_sealed(self._file(key), dumps((key, compiled._reduce())))
+            write_sealed(self._file(key), dumps((key, self._reduced(compiled))))
+
+    _reduced, _rebuilt = staticmethod(CompileResult._reduce), staticmethod(CompileResult._rebuild)
 
     def _key(self, signature, codegen) -> tuple:
-        code = self._function.__code__
-        closure = [cell.cell_contents for cell in self._function.__closure__ or ()]
-        text = _file_digest(code.co_filename)
+        function, code = self._function, self._function.__code__
+        closure = [cell.cell_contents for cell in function.__closure__ or ()]
+        text = _file_digest(code.co_filename) if code.co_filename != GENERATED else function.__doc__
         return numba.__version__, signature, codegen.magic_tuple(), text, code.co_firstlineno, _digest(dumps(closure))
 
     def _file(self, key: tuple) -> Path:
@@ -90,6 +95,12 @@ class KernelCache(_Cache):
         """Numba asks for it; nothing here is ever switched off."""
 
     disable = flush = enable
+
+
+class PartCache(KernelCache):
+    """The same of a part: without machine code."""
+
+    _reduced, _rebuilt = staticmethod(reduced), staticmethod(rebuilt)
 
 
 def _notice(sentence: str) -> None:
@@ -120,11 +131,17 @@ def kernel(function=None, **options):
     return keep(njit(**OPTIONS, **options)(function), cache_folder())
 
 
+def _keep_part(function):
+    return keep(function, cache_folder(), PartCache)
+
+
 def part(function=None, *, inlined: bool = True):
     """A function that kernels call: inlined where it is called, or compiled once in each of them."""
     if function is None:
         return lambda wrapped: part(wrapped, inlined=inlined)
-    return register_jitable(**(INLINED if inlined else OPTIONS))(function)
+    code = Code(function, INLINED if inlined else OPTIONS, _keep_part)
+    register(function, lambda *_: code, lambda: [function])
+    return function
 
 
 def verb(function):
@@ -133,19 +150,21 @@ def verb(function):
     `@function.of(Type)` gives the code for one type. The function itself says what all of them do, and is the code for
     types that have none of their own.
     """
-    known = {}
+    known, codes = {}, {function: Code(function, INLINED, _keep_part)}
 
     def of(*kinds):
-        def register(code):
+        def register_code(code):
             known.update(dict.fromkeys(kinds, code))
+            codes[code] = Code(code, INLINED, _keep_part)
+            forget()
             return code
 
-        return register
+        return register_code
 
-    @overload(function, jit_options=INLINED, strict=False)
     def choose(first, *_):
-        return known.get(getattr(first, "instance_class", None), function)
+        return codes[known.get(getattr(first, "instance_class", None), function)]
 
+    register(function, choose, lambda: list(codes))
     function.of = of
     return function
 
@@ -156,18 +175,27 @@ def every(one, *kinds):
     The pairs of a group are of one type and share their code: two copies would crowd the instruction cache. Bodies in
     groups of one type are called in the same way.
     """
+    codes = {}
 
     def on_every(groups, *arguments):
         raise NotImplementedError("a part of kernels")
 
-    @overload(on_every, jit_options=INLINED, strict=False)
     def choose(groups, *arguments):
-        # written out: a function more, or arguments packed into a tuple, would take a second to compile
-        names = ", ".join(f"a{i}" for i in range(len(arguments)))
-        called = [i for i, group in enumerate(groups) if not kinds or group.dtype.instance_class in kinds]
-        loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in called]
-        found = {"one": one}
-        exec(f"def code(groups, {names}):\n    pass\n" + "".join(loops), found)
-        return found["code"]
+        called = tuple(i for i, group in enumerate(groups) if not kinds or group.dtype.instance_class in kinds)
+        if called not in codes:
+            # written out: a function more, or arguments packed into a tuple, would take a second to compile
+            names = ", ".join(f"a{i}" for i in range(len(arguments)))
+            loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in called]
+            found = {"one": one}
+            text = f"def code(groups, {names}):\n    pass\n" + "".join(loops)
+            exec(compile(text, GENERATED, "exec"), found)
+            code = found["code"]
+            code.__doc__ = text
+            code.__qualname__ = ".".join(["every", one.__module__, one.__qualname__, *map(str, called)])
+            shifted[code] = one
+            codes[called] = Code(code, INLINED, _keep_part)
+        return codes[called]
 
+    shifted[on_every] = one
+    register(on_every, choose, lambda: [on_every])
     return on_every

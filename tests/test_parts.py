@@ -1,0 +1,92 @@
+"""Parts of kernels are compiled for the fields that they use, whatever else their arguments hold."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numba.core.event import install_recorder
+
+from fem.kernels.fields_used import WHOLE, fields_used
+from fem.kernels.jit import every, kernel, part, verb
+
+
+class Wheel(NamedTuple):
+    speed: np.ndarray
+    radius: float
+
+
+class Brake(NamedTuple):
+    force: float
+
+
+class Car(NamedTuple):
+    wheel: Wheel
+    brake: Brake | None
+    load: np.ndarray | None = None
+
+
+@verb
+def slow(brake, speed):
+    """Brakes slow a wheel."""
+
+
+@slow.of(Brake)
+def _slow(brake, speed):
+    speed[0] -= brake.force
+
+
+@part
+def radius_of(wheel):
+    return wheel.radius
+
+
+@part
+def drive(car, more):
+    wheel, brake = car.wheel, car.brake
+    turning = wheel.speed
+    turning[0] += more / radius_of(wheel)
+    slow(brake, turning)
+    return brake is None
+
+
+@part
+def keep_all(car):
+    return car
+
+
+@part
+def drive_one(car, more):
+    drive(car, more)
+
+
+drive_all = every(drive_one)
+
+
+@pytest.mark.parametrize(
+    ("function", "used"),
+    [
+        (radius_of, ({"radius": WHOLE},)),
+        (drive, ({"wheel": {"speed": WHOLE, "radius": WHOLE}, "brake": {"force": WHOLE}}, WHOLE)),
+        (keep_all, (WHOLE,)),
+        (_slow, ({"force": WHOLE}, WHOLE)),
+        (drive_all, (WHOLE, WHOLE)),
+    ],
+)
+def test_fields_that_a_part_uses_itself_or_by_parts_that_it_calls(function, used):
+    assert fields_used(function) == used
+
+
+def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_use(monkeypatch):
+    monkeypatch.setattr("fem.kernels.jit.cache_folder", lambda: None)
+
+    @kernel
+    def advance(cars, more):
+        drive_all(cars, more)
+
+    with install_recorder("numba:compile") as compiled:
+        for brake, load, speed in ((None, None, 4.0), (Brake(1.0), None, 3.0), (Brake(1.0), np.zeros(2), 3.0)):
+            car = Car(Wheel(np.zeros(1), 0.5), brake, load)
+            advance(((car,),), 2.0)
+            assert car.wheel.speed[0] == speed
+    begun = [event.data["dispatcher"].py_func.__name__ for _, event in compiled.buffer if event.is_start]
+    assert (begun.count("advance"), begun.count("drive"), begun.count("radius_of")) == (3, 2, 1)

@@ -189,9 +189,8 @@ def live(ring, bore, housing, drive, room, line, rows, stride):
             add_motion(housing, drive, row, KINETIC)
             row[ELASTIC] = 0.5 * _ring_elastic(ring, room, drive.dt)
         ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
-        ring_kernels.drift_slowed(
-            ring.slowed, ring.u, ring.w, ring.v, ring.calmed, drive.dt, ring.first_row, ring.last_row, ring.raceway
-        )
+        motion, places = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
+        ring_kernels.drift_slowed(ring.slowed, motion, ring.calmed, drive.dt, places)
         drift_body(housing, drive)
 
 

@@ -120,13 +120,13 @@ def scatter_add(typingctx, array, at, lanes):
     return types.void(array, like(WHOLE, at), LANES), codegen
 
 
-def _elements(context, builder, kinds, array, places, where, offset=None, count=1, apart=None):
-    """Eight elements of an array, at indices read from `places`, from `where` on, plus `offset`.
+def _elements(context, builder, kinds, arguments, offset=None, count=1, apart=None):
+    """Eight elements of an array, at indices read from `places`, from `where` on, plus `offset`; `arguments` are these.
 
     Gives pairs of pointers: to an element, with `count` numbers from there on, and to what lies `apart` from it.
     """
-    memory, indices = (_Memory(context, builder, *each) for each in zip(kinds, (array, places), strict=False))
-    first = indices.at(where, WIDTH)
+    memory, indices = (_Memory(context, builder, *each) for each in zip(kinds[:2], arguments[:2], strict=True))
+    first = indices.at(arguments[2], WIDTH)
     for k in range(WIDTH):
         index = builder.load(builder.gep(first, [lane(k)]))
         index = index if offset is None else builder.add(index, offset)
@@ -144,9 +144,8 @@ def gather_places(typingctx, array, places, where, apart):
     """
 
     def codegen(context, builder, signature, arguments):
-        array, places, where, apart = arguments
         found = [ir.Constant(LANES.vector, ir.Undefined)] * 2
-        for k, both in enumerate(_elements(context, builder, signature.args, array, places, where, apart=apart)):
+        for k, both in enumerate(_elements(context, builder, signature.args, arguments, apart=arguments[3])):
             for i, pointer in enumerate(both):
                 found[i] = builder.insert_element(found[i], builder.load(pointer), lane(k))
         return context.make_tuple(builder, types.UniTuple(LANES, 2), found)
@@ -159,9 +158,8 @@ def add_at_places(typingctx, array, places, where, apart, first, second):
     """Add lanes to what `gather_places` reads, one after the other."""
 
     def codegen(context, builder, signature, arguments):
-        array, places, where, apart, *more = arguments
-        for k, both in enumerate(_elements(context, builder, signature.args, array, places, where, apart=apart)):
-            for at, lanes in zip(both, more, strict=True):
+        for k, both in enumerate(_elements(context, builder, signature.args, arguments, apart=arguments[3])):
+            for at, lanes in zip(both, arguments[4:], strict=True):
                 builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, lane(k))), at)
         return context.get_dummy_value()
 
@@ -213,10 +211,9 @@ def gather_rows(typingctx, array, places, where, offset):
     """
 
     def codegen(context, builder, signature, arguments):
-        array, places, where, offset = arguments
         rows = [
             builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8)
-            for pointer, _ in _elements(context, builder, signature.args, array, places, where, offset, WIDTH)
+            for pointer, _ in _elements(context, builder, signature.args, arguments, arguments[3], WIDTH)
         ]
         return context.make_tuple(builder, types.UniTuple(LANES, 6), _transposed(builder, rows)[:6])
 
@@ -259,10 +256,9 @@ def add_to_rows(typingctx, array, places, where, offset, six):
     """
 
     def codegen(context, builder, signature, arguments):
-        array, places, where, offset, six = arguments
-        lanes = [builder.extract_value(six, k) for k in range(6)]
+        lanes = [builder.extract_value(arguments[4], k) for k in range(6)]
         rows = _transposed(builder, lanes + [ir.Constant(LANES.vector, [0.0] * WIDTH)] * 2)
-        pointers = [p for p, _ in _elements(context, builder, signature.args, array, places, where, offset, 6)]
+        pointers = [p for p, _ in _elements(context, builder, signature.args, arguments, arguments[3], 6)]
         for k in (*range(0, WIDTH, 2), *range(1, WIDTH, 2)):
             for first, size in ((0, 4), (4, 2)):
                 part = _shuffled(builder, rows[k], rows[k], range(first, first + size))

@@ -112,9 +112,8 @@ def _drift_outer(turning, ring, dt, slowing):
 @part
 def _drift_still(ring, dt, slowing):
     if slowing > 0.0:
-        ring_kernels.drift_slowed(
-            ring.slowed, ring.u, ring.w, ring.v, ring.calmed, dt, ring.first_row, ring.last_row, ring.raceway
-        )
+        motion, rows = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
+        ring_kernels.drift_slowed(ring.slowed, motion, ring.calmed, dt, rows)
         ring_kernels.unwrap(ring.w, ring.raceway)
     else:
         ring_kernels.drift_still(ring.u, ring.w, dt, ring.first_row, ring.last_row)

@@ -197,8 +197,9 @@ def drift_still(u, w, dt, first_row, last_row):
 
 
 @part(inlined=False)
-def drift_slowed(slowed, u, w, v, calmed, dt, first_row, last_row, raceway):
-    """Move by dt·w as `slow_waves` does; the raceway moves by dt·v; the frame does not turn."""
+def drift_slowed(slowed, motion, calmed, dt, rows):
+    """Move by dt·w as `slow_waves` does; the raceway moves by dt·v; the frame does not turn. See `drift`."""
+    (u, w, v), (first_row, last_row, raceway) = motion, rows
     width = u.shape[2]
     for row in range(first_row, last_row):
         at = 2 * row * width

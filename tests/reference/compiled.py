@@ -134,7 +134,7 @@ def move_slowed_ring(
         calmed = np.zeros_like(w)
         calm_ring(slowing.velocities / dt * table, w, calmed, np.zeros(len(w)), 0.0, *rows)
     find_velocities(slowing.waves * table, calmed, w, v, dt, raceway)
-    drift_slowed_ring(slowing.waves * table, u, w, v, calmed, dt, *rows, raceway)
+    drift_slowed_ring(slowing.waves * table, (u, w, v), calmed, dt, (*rows, raceway))
 
 
 def press_contacts(state: Arrays) -> None:

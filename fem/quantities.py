@@ -48,6 +48,12 @@ OF_RECORD = {
     "largest_tilt": ("rad", "largest tilt of a roller"),
 }
 OF_STATICS = {"static_stiffness": ("N/m", "radial stiffness against the load, rollers as at the start")}
+OF_RATING = {  # of the scene alone, as rate-bearing has them
+    "rating_life": ("1", "reference rating life L10r, rigid rings, in revolutions"),
+    "rating_peak_pressure": ("Pa", "largest pressure at rest; none where a loaded end has an edge"),
+    "rating_moment": ("N m", "moment that holds the shaft's slope, mean over a pitch"),
+    "rating_tilt_stiffness": ("N m/rad", "stiffness against tilting at constant load, mean over a pitch"),
+}
 LARGEST = {  # columns of those quantities
     **{f"largest_{side}_pressure": f"{side}_peak_pressure" for side in ("inner", "outer")},
     **{f"largest_{side}_{what}": f"{side}_{what}" for what in ("half_width", "moment") for side in ("inner", "outer")},

@@ -53,6 +53,7 @@ def test_the_study_shown_is_one(here):
 def test_the_example_studies_are_studies(here, monkeypatch):
     assert len(points("clearance.toml")) == 42
     assert len(points("widths.toml")) == 84
+    assert len(points("profiles.toml")) == 28
     script("spalls.py", "8", monkeypatch=monkeypatch)
     found = points("spalls.toml")
     bodies = ["none" if not (spalls := found.scene(i).spall) else spalls[0].body for i in range(8)]

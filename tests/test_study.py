@@ -15,6 +15,7 @@ from scipy import stats
 
 from fem.commands.run_fem import run_main
 from fem.commands.run_study import study_main
+from fem.rating.answers import rating
 from fem.study.folder import Folder
 from fem.study.sampling import design_of
 from fem.study.solving import checked_points
@@ -343,3 +344,15 @@ def test_the_built_in_scene_is_left_as_it_is(here):
     text = '[parameters]\n"operation.speed_rpm" = [4500.0]\n'
     assert points_of(text).scene(0).to_toml() == read_scene().to_toml()
     assert os.listdir() == ["study.toml"]
+
+
+def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
+    monkeypatch.setattr("fem.study.solving.simulate", None)
+    kept = '[keep]\nquantities = ["rating_life", "rating_peak_pressure", "rating_moment"]\n'
+    assert run('[parameters]\n"operation.radial_load_N" = [1000.0, 2000.0]\n' + kept) == 0
+    with h5py.File("studies/study/study.nc") as file:
+        life, pressure, moment = (file[f"rating_{name}"][...] for name in ("life", "peak_pressure", "moment"))
+    answers = rating(read_scene().varied({"operation.radial_load_N": 1000.0}))
+    assert life[0] == 1e6 * answers["L10r_Mrev"]
+    assert pressure[0] == 1e6 * answers["peak_pressure_MPa"] < pressure[1]
+    assert np.isnan(moment).all()  # of a plane section

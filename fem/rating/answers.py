@@ -1,7 +1,8 @@
 """Every number that a machine's designer asks of a bearing, with its unit, meaning and source; null with a reason."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -199,16 +200,26 @@ def rating(scene: Scene, options: Options | None = None) -> Rating:
     -------
     rating(Scene(bearing={"designation": "NU206"}))["C_N"]
     """
-    case, found = Case(scene, options or Options()), []
-    for name, unit, meaning, source, compute in DECLARED:
-        value, reason = None, ""
-        try:
-            value = compute(case)
-        except Unavailable as error:
-            reason = str(error)
-        found.append(Answer(name=name, value=value, unit=unit, meaning=meaning, source=source, reason=reason))
+    case = Case(scene, options or Options())
+    found = [_answer(case, *declared) for declared in DECLARED]
     answers = tuple(found)
     return Rating(scene=scene, answers=answers, warnings=tuple(_warnings(case, answers)), case=case)
+
+
+def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
+    """Some answers to a scene that are one number each, without computing the others; NaN of what is unavailable."""
+    case = Case(scene, Options())
+    found = (_answer(case, *declared) for declared in DECLARED if declared[0] in names)
+    return {answer.name: nan if answer.value is None else float(answer.value) for answer in found}
+
+
+def _answer(case: Case, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]) -> Answer:
+    value, reason = None, ""
+    try:
+        value = compute(case)
+    except Unavailable as error:
+        reason = str(error)
+    return Answer(name=name, value=value, unit=unit, meaning=meaning, source=source, reason=reason)
 
 
 def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:

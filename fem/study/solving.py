@@ -3,7 +3,7 @@
 import hashlib
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.errors import RunFailed, UsageError
 from fem.interface import OF_CHECK, check_quantities, simulate, statics
-from fem.quantities import OF_STATICS, Quantity
+from fem.quantities import OF_RATING, OF_STATICS, Quantity
 from fem.recording import Result
 from fem.result.layout import readable
 from fem.solver.solver import sample_count
@@ -74,11 +74,11 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
 
 def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
     """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
-    moving = [name for name in keep.quantities if not name.startswith(("first_", "static_"))]
+    moving = [name for name in keep.quantities if not name.startswith(("first_", "static_", "rating_"))]
     if moving and sample_count(scene) < 2:
         raise UsageError(
-            "numerics.duration_ms = 0: at rest there are only the quantities first_… and static_…; keep no others, or "
-            "run longer"
+            "numerics.duration_ms = 0: at rest there are only the quantities first_…, static_… and rating_…; keep no "
+            "others, or run longer"
         )
     if not keep.signals:
         return
@@ -161,6 +161,9 @@ def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False
         return time.monotonic() - began > wanted.seconds
 
     try:
+        if needs_no_run(wanted.quantities, wanted.signals) and not wanted.runs:
+            quantities = rated(scene, wanted.quantities)
+            return Solved(status=COMPLETE, seconds=time.monotonic() - began, quantities=quantities)
         result = simulate(scene, stop=lambda: stop() or over())
         if result.status != COMPLETE and stop():
             return None
@@ -196,7 +199,29 @@ def _quantities(result: Result, names: tuple[str, ...]) -> dict[str, float]:
     if any(name in OF_STATICS for name in names):
         stiffness = statics(result.scene).stiffness
         found["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
-    return {name: float(found[name].value) for name in names}
+    return {name: float(found[name].value) for name in names if name in found} | rated(result.scene, names)
+
+
+RATED = {  # answers of rate-bearing, and what turns them into SI
+    "rating_life": ("L10r_Mrev", 1e6),
+    "rating_peak_pressure": ("peak_pressure_MPa", 1e6),
+    "rating_moment": ("tilting_moment_N_m", 1.0),
+    "rating_tilt_stiffness": ("tilt_stiffness_N_m_per_rad", 1.0),
+}
+
+
+def needs_no_run(quantities: Collection[str], signals: Collection[str]) -> bool:
+    """Whether all that is kept are ratings of the scene."""
+    return set(quantities) <= set(OF_RATING) and not signals
+
+
+def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:
+    """Those of OF_RATING; NaN of what can't be rated."""
+    from fem.rating.answers import values_of  # other studies start without it
+
+    wanted = {name: RATED[name] for name in names if name in OF_RATING}
+    answers = values_of(scene, {answer for answer, _ in wanted.values()})
+    return {name: factor * answers[answer] for name, (answer, factor) in wanted.items()}
 
 
 def _signals(result: Result, wanted: Wanted) -> tuple[float, dict[str, np.ndarray]]:

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 
 from fem.errors import UsageError
 from fem.interface import OF_CHECK
-from fem.quantities import OF_RUN, OF_STATICS
+from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
 from lagrange.files.input import plain_text
 from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable
@@ -20,7 +20,7 @@ from lagrange.scene.scene import Scene, SceneError, read_scene
 
 LARGEST_FILE = 2**24  # bytes of a list of points
 MOST_NAMES = 1000  # quantities, signals, keys of the scene
-QUANTITIES = OF_RUN | OF_STATICS | OF_CHECK  # unit and meaning by name
+QUANTITIES = OF_RUN | OF_STATICS | OF_RATING | OF_CHECK  # unit and meaning by name
 USUAL = ("hub_mean_x", "hub_mean_y", "largest_force", "mean_largest_force", "load_zone")
 
 

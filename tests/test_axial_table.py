@@ -13,6 +13,7 @@ from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import spalled, tabulated
 from lagrange.contact.raceway_laws import contact_pairs, johnson
+from lagrange.tilt import roller_inertias
 from tests.reference.bearings import paper
 
 PAPER = paper()
@@ -58,6 +59,13 @@ def test_a_light_load_on_a_roller_that_may_tilt_far_takes_no_larger_table():
     slope, force = rng.uniform(-steepest, steepest, 2000), rng.uniform(0.0, light, 2000)
     found = table.at(own.approach_under(force, slope), slope)
     assert np.sqrt(np.mean((found.force - force) ** 2)) < 5e-3 * light
+
+
+def test_a_straight_roller_tilts_at_the_frequency_that_its_length_and_radius_give():
+    """Between held rings, over its radial one: √(L²/(L² + 3 r²)), of any law."""
+    own, (across, _) = slices("none", 41).at(4e-6, 0.0), roller_inertias(PAPER)
+    found = np.sqrt(own.tilt_stiffness / across / (own.stiffness / PAPER.roller_mass))
+    assert found == pytest.approx(0.7559, rel=1e-3)
 
 
 @pytest.mark.parametrize("kind, sharp", [("logarithmic", False), ("crowned", True)])

@@ -76,7 +76,7 @@ def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, st
 
     Errors
     ------
-    0.05 % of the largest peak beside `pressures` (root mean square), 0.6 % at worst. RuntimeError: as `Slices.forces`.
+    0.05 % of the largest peak beside `pressures` (root mean square), 1 % at worst. RuntimeError: as `Slices.forces`.
     """
     turn = np.linspace(-1.0, 1.0, 2 * SLOPES + 1)
     slope = steepest * turn * np.abs(turn)  # narrower about 0, where small forces have their moments

@@ -1,6 +1,5 @@
 """The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
 
-import os
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -261,7 +260,6 @@ def render_here() -> None:
 def render_fem() -> None:
     """Entry point."""
     hear_termination()
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
     open_streams()
     try:
         from fem.pictures.drawing_process import run_apart

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.solver.simulate import make_plan, run
+from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene
 
 
@@ -23,5 +24,6 @@ def moved(found):
 def missed(samples):
     """Largest energy error over the contacts' energy."""
     energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
+    energy = energy + sum(samples[name] for name in ENERGIES if name in samples)
     energy = energy - samples["work_external"] + samples["work_dissipated"]
     return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()

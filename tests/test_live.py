@@ -17,6 +17,7 @@ from fem.live.playing import Playing
 from fem.live.server import make_page
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.live_server import SECONDS
 
@@ -59,6 +60,20 @@ def test_a_shaft_whose_rollers_tilt_has_a_slope_to_be_changed():
     shown = {slider.key: slider for slider in sliders(scene)}
     assert (shown["misalignment_mrad"].low, shown["misalignment_mrad"].high) == (-3.0, 3.0)
     assert "misalignment_mrad" not in {slider.key for slider in sliders(scene_of())}
+
+
+@pytest.mark.slow  # compiles a loop
+def test_pressures_along_rollers_are_those_of_their_forces_and_moments():
+    player = Player(scene_of("axial.slices=11", "operation.misalignment_mrad=1.0"))
+    player.advance(3)
+    frame = json.loads(frame_message(player, None).text)["frame"]
+    pressure, force = 1e6 * np.array(frame["pressures"]), np.array(frame["inner"])
+    pair = contact_pairs(player.bearing)[0]
+    by_hertz = pressure**2 * np.pi * pair.relative_radius * pair.length / 11 / pair.modulus
+    assert by_hertz.sum(axis=1) == pytest.approx(force, abs=2e-3 * force.max())
+    moment = by_hertz @ player.scene.ideal_axial().centres(player.bearing)
+    assert moment == pytest.approx(player.now["inner_moment"], abs=2e-3 * np.abs(moment).max())
+    assert make_page(player.scene, "ws://x").text.count('id="pressure"') == 1
 
 
 def test_the_outer_rings_first_spall_is_the_one_that_changes():

@@ -20,7 +20,7 @@ from lagrange.mounting import from_outer_ring
 from lagrange.scene.surfaces import own_radius
 from lagrange.surface.faults import Spall
 
-MM, UM = 1e-3, 1e-6
+MM, UM, MPA = 1e-3, 1e-6, 1e6
 FASTEST, SLOWEST = 1.0, 2000.0  # seconds of wall time per simulated second; a frame of the slowest holds two samples
 LINES = {  # of the spectrum, by `Kinematics.frequencies`
     "shaft": "turns of the shaft",
@@ -105,6 +105,8 @@ def bearing_message(player: Player) -> Message:
             if value > 0.0
         ],
         "faults": [{"name": name, "frequency": value} for name, value in player.fault_lines.items() if value > 0.0],
+        "slices": None if (axial := scene.ideal_axial()) is None else _short(axial.centres(bearing) / MM),
+        "length": bearing.roller_length / MM,
         "step": player.plan.time_step / UM,
         "interval": player.plan.interval / UM,
         "start": scene.numerics.start,
@@ -114,14 +116,16 @@ def bearing_message(player: Player) -> Message:
 
 
 def frame_message(player: Player, slowness: float | None) -> Message:
-    """An instant: ms, µm, N, rad, m/s², envelope in g; angles of rollers from the load, counter-clockwise; `slowness`
-    reached.
+    """An instant: ms, µm, N, MPa, rad, m/s², envelope in g; angles of rollers from the load, counter-clockwise.
+
+    `slowness` : reached.
     """
     now, bearing = player.now, player.bearing
     from_load = np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi
     frequency, amplitude = player.record.spectrum()
     bin_width, envelope, at_lines = player.record.envelope(player.fault_lines)
     shaft, ring = (speed * now["time"] for speed in player.scene.ideal_operation().ring_speeds)
+    pressures = player.pressures()
     frame = {
         "time": float(now["time"]) * 1e3,
         "slowness": slowness,
@@ -133,6 +137,7 @@ def frame_message(player: Player, slowness: float | None) -> Message:
         "turn": _short(np.remainder(player.turn, 2.0 * pi), 4),
         "inner": _short(now["inner_force"], 2),
         "outer": _short(now["outer_force"], 2),
+        "pressures": None if pressures is None else _short(pressures / MPA, 0),
         "orbit": _short(player.record.orbit() / UM, 4),
         "frequency": _short(frequency, 1),
         "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],

@@ -1,6 +1,7 @@
 """A run that goes on for as long as it is watched, and restarts where values are changed."""
 
 from collections.abc import Callable, Container
+from contextlib import suppress
 from math import degrees, pi, remainder
 
 import numpy as np
@@ -10,6 +11,7 @@ from fem.live.controls import Values
 from fem.solver.reduced_state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
+from fem.statics.tilted_pressures import scene_slices, slice_pressures
 from lagrange.kinematics import kinematics
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.operation import TABLES
@@ -181,6 +183,8 @@ class Player:
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
         self.bearing = played.ideal_bearing()
+        self._slices = None if (axial := scene.ideal_axial()) is None else scene_slices(scene)[0]
+        self._pressures = None if axial is None else np.zeros((self.bearing.n_rollers, axial.slices))
         self._restarted = None
         self._start(samples)
 
@@ -223,6 +227,15 @@ class Player:
                 self._take(_good(block))
                 done += len(block.samples)
         return done
+
+    def pressures(self) -> np.ndarray | None:
+        """Pressures now along rollers on the inner raceway, (n_rollers, n_slices), Pa; None: axes stay parallel."""
+        if self._slices is None:
+            return None
+        now = self.now | {"roller_turn": self.turn}
+        with suppress(ValueError):  # a roller that all but lifts, whose moment is no slices': the frame before is shown
+            self._pressures = slice_pressures(self.scene, "inner", self._slices, now.__getitem__)[0]
+        return self._pressures
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -51,6 +51,7 @@ def make_page(scene: Scene, connection: str) -> Page:
         style=as_it_is(PARTS / "live.css"),
         scripts=[as_it_is(PARTS / name) for name in SCRIPTS],
         measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
+        tilts=scene.axial is not None,
         sliders=[asdict(slider) for slider in sliders(scene)],
         fastest=FASTEST,
         slowest=SLOWEST,

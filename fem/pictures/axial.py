@@ -1,22 +1,17 @@
 """The third dimension of a run: pressure over the unrolled raceways, and the most loaded roller from its side."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
-from fem.statics.tilted_pressures import scene_slices
-from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
-from lagrange.contact.raceway_laws import contact_pairs
+from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
+from lagrange.axial.pressure import SHARP, sharp_ends
 from lagrange.files.output import replaced
-from lagrange.surface.passages import surfaces_met
 
-SIDES = ("inner", "outer")
-PLACES = "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn"
 ROOM = 0.8  # of the pitch, that a roller takes up in the picture
-FAINT = 1e-3  # of the largest force: contacts drawn as open
 INCHES, DOTS = 9.0, 160  # width of the picture, and per inch
 
 
@@ -46,22 +41,15 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
         raise UsageError(f"{stored.path}: the scene has no [axial]; --view axial is of rollers that tilt")
     x, y = stored.column("roller_x")[sample], stored.column("roller_y")[sample]
     angle = np.angle(1j * (x + 1j * y))
-    spalled, depths = scene.ideal_bearing(), np.zeros((2, angle.size))
-    slices = [replace(each, part=part) for each, part in zip(scene_slices(scene), axial.parts(spalled), strict=True)]
-    if any(each.part is not None for each in slices):
-        where = {name: stored.column(name)[[sample]] for name in PLACES} | {"time": stored.times[[sample]]}
-        met = surfaces_met(spalled, scene.ideal_operation(), where)
-        depths += np.array([each.part + np.zeros((1, angle.size)) for each in met])[:, 0]
-    pressure, slope = np.zeros((2, angle.size, axial.slices)), np.zeros((2, angle.size))
-    for k, (side, pair) in enumerate(zip(SIDES, contact_pairs(bearing), strict=False)):
-        forces, moments = (stored.column(f"{side}_{name}")[sample] for name in ("force", "moment"))
-        closed = forces > FAINT * forces.max()
-        try:
-            sunk = depths[k][closed]
-            approach, slope[k, closed] = placed(slices[k], forces[closed], moments[closed], sunk)
-        except ValueError as error:
-            raise UsageError(f"{stored.path}: {1e3 * stored.times[sample]:.4g} ms: {error}") from None
-        pressure[k, closed] = pressures(slices[k], pair, approach, slope[k, closed], sunk)
+
+    def column(name):
+        return stored.times[sample] if name == "time" else stored.column(name)[sample]
+
+    try:
+        each = zip(SIDES, scene_slices(scene), strict=True)
+        pressure, slope = map(np.array, zip(*(slice_pressures(scene, *side, column) for side in each), strict=True))
+    except ValueError as error:
+        raise UsageError(f"{stored.path}: {1e3 * stored.times[sample]:.4g} ms: {error}") from None
     ends = pressure[:, :, [0, -1]].max(axis=(1, 2)) > 0.0
     return AxialPressures(
         time=float(stored.times[sample]), place=axial.centres(bearing), angle=angle, pressure=pressure,

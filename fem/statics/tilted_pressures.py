@@ -1,20 +1,25 @@
 """Slices of a scene with [axial], and the peak pressures of its runs by forces and moments."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from fem.contacts.tilted import rounded_range, tilted_slices
 from fem.elastic.cache import kept
 from fem.statics.reduced_bearing import kept_contacts
-from lagrange.axial.pressure import PeakTable, peak_table, sharp_ends
+from lagrange.axial.pressure import PeakTable, peak_table, placed, pressures, sharp_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
+from lagrange.contact.laws import Side
 from lagrange.contact.raceway_laws import contact_laws, contact_pairs
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import surfaces_met
 
 LEAST = 1e-6  # rad: of a run whose axes stay parallel
+SIDES: tuple[Side, Side] = ("inner", "outer")
+PLACES = "time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn"
+FAINT = 1e-3  # of the largest force: contacts taken as open
 FLAT = 1e-10  # m: a spline's ringing beside spalls, which contacts do not notice
 
 
@@ -31,6 +36,37 @@ def scene_slices(scene: Scene) -> tuple[Slices, Slices]:
     return tilted_slices(bearing, axial, (contacts.inner_law, contacts.outer_law))
 
 
+def slice_pressures(
+    scene: Scene, side: Side, slices: Slices, column: Callable[[str], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pressures on the slices of a raceway's contacts at an instant, Pa, (n_rollers, n_slices); 0 of open contacts.
+
+    Beside it slopes of rollers to the raceway, (n_rollers,), rad.
+
+    Parameters
+    ----------
+    slices : of `scene_slices`
+    column : gives a sample's forces and moments by the result file's names, and PLACES where spalls take part of the
+        length
+
+    Errors
+    ------
+    ValueError: as `placed`.
+    """
+    bearing, axial, spalled, k = scene.perfect_bearing(), scene.ideal_axial(), scene.ideal_bearing(), SIDES.index(side)
+    assert axial is not None
+    part, pair, depth = axial.parts(spalled)[k], contact_pairs(bearing)[k], np.zeros(bearing.n_rollers)
+    if part is not None:
+        met = surfaces_met(spalled, scene.ideal_operation(), {name: np.asarray(column(name))[None] for name in PLACES})
+        depth = depth + np.asarray(met[k].part).reshape(-1)
+    force, moment, each = column(f"{side}_force"), column(f"{side}_moment"), replace(slices, part=part)
+    closed = force > FAINT * force.max()
+    found, slope = np.zeros((bearing.n_rollers, axial.slices)), np.zeros(bearing.n_rollers)
+    approach, slope[closed] = placed(each, force[closed], moment[closed], depth[closed])
+    found[closed] = pressures(each, pair, approach, slope[closed], depth[closed])
+    return found, slope
+
+
 def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of `lagrange.columns.OF_TILTED` from a run's samples, each (n_times, n_rollers), Pa.
 
@@ -39,7 +75,7 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
     bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
     assert axial is not None
     slope = np.abs(samples["roller_tilt"]).max() + np.hypot(samples["inner_slope_x"], samples["inner_slope_y"]).max()
-    force = max(samples[f"{side}_force"].max() for side in ("inner", "outer"))
+    force = max(samples[f"{side}_force"].max() for side in SIDES)
     within = rounded_range(float(force), max(float(slope), LEAST))
 
     def make() -> dict[str, np.ndarray]:
@@ -54,13 +90,13 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
         f"{side}_peak_pressure": PeakTable(root=within[0] ** 0.5, arm=arm, peaks=of).at(
             samples[f"{side}_force"], samples[f"{side}_moment"]
         )
-        for side, of in zip(("inner", "outer"), peaks, strict=True)
+        for side, of in zip(SIDES, peaks, strict=True)
     }
     spalled = scene.ideal_bearing()
     if all(part is None for part in axial.parts(spalled)):
         return found
     met = surfaces_met(spalled, scene.ideal_operation(), samples)
-    closed = (samples[f"{side}_force"] > 0.0 for side in ("inner", "outer"))
+    closed = (samples[f"{side}_force"] > 0.0 for side in SIDES)
     over = (each.part > FLAT for each in met)
     return {
         name: np.where(shut & sunk, np.nan, peak)

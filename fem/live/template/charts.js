@@ -75,6 +75,49 @@ const charts = (function () {
     };
   }
 
+  // pressure along rollers that tilt, on the unrolled inner raceway
+  function pressure(holder) {
+    let slices = [], length = 1, now = [[], []], top = 1;
+    const u = plot(holder, {
+      scales: { x: { time: false, range: [-180, 180] }, y: { range: () => [-0.5 * length, 0.5 * length] } },
+      axes: [
+        { ...ACROSS, label: "angle from the load's direction, degrees", splits: () => [-180, -90, 0, 90, 180] },
+        { ...AXIS, label: "along the axis, mm", size: 58 },
+      ],
+      series: [{}, { show: true, paths: () => null, points: { show: false } }],
+      hooks: { draw: [(u) => clipped(u, paint)] },
+    }, [[-180, 180], [0, 0]]);
+
+    function paint(ctx) {
+      const wide = Math.abs(u.valToPos(0.4 * (360 / now[0].length), "x", true) - u.valToPos(-0.4 * (360 / now[0].length), "x", true));
+      const edges = slices.map((z) => u.valToPos(z + (0.5 * length) / slices.length, "y", true));
+      const high = Math.abs(u.valToPos(length / slices.length, "y", true) - u.valToPos(0, "y", true));
+      now[0].forEach((angle, j) => {
+        const left = u.valToPos(angle, "x", true) - 0.5 * wide;
+        ctx.strokeStyle = "#d8dee4";
+        ctx.strokeRect(left, u.bbox.top, wide, u.bbox.height);
+        now[1][j].forEach((value, k) => {
+          if (value <= 0) return;
+          ctx.fillStyle = drawing.colour(value / top);
+          ctx.fillRect(left, edges[k], wide, high + 0.5);
+        });
+      });
+    }
+
+    return {
+      u,
+      forget: (bearing) => { [slices, length, top, now] = [bearing.slices, bearing.length, 1, [[], []]]; },
+      remember(frame) {
+        const highest = Math.max(...frame.pressures.flat());
+        now = [frame.angle.map((value) => (value * 180) / Math.PI), frame.pressures];
+        top = Math.max(top, drawing.niceAbove(Math.max(highest, 1)));
+        document.getElementById("pressure-high").textContent = top + " MPa";
+        document.getElementById("pressure-now").textContent = highest.toFixed(0) + " MPa";
+      },
+      draw: () => u.setData([[-180, 180], [0, 0]]),
+    };
+  }
+
   function orbit(holder) {
     const MOST = 4000;
     let way = [[], []], middle = [0, 0], half = 1e-3;
@@ -228,6 +271,7 @@ const charts = (function () {
   function all() {
     const holder = (name) => document.querySelector("#" + name + " .plot");
     const made = [zone(holder("zone")), orbit(holder("orbit")), spectrum(holder("spectrum")), envelope(holder("envelope"))];
+    if (holder("pressure")) made.push(pressure(holder("pressure")));
     const resize = () => made.forEach(({ u }) => {
       const room = u.root.parentElement;
       if (u.width !== room.clientWidth || u.height !== room.clientHeight) u.setSize({ width: room.clientWidth, height: room.clientHeight });

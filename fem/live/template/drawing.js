@@ -233,5 +233,5 @@ const drawing = (function () {
     return { draw, forget, remember };
   }
 
-  return { over, niceAbove };
+  return { over, niceAbove, colour };
 })();

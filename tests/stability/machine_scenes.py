@@ -277,7 +277,7 @@ def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
     """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
     if tables["model"] == "fem":
         return
-    _without(tables, "damping", "spall", "waviness", "unequal_roller", "profile")
+    _without(tables, "damping")
     bearing, operation = tables["bearing"], tables["operation"]
     d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
     coupled = tables["model"] == "reduced" and kinds.chance(0.7)
@@ -301,6 +301,11 @@ def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
         axial["hub_tilt_inertia_kg_m2"] = mass * (1e-3 * outer) ** 2 * values.spread(0.1, 1.0)
         axial["shaft_tilt_stiffness_N_m_rad"] = values.spread(1e2, 1e6)
     operation["misalignment_mrad"] = values.uniform(-1.0, 1.0) * values.spread(0.05, 5.0)
+    if kinds.chance(0.5):
+        part = length * values.uniform(0.1, 0.9)
+        middle = 0.5 * (length - part) * values.uniform(-1.0, 1.0)
+        for spall in tables.get("spall", []):
+            spall |= {"length_mm": part, "z_mm": middle}
     tables["axial"] = axial
 
 
@@ -324,4 +329,4 @@ KINDS_OF_BEARINGS = (
     (0.3, _outer_ring),
     (0.25, _axial),
 )
-REFUSED_TOGETHER = (((_angle, _missing, _balls, _outer_ring), _axial), ((_fit,), _angle), ((_fit,), _solid))
+REFUSED_TOGETHER = (((_angle, _balls), _axial), ((_fit,), _angle), ((_fit,), _solid))

@@ -17,7 +17,6 @@ from fem.result.later_columns import events_of, with_sinkages
 from fem.result.layout import PER_ROLLER, readable, variables_of
 from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
-from fem.statics.tilted_pressures import peak_columns
 from lagrange import mounting
 from lagrange.columns import ENERGIES
 from lagrange.kinematics import mean_kinematics
@@ -123,6 +122,8 @@ class Result:
         Unavailable: of a ball bearing.
         """
         if self.scene.axial is not None:
+            from fem.statics.tilted_pressures import peak_columns  # loads meshes' modules
+
             return peak_columns(self.scene, self.values)
         return hertz_columns(self.scene.perfect_bearing(), self.values)
 

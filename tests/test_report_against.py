@@ -9,7 +9,7 @@ from scipy.io import loadmat, wavfile
 
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.figures.drawing import method_told
+from residual.figures.drawing import method_sentence
 from residual.run_comparison import difference_rows
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, write_result
@@ -97,11 +97,11 @@ def test_signals_are_exported_as_csv_mat_and_wav(runs, tmp_path):
 
 def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(runs, tmp_path):
     here, there = (evaluate(read_result(path)) for path in runs)
-    assert method_told(here, there).endswith(" Run loud: finite elements, no contact damping.")
+    assert method_sentence(here, there).endswith(" Run loud: finite elements, no contact damping.")
     damped = here.record.scene.varied({"model": "reduced", "damping.contact_time_us": 12.5})
     of_time = replace(here, record=replace(here.record, scene=damped))
-    assert method_told(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
-    assert method_told(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
+    assert method_sentence(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
+    assert method_sentence(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
 
 
 @pytest.mark.usefixtures("plain_report")

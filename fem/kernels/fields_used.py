@@ -48,7 +48,7 @@ def forget() -> None:
 @cache
 def _functions(path: str) -> dict[int, ast.FunctionDef]:
     """Functions of a module by the line on which they or their decorators begin."""
-    nodes = [n for n in ast.walk(ast.parse(Path(path).read_text("utf-8"))) if isinstance(n, ast.FunctionDef)]
+    nodes = [n for n in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))) if isinstance(n, ast.FunctionDef)]
     return {min([n.lineno, *(d.lineno for d in n.decorator_list)]): n for n in nodes}
 
 

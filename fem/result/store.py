@@ -22,7 +22,6 @@ from fem.result.durable import alone_in, move_into_place, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.later_columns import events_of, with_sinkages, write_events, write_scene_files
 from fem.result.layout import Places, create, variables_of
-from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.stored import write_slices
 from lagrange.columns import FORMAT_VERSION
 from lagrange.files.hdf5 import checksum, hdf5_to_write, text_checksum
@@ -158,6 +157,8 @@ class ResultFile:
         def further(file: h5py.File) -> list[str]:
             write_scene_files(file, self._plan.scene)
             if self._plan.scene.axial is not None and self._plan.scene.model != "lagrange":
+                from fem.statics.tilted_pressures import scene_slices  # loads meshes' modules
+
                 write_slices(file, scene_slices(self._plan.scene))
             if self._events is not None:
                 write_events(file, self._bearing, self._events)

@@ -118,7 +118,9 @@ def test_with_contacts_it_is_the_dense_eigenvalue_with_springs(mass, sticks):
 
 
 @LONG
-@pytest.mark.parametrize("load", [LOAD, 2.0 * LOAD, 4.0 * LOAD, 7.0 * LOAD, 20.0 * LOAD])
+@pytest.mark.parametrize(
+    "load", [LOAD, *(pytest.param(n * LOAD, marks=pytest.mark.slow) for n in (2.0, 4.0, 7.0)), 20.0 * LOAD]
+)
 def test_all_shorter_steps_are_stable(load, mass):
     """dt² ω² of slowed waves on springs rises with the step, and then may fall."""
     whole = model(paper(), 2e-3)
@@ -132,6 +134,7 @@ def test_all_shorter_steps_are_stable(load, mass):
             assert dt**2 * np.abs(eigvals(slowed)).max() <= 4.0 + 1e-6
 
 
+@pytest.mark.slow
 @LONG
 def test_where_a_reciprocal_mass_gains_too_little_there_is_none(mass):
     whole = model(paper(), 2e-3)

@@ -90,6 +90,7 @@ def test_accelerations_are_those_of_the_path():
         np.testing.assert_allclose(found, acceleration[4:-4], atol=1e-4 * np.abs(run.inner_ay).max())
 
 
+@pytest.mark.slow
 def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeypatch):
     choices = {"start": "rest", "load_ramp": 2e-4}
     run = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-5, **choices)

@@ -35,7 +35,7 @@ def outer(surfaces, angle, roller=3):
     return np.array([surfaces.outer(np.full(13, a), Turns()).sinkage[roller] for a in np.atleast_1d(angle)])
 
 
-@pytest.mark.parametrize("edge_radius", [0.0, 0.1e-3])
+@pytest.mark.parametrize("edge_radius", [pytest.param(0.0, marks=pytest.mark.slow), 0.1e-3])
 @pytest.mark.parametrize("width", SHARP_GAPS)
 def test_a_roller_sinks_between_the_edges_of_a_gap(width, edge_radius):
     """Whatever the body with the gap, within 1 % or 0.05 µm."""

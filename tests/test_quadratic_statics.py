@@ -69,6 +69,7 @@ def test_a_squeezed_disc_gives_way_as_johnson_says():
     assert middle == pytest.approx(exact, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_a_ring_is_the_same_cut_into_other_sectors():
     shape = {"raceway_radius": 0.018, "held_radius": 0.0125}
     of_four = ring_spot_compliance(RefinedSector(sectors=4, spot=SPOT, **shape), STEEL, LENGTH)

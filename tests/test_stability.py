@@ -83,6 +83,7 @@ def endless():
         pass
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
 def test_a_campaign_gives_a_command_so_much_processor_time_whatever_else_the_machine_does(tmp_path):
     """One that waits, as on a busy machine, comes to its end; one that works on beyond its limit does not."""

@@ -145,7 +145,13 @@ DAMAGES_OF_ARRAYS = DAMAGES | {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGES_OF_ARRAYS)
+@pytest.mark.parametrize(
+    "damage",
+    [
+        d if d in ("one bit flipped", "shortened") else pytest.param(d, marks=pytest.mark.slow)
+        for d in DAMAGES_OF_ARRAYS
+    ],
+)
 def test_a_run_makes_damaged_matrices_and_meshes_anew(damage, coarse_run, tmp_path):
     """At 2.1 mm, whose meshes are not shipped. Compiled kernels are this session's."""
     folder, arguments = tmp_path / "roller-bearing-fem", [*OPTIONS, "--mesh-size", "2.1"]
@@ -183,7 +189,9 @@ def test_a_setting_that_numba_can_not_use_is_refused_in_a_sentence(variable, tol
     assert done.returncode == 2 and done.stderr.startswith(told) and done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("settings", [b"text.usetex: True\nbackend: bogus\n", b"\xff\xfe\x00"])
+@pytest.mark.parametrize(
+    "settings", [b"text.usetex: True\nbackend: bogus\n", pytest.param(b"\xff\xfe\x00", marks=pytest.mark.slow)]
+)
 def test_no_figure_obeys_the_current_folder_or_a_variable(settings, coarse_run, tmp_path):
     (tmp_path / "matplotlibrc").write_bytes(settings)
     options = ["--no-equations", "--quiet", "--output", tmp_path / "report"]

@@ -42,6 +42,8 @@ def keep(function, folder: Path | None, cache: type["KernelCache"] | None = None
 class KernelCache(_Cache):
     """What numba asks for compiled code and gives it to, of one function."""
 
+    _ending = ".nbc"
+
     def __init__(self, function, folder: Path):
         self._function, self._folder, self._damaged = function, folder, False
 
@@ -89,7 +91,7 @@ class KernelCache(_Cache):
 
     def _file(self, key: tuple) -> Path:
         name = f"{self._function.__module__}.{self._function.__qualname__}".replace("<", "").replace(">", "")
-        return self._folder / f"{name[-150:]}-{_digest(repr(key).encode())[:24]}.nbc"
+        return self._folder / f"{name[-150:]}-{_digest(repr(key).encode())[:24]}{self._ending}"
 
     def enable(self) -> None:
         """Numba asks for it; nothing here is ever switched off."""
@@ -100,6 +102,7 @@ class KernelCache(_Cache):
 class PartCache(KernelCache):
     """The same of a part: without machine code."""
 
+    _ending = ".part.nbc"  # a test may call a part as a kernel
     _reduced, _rebuilt = staticmethod(reduced), staticmethod(rebuilt)
 
 
@@ -186,7 +189,7 @@ def every(one, *kinds):
             # written out: a function more, or arguments packed into a tuple, would take a second to compile
             names = ", ".join(f"a{i}" for i in range(len(arguments)))
             loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in called]
-            found = {"one": one}
+            found = {"one": one, "__name__": one.__module__}  # a kept function is of a module that can be found
             text = f"def code(groups, {names}):\n    pass\n" + "".join(loops)
             exec(compile(text, GENERATED, "exec"), found)
             code = found["code"]

@@ -1,13 +1,14 @@
 """Parts of kernels are compiled for the fields that they use, whatever else their arguments hold."""
 
+import importlib
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from numba.core.event import install_recorder
 
-from fem.kernels.fields_used import WHOLE, fields_used
-from fem.kernels.jit import every, kernel, part, verb
+from fem.kernels.fields_used import WHOLE, fields_used, shifted
+from fem.kernels.jit import KernelCache, PartCache, every, kernel, part, verb
 
 
 class Wheel(NamedTuple):
@@ -90,3 +91,10 @@ def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_u
             assert car.wheel.speed[0] == speed
     begun = [event.data["dispatcher"].py_func.__name__ for _, event in compiled.buffer if event.is_start]
     assert (begun.count("advance"), begun.count("drive"), begun.count("radius_of")) == (3, 2, 1)
+    written = [code for code in shifted if code.__name__ == "code"]  # for groups, and kept as of the part's module
+    assert written and all(importlib.import_module(code.__module__) for code in written)
+
+
+def test_what_is_kept_of_a_part_and_of_a_kernel_of_one_function_has_files_of_its_own(tmp_path):
+    key = "any", "key"
+    assert PartCache(radius_of, tmp_path)._file(key) != KernelCache(radius_of, tmp_path)._file(key)

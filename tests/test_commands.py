@@ -33,7 +33,7 @@ mesh_size_mm = 2.0
 """
 
 
-@pytest.mark.parametrize("option", ["--quiet", "--dry-run"])
+@pytest.mark.parametrize("option", ["--quiet", pytest.param("--dry-run", marks=pytest.mark.slow)])
 def test_a_scene_without_a_static_equilibrium_is_refused_in_a_sentence(option, tmp_path):
     (tmp_path / "scene.toml").write_text(SINKING)
     done = command("run-fem", "scene.toml", option, folder=tmp_path)

@@ -103,7 +103,7 @@ def test_a_roller_in_flight_misses_nothing():
     ("body", "angle", "settings"),
     [
         ("outer_ring", 20.0, ("spall.0.width_mm=0.6",)),
-        ("inner_ring", -75.0, ("spall.0.width_mm=0.6",)),
+        pytest.param("inner_ring", -75.0, ("spall.0.width_mm=0.6",), marks=pytest.mark.slow),
         ("roller", 140.0, ("spall.0.width_mm=0.8", "spall.0.roller=4")),
     ],
 )
@@ -119,6 +119,7 @@ def test_a_spall_is_found_in_noise_on_its_own_body(body, angle, settings):
     assert abs(found.width - spall.width) < 1.5 * found.width_error
 
 
+@pytest.mark.slow
 def test_two_spalls_are_both_found():
     record = recorded(
         "spall.0.width_mm=0.6", "spall.0.angle_deg=15", "spall.1.body=inner_ring", "spall.1.width_mm=1.2",

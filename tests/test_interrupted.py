@@ -41,7 +41,7 @@ def started(path, *options):
 
 
 @pytest.mark.usefixtures("coarse_run")  # kernels are compiled
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_is_heard_within_a_sample_of_minutes(number, tmp_path):
     path = tmp_path / "run.nc"
     process = started(path, *LONG)

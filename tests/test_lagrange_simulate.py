@@ -137,6 +137,7 @@ def test_a_standing_bearing_settles_on_its_statics_and_rests_there():
     assert np.ptp(still.inner_y) < 1e-13 and np.ptp(still.inner_x) < 1e-13
 
 
+@pytest.mark.slow
 def test_a_hub_that_drops_through_a_clearance_strikes_the_rollers():
     loose = replace(PAPER, outer_raceway_radius=0.02802)
     run = simulate(loose, RUNNING, HARRIS, 5e-4, 1e-5, start="rest")  # by 20 µm

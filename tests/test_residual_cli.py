@@ -174,7 +174,9 @@ def test_failure_half_way_leaves_no_report(result, tmp_path, monkeypatch, capsys
     assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]
 
 
-@pytest.mark.parametrize(("which", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(
+    ("which", "code"), [pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow), (signal.SIGINT, 130)]
+)
 def test_signals_end_it_without_a_report(which, code, tmp_path):
     path = write_result(tmp_path / "made.nc", make_run(n_times=6001))
     process = subprocess.Popen(

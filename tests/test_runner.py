@@ -98,7 +98,7 @@ def interrupted_after(monkeypatch, looks, number=signal.SIGINT):
 
 
 @each_case
-@pytest.mark.parametrize("looks", [1, 17, 130, 201, 270])
+@pytest.mark.parametrize("looks", [1, 17, pytest.param(130, marks=pytest.mark.slow), 201, 270])
 def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks, tmp_path, monkeypatch, capsys):
     """201 samples; where the run refines, it is stopped in both passes and just between them."""
     refines = RATTLE[-1] in case
@@ -331,7 +331,7 @@ def test_the_command_names_its_models_without_loading_any():
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
 @pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-@pytest.mark.parametrize("model", ["fem", "lagrange"])
+@pytest.mark.parametrize("model", [pytest.param("fem", marks=pytest.mark.slow), "lagrange"])
 def test_an_interrupted_command_says_so_and_keeps_its_samples(model, number, code, tmp_path):
     path = tmp_path / "long.nc"
     process = start_run(path, "--model", model)

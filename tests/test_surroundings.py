@@ -46,7 +46,10 @@ class Touch:
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
-@pytest.mark.parametrize("rights", ["writable by all", "writable by the group", "a link"])
+@pytest.mark.parametrize(
+    "rights",
+    ["writable by all", *(pytest.param(r, marks=pytest.mark.slow) for r in ("writable by the group", "a link"))],
+)
 def test_kernels_in_a_folder_that_others_can_write_are_not_loaded(rights, coarse_run, tmp_path):
     """The user's own cache, which is private, serves instead."""
     foreign, own = (tmp_path / name / "kernels" for name in ("foreign", "own/roller-bearing-fem"))

@@ -119,7 +119,7 @@ def test_with_contacts_it_is_the_dense_eigenvalue_with_springs(mass, sticks):
 
 @LONG
 @pytest.mark.parametrize(
-    "load", [LOAD, *(pytest.param(n * LOAD, marks=pytest.mark.slow) for n in (2.0, 4.0, 7.0)), 20.0 * LOAD]
+    "load", [LOAD, *(pytest.param(n * LOAD, marks=pytest.mark.slow) for n in (2.0, 4.0, 7.0, 20.0))]
 )
 def test_all_shorter_steps_are_stable(load, mass):
     """dt² ω² of slowed waves on springs rises with the step, and then may fall."""

@@ -246,7 +246,8 @@ def scene_with(tables: str, **numerics) -> ReducedPlan:
 @pytest.mark.parametrize(("tables", "limit"), [
     ('[[waviness]]\nbody = "inner_ring"\norder = 12\namplitude_um = 0.5', 1e-5),
     pytest.param('[[waviness]]\nbody = "outer_ring"\norder = 7\namplitude_um = 0.5', 1e-5, marks=pytest.mark.slow),
-    ('[[waviness]]\nbody = "roller"\nroller = 3\norder = 6\namplitude_um = 0.5', 1e-5),
+    pytest.param('[[waviness]]\nbody = "roller"\nroller = 3\norder = 6\namplitude_um = 0.5', 1e-5,
+                 marks=pytest.mark.slow),
     pytest.param("[[unequal_roller]]\nroller = 1\ndiameter_deviation_um = 2.0", 1e-5, marks=pytest.mark.slow),
     ('[[spall]]\nbody = "outer_ring"\nangle_deg = 4.0\nwidth_mm = 1.0\ndepth_um = 100.0', 1e-3),
 ])  # fmt: skip

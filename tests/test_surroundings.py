@@ -27,6 +27,7 @@ print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_folder.notice
 """
 
 
+@pytest.mark.slow
 def test_a_module_in_the_current_folder_is_not_run_by_a_picture(can_draw, coarse_run, tmp_path):
     for name in ("pyvista", "vtkmodules", "imageio_ffmpeg", "numpy"):
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\nraise SystemExit(3)\n")
@@ -202,6 +203,7 @@ def test_no_figure_obeys_the_current_folder_or_a_variable(settings, coarse_run, 
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_no_picture_obeys_the_current_folder_or_a_variable(can_draw, coarse_run, tmp_path):
     (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfe\x00")
     options = ["--output", tmp_path / "picture.png", "--width", 300]

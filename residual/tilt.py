@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.axial.pressure import SHARP, placed, pressures, sharp_ends
-from lagrange.axial.slices import Slices, Sums
+from lagrange.axial.pressure import SHARP, pressures_under, sharp_ends
+from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
@@ -74,9 +74,7 @@ class SlicedLaw:
         found, sunk = np.empty_like(self.misalignment), np.broadcast_to(self.sunk, self.misalignment.shape)
         for first in range(0, len(found), BLOCK):
             part = slice(first, first + BLOCK)
-            at = approach[part], self.misalignment[part], sunk[part]
-            # derivatives take a matrix of the slices, which sums do without
-            found[part] = getattr(self.slices.sums(*at) if name in Sums._fields else self.slices.at(*at), name)
+            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part], sunk[part]), name)
         return found
 
 
@@ -215,15 +213,12 @@ class _Side(NamedTuple):
 
     def pressures(self, at: np.ndarray) -> np.ndarray:
         """Along the rollers of contacts by their places among all, (n, n_slices), Pa; 0 of open ones."""
-        force, moment, found = self.force.ravel()[at], self.moment.ravel()[at], np.zeros((at.size, self.slices.count))
+        force, moment, sunk = (each.ravel()[at] for each in (self.force, self.moment, self.sunk))
         closed = (force > FAINT * self.force.max()) & (np.abs(moment) < INSIDE * self.slices.place[-1] * force)
         try:
-            sunk = self.sunk.ravel()[at][closed]
-            place = placed(self.slices, force[closed], moment[closed], sunk)
-            found[closed] = pressures(self.slices, self.pair, *place, sunk)
+            return pressures_under(self.slices, self.pair, force, moment, sunk, closed)[0]
         except (RuntimeError, ValueError) as error:
             raise Unavailable(str(error)) from None
-        return found
 
 
 def _sides(record: Record) -> list[_Side]:

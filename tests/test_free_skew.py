@@ -14,35 +14,21 @@ from fem.kernels.reduced_friction import tractions
 from fem.kernels.skews import drift_skews
 from fem.kernels.sliced_friction import sliced_tractions
 from fem.runner import RunOptions, run_scene
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.tilt import SlicedTractions
 from residual.evaluation import evaluate
 from residual.figures.motion import tilt_figure
 from residual.sources import read_result
+from tests.reference import tilted_runs
+from tests.reference.tilted_runs import missed, moved
 
 SPEED, ANGLE, FRICTION = 300.0, 0.4, 0.1  # rad/s, of rollers backwards; rad, of the roller that is looked at
 
 
-def scene(axial=(), **changes):
-    """The paper's bearing for half a millisecond with rollers that are free to skew; `axial` : keys of its table."""
-    keys = {"axial.skew": "free", "axial.slices": 11} | {f"axial.{key}": value for key, value in dict(axial).items()}
-    fixed = {"model": "reduced", "numerics.duration_ms": 0.5, "numerics.output_interval_us": 10.0}
-    return Scene().varied(fixed | keys | {key.replace("__", "."): value for key, value in changes.items()})
-
-
-def moved(found):
-    """Columns of a run by name."""
-    blocks = []
-    run(make_plan(found), blocks.append)
-    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
-
-
-def missed(samples):
-    """Largest energy error over the contacts' energy."""
-    energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
-    energy = energy - samples["work_external"] + samples["work_dissipated"]
-    return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
+def scene(axial=(), model="reduced", **changes):
+    """That of rollers that tilt, which are free to skew."""
+    return tilted_runs.scene(model, {"skew": "free", **dict(axial)}, **changes)
 
 
 @pytest.mark.parametrize(

@@ -117,8 +117,8 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, columns + group
         x, y = load(bodies.centre, group), load(bodies.centre, at)
-        out, ox, oy = _direction(x - ring_x, y - ring_y, there)
-        away, ix, iy = _direction(x - bodies.hub[0], y - bodies.hub[1], there)
+        out, ox, oy = direction(x - ring_x, y - ring_y, there)
+        away, ix, iy = direction(x - bodies.hub[0], y - bodies.hub[1], there)
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         depth_i, depth_o = compliance.reach - away, out - compliance.track
@@ -149,7 +149,7 @@ def _met(slope, bodies, compliance, forces, looks, group, turn, outer):
 
 
 @part
-def _direction(x, y, there):
+def direction(x, y, there):
     """Lengths and unit vectors of eight ways; of spare lanes numbers."""
     length = square_root(select(there, x * x + y * y, 1.0))
     over = 1.0 / length

@@ -16,6 +16,8 @@ from fem.kernels.reduced_damping import damped_neighbours, no_dampers
 from fem.kernels.reduced_housing import ring_velocity
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 
+TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
+
 
 @part
 def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
@@ -58,9 +60,9 @@ def creep(law, compliance, forces, drive, row, at, Q, slip, rolling):
 
 
 @part
-def press_neighbours(bodies, compliance, forces, drive, before, reach):
+def press_neighbours(bodies, compliance, forces, drive, before):
     """Contacts of rollers with the next ones: their forces and tractions as kicks; seldom any are near."""
-    columns, n, law = bodies.columns, bodies.n, compliance.between
+    columns, n, law, reach = bodies.columns, bodies.n, compliance.between, 2.0 * bodies.radius * TOUCHING
     over, centre, velocity = drive.dt / bodies.mass, bodies.centre, bodies.velocity
     for group in range(0, n, WIDTH):
         i, at = next_rollers(group, n), NEXT * columns + group

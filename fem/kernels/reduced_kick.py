@@ -236,9 +236,9 @@ def cut_off(cut, forces, at, off, P):
     """
     if cut is None:
         return splat(0.0)
-    missed = 0.5 * (P + load(forces.kick, at)) * (load(cut, at) - off)
+    imbalance = 0.5 * (P + load(forces.kick, at)) * (load(cut, at) - off)
     store(cut, at, off)
-    return missed
+    return imbalance
 
 
 @part
@@ -253,8 +253,8 @@ def note_ahead(before, forces, at, ahead, P):
         last = at + before.size // 2
         beyond = P - load(forces.estimate, at)
         further = ahead - load(before, at)
-        missed = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
-        store(forces.residual, at, load(forces.residual, at) + missed)
+        imbalance = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
+        store(forces.residual, at, load(forces.residual, at) + imbalance)
         store(before, at, ahead)
         store(before, last, beyond)
 
@@ -281,8 +281,8 @@ def _bounded(forces, taken, at, approach, P, Q, residual):
     given = maximum(minimum(P, Q + most), Q - most)
     grown = load(taken, at) - load(taken, last)
     store(taken, last, load(taken, at))
-    missed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
-    return given, residual + select(before != before, 0.0, missed), grown
+    imbalance = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
+    return given, residual + select(before != before, 0.0, imbalance), grown
 
 
 @part

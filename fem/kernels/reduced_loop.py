@@ -47,8 +47,6 @@ from fem.kernels.state import LoadHistory
 from fem.kernels.tilted_contacts import Tilted, find_tilted, kick_tilted
 from fem.kernels.tilts import drift_tilts, write_tilts
 
-TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
-
 
 @kernel(nogil=True)
 def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row, stride, samples):
@@ -142,7 +140,7 @@ def _find_forces(compliance, bodies, forces, drive, time, inside):
 @verb
 def _kick_rollers(compliance, bodies, forces, drive, before):
     """The rollers' kick by all contacts; what these give hub and outer ring, N."""
-    press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
+    press_neighbours(bodies, compliance, forces, drive, before)
     return kick(bodies, compliance, forces, drive, before)
 
 

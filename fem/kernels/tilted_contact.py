@@ -10,9 +10,12 @@ import numpy as np
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import gather_quads
-from fem.kernels.lanes import select, to_float, to_int
-from fem.kernels.law import spline
+from fem.kernels.lanes import absolute, select, to_float, to_int
+from fem.kernels.law import MOST_REPAID, REPAID, STANDING, spline
 from lagrange.axial.table import SPAN, ContactTable
+
+SHORTEST = 1e-16  # m, of an approach's change, by which work is divided
+MOST_OFF = 0.02  # of a closed contact's force, by which its kick may differ
 
 
 class TiltedLaw(NamedTuple):
@@ -96,3 +99,19 @@ def _spline(t, coefficients):
     value, slope = spline(t, coefficients)
     bend = r * c0 + (3.0 * t - 2.0) * c1 + (3.0 * r - 2.0) * c2 + t * c3
     return value, slope, bend
+
+
+@part
+def kick_by_work(Q, Q_before, P_before, residual, approach, step, work):
+    """`law.kick_force` of a contact whose energy has grown by `work`, J, beside what moments have done; lanes, N.
+
+    `step` : m, by which its force has worked since the last kick; NaN: not known
+    """
+    closed = (Q > 0.0) & (Q_before > 0.0)
+    plain = (step != step) | (maximum(Q, Q_before) <= 0.0) | (closed & (absolute(step) < STANDING * absolute(approach)))
+    way = select(absolute(step) < SHORTEST, SHORTEST, step)
+    due = residual - 0.5 * step * (P_before - Q_before)
+    back = maximum(minimum(REPAID * due / way, MOST_REPAID * Q), -MOST_REPAID * Q)
+    off = select(closed, MOST_OFF * Q, maximum(Q, Q_before))
+    more = 0.5 * (Q - Q_before) + work / way + select(closed, back, 0.0) - Q
+    return Q + select(plain, 0.0, maximum(minimum(more, off), -off))

@@ -12,19 +12,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.drive import outer_of, turn_at
-from fem.kernels.isolated_contacts import isolated_damping
+from fem.kernels.drive import turn_at
+from fem.kernels.isolated_contacts import direction, isolated_damping
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
-from fem.kernels.law import MOST_REPAID, REPAID, STANDING, released
+from fem.kernels.lanes import WIDTH, absolute, count_from, select, splat, total
+from fem.kernels.law import released
 from fem.kernels.prescribed_rollers import along_ray
 from fem.kernels.reduced_contacts import (
     both_forces,
     coupled_approach,
     lift,
-    met_surfaces,
     raceway_tilt,
     store_pair,
     touching,
@@ -37,7 +36,8 @@ from fem.kernels.reduced_kick import expect, grow, shift
 from fem.kernels.reduced_state import INNER, OUTER, Compliance
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles, push_along
 from fem.kernels.sliced_friction import sliced_tractions
-from fem.kernels.tilted_contact import force_and_stiffness
+from fem.kernels.tilted_contact import SHORTEST, kick_by_work
+from fem.kernels.tilted_surfaces import keep_slopes, part_sunk, sunk, surfaces_met, table_at
 from fem.kernels.tilts import (
     axes,
     kick_hub_axis,
@@ -47,10 +47,6 @@ from fem.kernels.tilts import (
     pushed_rollers,
     rubbed_hub,
 )
-
-TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
-SHORTEST = 1e-16  # m, of an approach's change, by which work is divided
-MOST_OFF = 0.02  # of a closed contact's force, by which its kick may differ
 
 # `Compliance` and what tilt takes; `between` is None where bodies are rigid
 Tilted = NamedTuple(
@@ -66,7 +62,6 @@ Tilted = NamedTuple(
 
 
 SLOPE, ENERGY, MOMENT, CROSS = range(4)
-SUNK, SHARE, BEFORE = 0, 1, 2  # of `TiltedForces.sunken`; on from BEFORE at the last kick
 
 
 @part
@@ -87,8 +82,8 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, halo + group
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-        out, ox, oy = _direction(x - ring_x, y - ring_y + compliance.sag[1], there)
-        away, ix, iy = _direction(x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0], there)
+        out, ox, oy = direction(x - ring_x, y - ring_y + compliance.sag[1], there)
+        away, ix, iy = direction(x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0], there)
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         ax, ay, tilt = axes(tilts.skews, tilts, group, ox, oy)
@@ -99,13 +94,13 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
         less_i, less_o = _taken(compliance.between, compliance, forces, drive, group, forces.guess, guess)
         more_i, more_o = _given(compliance.between, compliance, forces, group, forces.tilted.guess)
         store_pair(forces.tilted.taken, group, columns, less_i, less_o)
-        met = _surfaces_met(forces.slope, bodies, compliance, forces, drive, group, turn)
-        deep_i, deep_o = _sunk(forces.slope, forces, columns, group, met, deep_i, deep_o)
+        met = surfaces_met(forces.slope, bodies, compliance, forces, drive, group, turn)
+        deep_i, deep_o = sunk(forces.slope, forces, columns, group, met, deep_i, deep_o)
         deep_i, deep_o = select(there, deep_i - less_i, -1.0), select(there, deep_o - less_o, -1.0)
         laws, rests = compliance.tables, compliance.rests
         Q_i, M_i = _look((laws[0], rests[0]), forces, INNER, columns, group, deep_i, slope_i + more_i)
         Q_o, M_o = _look((laws[1], rests[1]), forces, OUTER, columns, group, deep_o, slope_o + more_o)
-        _keep_slopes(forces.slope, forces, columns, group, met)
+        keep_slopes(forces.slope, forces, columns, group, met)
         _tell(compliance.between, compliance, forces, group, width, (Q_i, Q_o), (M_i, M_o), guess, given)
     _correct(compliance.between, bodies, compliance, forces)
     return _sums(bodies, forces, drive)
@@ -116,14 +111,6 @@ def _follow(between, bodies, compliance, forces, inside):
     if between is not None:
         if inside % AGAIN == 0:
             follow_angles(bodies, compliance, forces)
-
-
-@part
-def _direction(x, y, there):
-    """Lengths and unit vectors of eight ways; of spare lanes numbers."""
-    length = square_root(select(there, x * x + y * y, 1.0))
-    over = 1.0 / length
-    return length, select(there, x * over, 1.0), select(there, y * over, 0.0)
 
 
 @part
@@ -159,95 +146,11 @@ def _given(between, compliance, forces, group, array):
 
 
 @part
-def _surfaces_met(slope, bodies, compliance, forces, drive, group, turn):
-    """`met_surfaces`, where any contact is on surfaces that are not perfect circles; compliances are `sunken` parts."""
-    if slope is None:
-        return met_surfaces(slope, bodies, compliance, forces, group, turn, None)
-    if drive.looks:
-        return met_surfaces(slope, bodies, compliance, forces, group, turn, outer_of(drive.history))
-    return met_surfaces(None, bodies, compliance, forces, group, turn, None)
-
-
-@part
-def _sunk(slope, forces, columns, group, met, inner, outer):
-    """Approaches of eight rollers, m, less what their contacts sink; what a part of the length sinks more is kept."""
-    if slope is None:
-        return inner, outer
-    ring, own, ring_o, own_o = met
-    _keep_sunk(forces.tilted.sunken, columns, group, ring[2] + own[2], ring_o[2] + own_o[2])
-    return inner + ring[0] + own[0], outer + ring_o[0] + own_o[0]
-
-
-@part
-def _keep_sunk(sunken, columns, group, inner, outer):
-    if sunken is not None:
-        store_pair(sunken, SUNK * 2 * columns + group, columns, inner, outer)
-
-
-@part
-def _keep_slopes(slope, forces, columns, group, met):
-    """Slopes of approaches along surfaces, with those of a part of the length by its share of the force."""
-    if slope is not None:
-        ring, own, ring_o, own_o = met
-        share_i, share_o = _shares(forces.tilted.sunken, columns, group)
-        turning, turning_o = own[1] - share_i * own[3], own_o[1] - share_o * own_o[3]
-        store_pair(slope, group, columns, ring[1] - share_i * ring[3] + turning, turning)
-        store_pair(slope, 2 * columns + group, columns, ring_o[1] - share_o * ring_o[3] + turning_o, turning_o)
-
-
-@part
-def _shares(sunken, columns, group):
-    if sunken is None:
-        return splat(0.0), splat(0.0)
-    at = SHARE * 2 * columns + group
-    return load(sunken, at), load(sunken, at + columns)
-
-
-@part
-def _table_at(sunken, laws, at, columns, deep, slope):
-    """`force_and_stiffness` of eight contacts, part of whose length may lie over spalls: see `SpalledTable`."""
-    table, rest = laws
-    if sunken is None:
-        return force_and_stiffness(table, deep, slope)
-    return _spalled(rest, table, sunken, at, columns, deep, slope)
-
-
-@part
-def _spalled(rest, table, sunken, at, columns, deep, slope):
-    if rest is None:
-        return force_and_stiffness(table, deep, slope)
-    h = load(sunken, SUNK * 2 * columns + at)
-    energy, Q, M, stiff, cross, tilting = force_and_stiffness(table, deep - h, slope)
-    share = splat(0.0)
-    if any_lane(h != 0.0):
-        a, b = force_and_stiffness(rest, deep, slope), force_and_stiffness(rest, deep - h, slope)
-        part = Q - b[1]
-        energy, Q, M = energy + (a[0] - b[0]), Q + (a[1] - b[1]), M + (a[2] - b[2])
-        stiff, cross, tilting = stiff + (a[3] - b[3]), cross + (a[4] - b[4]), tilting + (a[5] - b[5])
-        share = select((h != 0.0) & (Q > 0.0), part / select(Q > 0.0, Q, 1.0), 0.0)
-    store(sunken, SHARE * 2 * columns + at, share)
-    return energy, Q, M, stiff, cross, tilting
-
-
-@part
-def _part_sunk(sunken, at, columns):
-    """By how much less than its approach a contact's force has worked since the last kick, m, as a part has sunk."""
-    if sunken is None:
-        return splat(0.0)
-    now, last = at, BEFORE * 2 * columns + at
-    h, share = load(sunken, now), load(sunken, now + 2 * columns)
-    sunk = 0.5 * (share + load(sunken, last + 2 * columns)) * (h - load(sunken, last))
-    store(sunken, last, h)
-    store(sunken, last + 2 * columns, share)
-    return sunk
-
-
-@part
 def _look(laws, forces, row, columns, group, deep, slope):
     """Look eight contacts up; their forces, N, and moments, N m. `laws` : of all slices, and without spalls' part."""
     met = forces.tilted.met
     at = row * columns + group
-    energy, Q, M, stiff, cross, tilting = _table_at(forces.tilted.sunken, laws, at, columns, deep, slope)
+    energy, Q, M, stiff, cross, tilting = table_at(forces.tilted.sunken, laws, at, columns, deep, slope)
     store(forces.first, row * columns + group, deep)
     store(forces.estimate, row * columns + group, Q)
     store(forces.stiffness, row * columns + group, stiff)
@@ -417,7 +320,7 @@ def _levers(skews, bodies, compliance, forces, group):
 @part
 def _press(between, bodies, compliance, forces, drive, before):
     if between is not None:
-        press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
+        press_neighbours(bodies, compliance, forces, drive, before)
 
 
 @part
@@ -483,18 +386,10 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     M = select(there, maximum(minimum(M, most), -most), 0.0)
     energy, residual = load(met, _at(row, ENERGY, columns, group)), load(forces.residual, at)
     before, Q_before, P_before = load(forces.approach, at), load(forces.force, at), load(forces.kick, at)
-    step, known = approach - before - _part_sunk(own.sunken, at, columns), before == before
-    new, idle = before != before, maximum(Q, Q_before) <= 0.0
+    step, known = approach - before - part_sunk(own.sunken, at, columns), before == before
     work = energy - load(own.energy, at) + 0.5 * (M + load(own.moment, at)) * (slope - load(own.slope, at))
     taken, last = load(own.taken, at), at + own.taken.size // 2
-    closed = (Q > 0.0) & (Q_before > 0.0)
-    plain = new | idle | (closed & (absolute(step) < STANDING * absolute(approach)))
-    way = select(absolute(step) < SHORTEST, SHORTEST, step)
-    due = residual - 0.5 * step * (P_before - Q_before)
-    back = maximum(minimum(REPAID * due / way, MOST_REPAID * Q), -MOST_REPAID * Q)
-    off = select(closed, MOST_OFF * Q, maximum(Q, Q_before))
-    more = 0.5 * (Q - Q_before) + work / way + select(closed, back, 0.0) - Q
-    P = select(there, Q + select(plain, 0.0, maximum(minimum(more, off), -off)), 0.0)
+    P = select(there, kick_by_work(Q, Q_before, P_before, residual, approach, step, work), 0.0)
     grown = taken - load(own.taken, last)  # forces at both ends take what is stored between contacts
     left = work - 0.5 * step * (P_before + P) + 0.5 * grown * (Q - P + Q_before - P_before)
     residual = select(known & there, residual + left, residual)

@@ -20,11 +20,10 @@ from fem.kernels.jit import part
 from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import load, scatter_add, store
 from fem.kernels.lanes import WIDTH, absolute, select, splat, square_root, total
-from fem.kernels.law import MOST_REPAID, REPAID, STANDING
 from fem.kernels.sample_kernels import energy_below
 from fem.kernels.state import Law
-from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness
-from fem.kernels.tilted_contacts import MOST_OFF, SHORTEST, note_furthest
+from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness, kick_by_work
+from fem.kernels.tilted_contacts import note_furthest
 from fem.kernels.tilts import Tilts, drift_tilts, kick_axes, kick_hub_axis, write_tilts
 
 FAINTEST = 1e-300  # N, of which a logarithm is a number
@@ -129,13 +128,7 @@ def _kicked(law, own, forces, row, place, met):
     ripple_before = (load(forces.bracket, row) - law.B) * law.A
     stays = (Q > 0.0) & (Q_before > 0.0)
     work += select(stays, 0.25 * (Q * Q + Q_before * Q_before) * (ripple - ripple_before), 0.0)
-    plain = (step != step) | (maximum(Q, Q_before) <= 0.0) | (stays & (absolute(step) < STANDING * absolute(closed)))
-    way = select(absolute(step) < SHORTEST, SHORTEST, step)
-    due = residual - 0.5 * step * (P_before - Q_before)
-    back = maximum(minimum(REPAID * due / way, MOST_REPAID * Q), -MOST_REPAID * Q)
-    off = select(stays, MOST_OFF * Q, maximum(Q, Q_before))
-    more = 0.5 * (Q - Q_before) + work / way + select(stays, back, 0.0) - Q
-    P = Q + select(plain, 0.0, maximum(minimum(more, off), -off))
+    P = kick_by_work(Q, Q_before, P_before, residual, closed, step, work)
     left = residual + work - 0.5 * step * (P_before + P)
     store(forces.residual, row, select(step != step, residual, left))
     store(own.approach, row, closed)

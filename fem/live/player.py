@@ -233,7 +233,7 @@ class Player:
         if self._slices is None:
             return None
         now = self.now | {"roller_turn": self.turn}
-        with suppress(ValueError):  # a roller that all but lifts, whose moment is no slices': the frame before is shown
+        with suppress(ValueError, RuntimeError):  # a roller that all but lifts: the frame before is shown
             self._pressures = slice_pressures(self.scene, "inner", self._slices, now.__getitem__)[0]
         return self._pressures
 

@@ -8,7 +8,7 @@ import numpy as np
 from fem.contacts.tilted import rounded_range, tilted_slices
 from fem.elastic.cache import kept
 from fem.statics.reduced_bearing import kept_contacts
-from lagrange.axial.pressure import PeakTable, peak_table, placed, pressures, sharp_ends
+from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, sharp_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.laws import Side
@@ -51,7 +51,7 @@ def slice_pressures(
 
     Errors
     ------
-    ValueError: as `placed`.
+    Those of `pressures_under`.
     """
     bearing, axial, spalled, k = scene.perfect_bearing(), scene.ideal_axial(), scene.ideal_bearing(), SIDES.index(side)
     assert axial is not None
@@ -59,12 +59,8 @@ def slice_pressures(
     if part is not None:
         met = surfaces_met(spalled, scene.ideal_operation(), {name: np.asarray(column(name))[None] for name in PLACES})
         depth = depth + np.asarray(met[k].part).reshape(-1)
-    force, moment, each = column(f"{side}_force"), column(f"{side}_moment"), replace(slices, part=part)
-    closed = force > FAINT * force.max()
-    found, slope = np.zeros((bearing.n_rollers, axial.slices)), np.zeros(bearing.n_rollers)
-    approach, slope[closed] = placed(each, force[closed], moment[closed], depth[closed])
-    found[closed] = pressures(each, pair, approach, slope[closed], depth[closed])
-    return found, slope
+    force, moment = column(f"{side}_force"), column(f"{side}_moment")
+    return pressures_under(replace(slices, part=part), pair, force, moment, depth, force > FAINT * force.max())
 
 
 def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -38,6 +38,24 @@ def _hertz(pair: Pair, force: np.ndarray) -> np.ndarray:
     return np.sqrt(force / (np.pi * pair.relative_radius * pair.length) * pair.modulus)
 
 
+def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> tuple[np.ndarray, np.ndarray]:
+    """Pressures on the slices of contacts that bear forces, N, and moments, N m, (..., n), Pa, and their slopes, rad.
+
+    Parameters
+    ----------
+    force, moment, sunk : (...,); `sunk` as of `pressures`
+    closed : (...,), which contacts are meant; others get 0
+
+    Errors
+    ------
+    ValueError: as `placed`. RuntimeError: as `Slices.forces`.
+    """
+    found, slope = np.zeros((*np.shape(force), slices.count)), np.zeros(np.shape(force))
+    approach, slope[closed] = placed(slices, force[closed], moment[closed], sunk[closed])
+    found[closed] = pressures(slices, pair, approach, slope[closed], sunk[closed])
+    return found, slope
+
+
 def sharp_ends(bearing: Bearing, axial: Axial) -> np.ndarray:
     """Whether profiles end with an edge at a roller's ends, inner and outer contact, (2,)."""
     end = np.array([-0.5, 0.5]) * bearing.roller_length

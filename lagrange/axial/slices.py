@@ -94,9 +94,12 @@ class Slices:
 
     def sums(self, approach, slope, sunk=0.0) -> Sums:
         """Energy, force and moment of contacts, (...,)."""
-        forces = self.forces(approach, slope, sunk)
+        return self._sums(self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk))
+
+    def _sums(self, deep: np.ndarray, forces: np.ndarray) -> Sums:
+        """The same by the slices' approaches and forces, (..., n)."""
         if self.coupling is None:
-            energy = self.law.potential(self.approaches(approach, slope, sunk)).mean(axis=-1)
+            energy = self.law.potential(deep).mean(axis=-1)
         else:
             own = self.law.potential(self.law.approach(self.count * forces)).mean(axis=-1)
             energy = own + 0.5 * np.einsum("...k,kl,...l->...", forces, self.coupling, forces)
@@ -105,20 +108,20 @@ class Slices:
     def at(self, approach, slope, sunk=0.0) -> TiltedContact:
         """The same with derivatives, as a table has them."""
         approach, slope = np.asarray(approach, dtype=float), np.asarray(slope, dtype=float)
-        part = np.zeros(self.count) if self.part is None else self.part
-        own = deep = self.approaches(approach, slope, sunk)
-        if self.coupling is not None:
-            own = deep - self.forces(approach, slope, sunk) @ self.coupling
-        stiff = self.law.slope(own)[..., None] / self.count * np.eye(self.count)
-        if self.coupling is not None:  # K (1 + C K)⁻¹, symmetric
-            stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)
-        by_slope = stiff @ self.place
+        deep, forces = self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk)
+        if self.coupling is None:
+            by_approach = self.law.slope(deep) / self.count
+            by_slope = by_approach * self.place
+        else:
+            stiff = self.law.slope(deep - forces @ self.coupling)[..., None] / self.count * np.eye(self.count)
+            stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)  # K (1 + C K)⁻¹, symmetric
+            by_approach, by_slope = stiff.sum(axis=-1), stiff @ self.place
         return TiltedContact(
-            *self.sums(approach, slope, sunk),
-            stiffness=stiff.sum(axis=(-2, -1)),
+            *self._sums(deep, forces),
+            stiffness=by_approach.sum(axis=-1),
             cross=-by_slope.sum(axis=-1),
             tilt_stiffness=by_slope @ self.place,
-            part=self.forces(approach, slope, sunk) @ part,
+            part=forces @ (np.zeros(self.count) if self.part is None else self.part),
         )
 
 

@@ -1,0 +1,131 @@
+"""What rollers that tilt do: finite elements beside the reduced model, a spall of half the length, free skew.
+
+`python -m tests.accuracy.tilted`; writes docs/measurements/tilted.md. Takes three minutes.
+"""
+
+import numpy as np
+from cyclopts import App
+from scipy.signal import butter, hilbert, sosfiltfilt
+
+from fem.solver.simulate import make_plan
+from lagrange.kinematics import kinematics
+from lagrange.scene.scene import Scene
+from tests.measurements import markdown_table, publish
+from tests.verification.runs import RunSamples, record
+
+MESHES_MM = 2.0, 1.0
+SETTLED = 0.02, 0.06  # s, from which runs with spalls, and with skew, are looked at
+BAND = 5e3, 20e3  # Hz, of the envelope
+NEAR = 6.0  # Hz, of BPFO
+OVER = 0.15e-3  # m, either side of a spall's middle
+COMMAND = "python -m tests.accuracy.tilted"
+SPALLS = {
+    "sound": {},
+    "half the length": {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}]},
+    "whole length": {"spall": [{"width_mm": 1.0}]},
+}
+PLAYS = [("guided", 0.1, 0.0), *((f"{play:g} mrad", mu, play) for mu in (0.05, 0.1) for play in (1.0, 5.0))]
+
+
+def moved(keys: dict) -> RunSamples:
+    """A run of the paper's bearing whose rollers have logarithmic profiles."""
+    return record(make_plan(Scene().varied({"axial.roller_profile": "logarithmic"} | keys)))
+
+
+def beside_reduced() -> str:
+    """Mean and deviations of hub and moments on meshes, against the reduced model; 1 mrad, 20 ms."""
+    keys = {"operation.misalignment_mrad": 1.0, "numerics.duration_ms": 20.0}
+    wanted, rows = moved(keys | {"model": "reduced"}), []
+    for size in MESHES_MM:
+        found = moved(keys | {"model": "fem", "numerics.mesh_size_mm": size})
+        moments = [each["inner_moment"] for each in (found, wanted)]
+        largest = np.abs(moments[1]).max()
+        off = moments[0] - moments[1]
+        hub = [each["inner_y"] for each in (found, wanted)]
+        rows.append(
+            [
+                f"{size:g} mm", _percent(hub[0].mean() / hub[1].mean() - 1.0),
+                _percent((hub[0].std() - hub[1].std()) / hub[1].std()),
+                _percent(np.abs(off.mean(axis=0)).max() / largest), _percent(off.std() / largest),
+                _percent(np.abs(off).max() / largest),
+            ]
+        )  # fmt: skip
+    names = "mesh", "hub: mean", "hub: standard deviation", "moments: mean", "moments: rms", "moments: largest"
+    return markdown_table(names, rows)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * abs(share):.2g} %"
+
+
+def spalled() -> str:
+    """Forces, moments, tilts and vibration of a spall under the load, 100 ms."""
+    keys = {"model": "reduced", "axial.slices": 20, "numerics.duration_ms": 100.0, "numerics.output_interval_us": 5.0}
+    columns = []
+    for more in SPALLS.values():
+        found = moved(keys | more)
+        bearing = found.plan.scene.ideal_bearing()
+        angle = np.arctan2(found["roller_x"], -found["roller_y"])
+        over = np.abs(angle) * bearing.outer_raceway_radius < OVER
+        late = found["time"] > SETTLED[0]
+        acceleration, interval = found["inner_ay"][late], float(np.diff(found["time"][:2])[0])
+        columns.append(
+            [
+                f"{found['outer_force'][over].mean():.0f} N", f"{abs(found['outer_moment'][over].mean()):.2f} N m",
+                f"{found['outer_force'].max():.0f} N", f"{1e3 * np.abs(found['roller_tilt']).max():.1f} mrad",
+                f"{acceleration.std():.0f} m/s²", f"{_envelope_at_bpfo(found, acceleration, interval):.2g} m/s²",
+            ]
+        )  # fmt: skip
+    names = (
+        "mean force on the outer raceway over its middle", "mean moment there", "largest force on the outer raceway",
+        "largest tilt", "acceleration of the hub along the load", "its envelope at BPFO",
+    )  # fmt: skip
+    return markdown_table(("spall", *SPALLS), zip(names, *columns, strict=True))
+
+
+def _envelope_at_bpfo(found: RunSamples, acceleration: np.ndarray, interval: float) -> float:
+    band = butter(4, BAND, "band", fs=1.0 / interval, output="sos")
+    envelope = np.abs(hilbert(sosfiltfilt(band, acceleration)))
+    window = np.hanning(envelope.size)
+    size = 2.0 * np.abs(np.fft.rfft((envelope - envelope.mean()) * window)) / window.sum()
+    frequency = np.fft.rfftfreq(envelope.size, interval)
+    bearing, operation = found.plan.scene.ideal_bearing(), found.plan.scene.ideal_operation()
+    line = kinematics(bearing, operation.speed).frequencies["BPFO"]
+    return float(size[np.abs(frequency - line) < NEAR].max())
+
+
+def skewed() -> str:
+    """Skew, tilt and friction of rollers that are free, 60 to 120 ms at 1 mrad."""
+    keys = {"model": "reduced", "operation.misalignment_mrad": 1.0, "numerics.duration_ms": 120.0}
+    rows = []
+    for name, friction, play in PLAYS:
+        free = {"axial.skew": "free", "axial.skew_play_mrad": play} if play else {}
+        found = moved(keys | {"contact.friction_coefficient": friction} | free)
+        late = found["time"] >= SETTLED[1]
+        lost = np.ptp(found["work_dissipated"][late]) / np.ptp(found["time"][late])
+        axial = f"{np.abs(found['inner_axial_traction'][late]).max():.0f} N" if play else "none"
+        largest = [f"{1e3 * np.abs(found[each][late]).max():.2f} mrad" for each in ("roller_skew", "roller_tilt")]
+        rows.append([name, f"{friction:g}", *largest, axial, f"{lost:.2g} W"])
+    return markdown_table(("play", "friction", "skew", "largest tilt", "axial traction", "dissipated"), rows)
+
+
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def main(*, write: bool = False) -> None:
+    """Print the tables; with write, put them into docs/measurements/tilted.md."""
+    for heading, about, table in (
+        ("Meshes", "Off the reduced model's; 1 mrad, 20 ms, moments over the largest.", beside_reduced),
+        (
+            "Spall of half the length",
+            "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on.",
+            spalled,
+        ),
+        ("Free skew", "1 mrad, 60 to 120 ms.", skewed),
+    ):
+        publish("tilted", heading, COMMAND, about, table(), write=write)
+
+
+if __name__ == "__main__":
+    app()

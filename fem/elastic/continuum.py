@@ -15,6 +15,7 @@ equations.
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import log, pi
 
 import numpy as np
@@ -78,6 +79,7 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
     return loaded_radius * compliance
 
 
+@lru_cache(maxsize=2)  # of the last bearing's rings
 def ring_sag(free_radius: float, held_radius: float, material: Material, gravity: float) -> float:
     """How far the free circle of an annulus that is fixed on its other circle falls by its own weight, m.
 

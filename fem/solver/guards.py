@@ -44,11 +44,10 @@ class EnergyAccount:
         dissipated = values["work_dissipated"]
         left = np.exp(-np.fmax(np.diff(dissipated, prepend=self._dissipated), 0.0) / found.passed_on)
         added = np.diff(imbalance, prepend=self._imbalance)
-        error, errors = self._error, []
-        for kept, more in zip(left.tolist(), added.tolist(), strict=True):
-            error = error * kept + more
-            errors.append(error)
-        found.error[:] = errors
+        error = self._error
+        found.error[:] = [
+            error := error * kept + more for kept, more in zip(left.tolist(), added.tolist(), strict=True)
+        ]
         self.exchanged, self._error = float(exchanged[-1]), float(found.error[-1])
         self._imbalance, self._dissipated = float(imbalance[-1]), float(dissipated[-1])
         return found
@@ -91,10 +90,10 @@ def n_in_place(bearing: Bearing, give: float, samples: Samples) -> int:
     give += 0.0 if surfaces is None else surfaces.deepest
     hub_x, hub_y, x, y = from_outer_ring(samples, "inner", "roller")
     x, y = x - hub_x[:, None], y - hub_y[:, None]
-    astray = np.sqrt((x * x + y * y).min(axis=1)) < reach - give
-    astray |= samples["roller_rho"].max(axis=1) > track + give
-    astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
-    return int(np.argmax(astray)) if astray.any() else len(astray)
+    astray = x * x + y * y < max(reach - give, 0.0) ** 2
+    astray |= samples["roller_rho"] > track + give
+    astray |= (np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give))[:, None]
+    return int(np.argmax(astray)) // bearing.n_rollers if astray.any() else len(astray)
 
 
 def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:

@@ -73,9 +73,13 @@ class SampleReader:
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         values = {name: rows[:, place] for name, place in self._places.items()}
-        values |= {name: np.ascontiguousarray(values[name]) for name in ("roller_x", "roller_y")}  # read several times
+        single = {name: place for name, place in self._places.items() if isinstance(place, int)}
+        values |= zip(
+            single, rows.T[list(single.values())], strict=True
+        )  # copies: rows are long, and read several times
+        values |= {name: np.ascontiguousarray(values[name]) for name in ("roller_x", "roller_y")}
         x, y = from_outer_ring(values, "roller")
-        works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
+        works = values["work_load"] + values["work_gravity"] + values["work_drive"]
         stored = values["energy_elastic"] + values["energy_contact"]
         moved = values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values)
         if self._base is None:
@@ -96,7 +100,8 @@ class SampleReader:
         turns = np.round((self._angle - angle[0]) / TURN)
         unwrapped = angle + TURN * turns
         moved = np.diff(angle, axis=0)
-        for sample, roller in np.argwhere(np.abs(moved) > np.pi):  # few
+        for passed in np.flatnonzero(np.abs(moved) > np.pi):  # few
+            sample, roller = divmod(passed, angle.shape[1])
             turns[roller] -= np.round(moved[sample, roller] / TURN)
             unwrapped[sample + 1 :, roller] = angle[sample + 1 :, roller] + TURN * turns[roller]
         self._angle = unwrapped[-1]

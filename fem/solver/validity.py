@@ -73,8 +73,8 @@ def no_sums() -> np.ndarray:
 def add_samples(sums: np.ndarray, samples: Samples) -> None:
     """Add samples, one after another, so that blocks of any size give the same sums."""
     x, y, vx, vy, ax, ay = (samples[f"inner_{name}"] for name in ("x", "y", "vx", "vy", "ax", "ay"))
-    terms = np.stack([np.ones_like(x), x, y, x**2 + y**2, vx**2 + vy**2, ax**2 + ay**2], axis=1)
-    sums[:] = np.cumsum(np.vstack([sums, terms]), axis=0)[-1]
+    terms = np.stack([np.ones_like(x), x, y, x**2 + y**2, vx**2 + vy**2, ax**2 + ay**2])
+    sums[:] = np.cumsum(np.column_stack([sums, terms]), axis=1)[:, -1]
 
 
 def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: float = 0.0) -> float:

@@ -221,11 +221,12 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
     of_ring, of_roller = (moving_softening(material, speed) for material in pair.materials)
     sides = [line_compliance(material, pair.length) for material in pair.materials]
     share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)
-    still = _long_waves(bearing, pair.kind == "inner")
+    still = _long_waves(_sound(bearing), pair.kind == "inner")
     faster = ContactLaw.of_level(law.A * share, law.B - 0.5 * log(share), pair)  # b² grows as A
     return softened(faster, (of_ring - 1.0) * still)
 
 
+@lru_cache(maxsize=2)
 def _long_waves(bearing: Bearing, inner: bool) -> float:
     """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
     ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring

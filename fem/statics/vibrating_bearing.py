@@ -1,6 +1,7 @@
 """Vibration modes of a bearing's bodies, and the compliance of their contacts without these modes."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class BearingModes:
         return float(self.roller.compliance(np.array(0.0)) + ring.compliance(np.array(0.0)))
 
 
+@lru_cache(maxsize=1)
 def bearing_modes(bearing: Bearing, inner_mass: float, highest: float) -> BearingModes | None:
     """All modes up to a frequency, rad/s, the inner ring's with a hub that makes it `inner_mass`, kg; None: no mode."""
     if highest == 0.0:
@@ -75,6 +77,19 @@ class UnseenWaves:
 
 def unseen_waves(bearing: Bearing, inner_mass: float, modes: BearingModes | None) -> UnseenWaves:
     """What is left beside some modes of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
+    table = _inertia(replace(bearing, faults=()), inner_mass)
+    roller, inner, outer = table[:, 0]
+    slowest = float(table[:, 1].min())
+    if modes is not None:
+        seen = [float(np.sum((body.shape / body.frequency**2) ** 2)) for body in modes.bodies]
+        roller, inner, outer = (max(a - b, 0.0) for a, b in zip((roller, inner, outer), seen, strict=True))
+        slowest = modes.highest
+    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=slowest)
+
+
+@lru_cache(maxsize=1)
+def _inertia(bearing: Bearing, inner_mass: float) -> np.ndarray:
+    """Σ s²/ω⁴, s⁴/kg, of all modes of a roller and both rings, and the slowest's frequency, rad/s: (3, 2)."""
     length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
 
     def make():
@@ -89,14 +104,7 @@ def unseen_waves(bearing: Bearing, inner_mass: float, modes: BearingModes | None
         )
         return {"inertia": np.array(found)}
 
-    table = kept("inertia", repr((replace(bearing, faults=()), inner_mass)), make)["inertia"]
-    roller, inner, outer = table[:, 0]
-    slowest = float(table[:, 1].min())
-    if modes is not None:
-        seen = [float(np.sum((body.shape / body.frequency**2) ** 2)) for body in modes.bodies]
-        roller, inner, outer = (max(a - b, 0.0) for a, b in zip((roller, inner, outer), seen, strict=True))
-        slowest = modes.highest
-    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=slowest)
+    return kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
 
 
 def softened(law: ContactLaw, compliance: float) -> ContactLaw:

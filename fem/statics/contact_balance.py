@@ -5,7 +5,8 @@ not known here.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -78,6 +79,15 @@ class Condensed:
     closing: np.ndarray  # (2 n_rollers,), m, of each contact by other loads: beside the surfaces' overlap
     turns: Turns = UNTURNED  # of the bodies, which matter where their surfaces are not perfect
 
+    @cached_property
+    def law(self) -> ContactLaw | NoLaw:
+        """Both laws as one, of the forces of all contacts, (2 n_rollers,): its constants are arrays."""
+        inner, outer, n = self.inner_law, self.outer_law, self.bearing.n_rollers
+        if isinstance(inner, NoLaw) or isinstance(outer, NoLaw):
+            return inner
+        A, B, Q_line = np.repeat([(law.A, law.B, law.Q_line) for law in (inner, outer)], n, axis=0).T.copy()
+        return replace(inner, A=A, B=B, Q_line=Q_line)
+
 
 def first_guess(bearing: Bearing, radial, load: float, side_load: float = 0.0) -> np.ndarray:
     """Hub and radii, (n_rollers + 2,): the hub pushed until rigid rollers would touch, rollers midway.
@@ -115,7 +125,7 @@ def hub_stiffness(contacts: Condensed, place: np.ndarray, forces: np.ndarray, sp
     directions = geometry(bearing, contacts.radial, place, turns, forces)[1]
     closed = np.flatnonzero(forces > 0.0)
     own = edge_compliances(bearing, contacts.radial, place, turns)
-    own = own + _law(contacts, np.where(forces > 0.0, forces, 1.0))[1]
+    own = own + contacts.law.softness(np.where(forces > 0.0, forces, 1.0))
     soft = (contacts.compliance + np.diag(own))[np.ix_(closed, closed)]
     whole = np.diag(springs_of(bearing, spring)[0]) + directions[closed].T @ np.linalg.solve(soft, directions[closed])
     normal = directions[:n, :2]
@@ -221,7 +231,7 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
     Where no force pulls and no other contact is closed it is the solution, as a convex problem has but one.
     """
-    closed, bearing = np.flatnonzero(near > 0.0), held.contacts.bearing
+    closed, bearing, law = np.flatnonzero(near > 0.0), held.contacts.bearing, held.contacts.law
     if not closed.size:
         return None
     n, m = bearing.n_rollers + 2, closed.size
@@ -231,8 +241,7 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
     own, is_open = held.compliance[np.ix_(closed, closed)], near <= 0.0
     moved, force = held.position, near.copy()
     for done in range(NEWTON_STEPS):
-        approach, softness = _law(held.contacts, np.where(is_open, 1.0, force))
-        through = held.through(moved, force, np.where(is_open, 0.0, approach))
+        through = held.through(moved, force, law.approach(force))
         unbalanced = held.unbalanced(moved, force)
         scale = max(held.size, float(force.max()))
         if (
@@ -242,7 +251,7 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
         ):
             fits = not np.any(through[is_open] > SETTLED * bearing.roller_radius)
             return (moved, force) if fits else None
-        matrix[n:, n:] = own + np.diag(softness[closed])
+        matrix[n:, n:] = own + np.diag(law.softness(np.where(is_open, 1.0, force))[closed])
         step = np.linalg.solve(matrix, np.concatenate([unbalanced, through[closed]]))
         moved, force[closed] = moved + step[:n], force[closed] + step[n:]
         if np.any(force[closed] <= 0.0):
@@ -257,12 +266,11 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
     s stay positive while their products shrink to 0.
     """
     bearing, n, directions = held.contacts.bearing, held.contacts.bearing.n_rollers, held.directions
-    size = held.size
+    size, law = held.size, held.contacts.law
     moved, force = held.position.copy(), np.full(2 * n, size)
-    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-held.overlap, 0.0)
+    gap, springs = FIRST_GAP * bearing.roller_radius + np.maximum(-held.overlap, 0.0), np.diag(held.springs)
     for _ in range(MAX_STEPS):
-        approach, softness = _law(held.contacts, force)
-        unbalanced, apart = held.unbalanced(moved, force), held.through(moved, force, approach) + gap
+        unbalanced, apart = held.unbalanced(moved, force), held.through(moved, force, law.approach(force)) + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
         if (
@@ -273,11 +281,9 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
             return moved, force
         barrier = SHRINK * product
         wanted = apart + barrier / force - gap
-        soft = held.compliance + np.diag(softness + gap / force)
+        soft = held.compliance + np.diag(law.softness(force) + gap / force)
         solved = np.linalg.solve(soft, np.column_stack([directions, wanted]))
-        step = np.linalg.solve(
-            np.diag(held.springs) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
-        )
+        step = np.linalg.solve(springs + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1])
         force_step = solved[:, :-1] @ step + solved[:, -1]
         gap_step = (barrier - force * gap - gap * force_step) / force
         length = min(1.0, _room(force, force_step), _room(gap, gap_step))
@@ -318,13 +324,3 @@ def edge_compliances(bearing: Bearing, radial, position, turns: Turns = UNTURNED
     inner = surfaces.inner(np.arctan2(from_hub[:, 1], from_hub[:, 0]), turns)
     outer = surfaces.outer(np.arctan2(radial[:, 1], radial[:, 0]), turns)
     return np.concatenate([np.broadcast_to(met.compliance, n) for met in (inner, outer)])
-
-
-def _law(contacts: Condensed, force) -> tuple[np.ndarray, np.ndarray]:
-    """Approach the laws give to each force, m, and its slope, m/N."""
-    n = contacts.bearing.n_rollers
-    parts = ((contacts.inner_law, force[:n]), (contacts.outer_law, force[n:]))
-    return (
-        np.concatenate([law.approach(q) for law, q in parts]),
-        np.concatenate([law.softness(q) for law, q in parts]),
-    )

@@ -88,15 +88,15 @@ class Result:
     def of(cls, state: RunState, memory: Memory, setup_seconds: float) -> "Result":
         """What a run has left in memory."""
         complete = state.done == state.plan.n_samples
-        outcome = Outcome.COMPLETE if complete else Outcome.INTERRUPTED
+        outcome, attributes = Outcome.COMPLETE if complete else Outcome.INTERRUPTED, state.outcome_attributes
         return cls(
             values=memory.values(),
             status=outcome.status(),
-            warnings=(*state.plan.notices, *state.plan.warnings, *state.warnings, *state.notices),
+            warnings=(*state.plan.notices, *str(attributes["warnings"]).splitlines(), *state.notices),
             setup_seconds=setup_seconds,
             wall_seconds=state.wall,
             plan=state.plan,
-            outcome_attributes=state.outcome_attributes,
+            outcome_attributes=attributes,
             frames=tuple(memory.frames),
         )
 

@@ -19,7 +19,7 @@ from fem.solver.guards import (
     run_warnings,
     velocity_trouble,
 )
-from fem.solver.samples import SampleReader, row_width
+from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
 
@@ -69,20 +69,13 @@ class RowState(RunState):
         `before`: rows since the last sample.
         """
         plan = self.plan
-        rows, stride = np.zeros((n_rows, self._row_width)), plan.stride // plan.looks
+        rows, stride = np.zeros((n_rows, self.reader.width)), plan.stride // plan.looks
         return rows, *self.step_rows(self.done * plan.stride + before * stride, stride, rows)
-
-    @property
-    def _row_width(self) -> int:
-        plan = self.plan
-        cage, axial = plan.scene.ideal_cage(), plan.scene.axial
-        further = () if axial is None else axial.parts
-        return row_width(plan.model.bearing.n_rollers, cage, plan.operation.mounting, further)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""
         looks, kept = self.plan.looks, {name: array.copy() for name, array in self.named_arrays().items()}
-        whole, done, size = np.zeros((looks, self._row_width)), 0, 1
+        whole, done, size = np.zeros((looks, self.reader.width)), 0, 1
         while True:
             began = time.perf_counter()
             rows, status, step, body = self.take_steps(min(size, looks - done), done)

@@ -29,7 +29,11 @@ def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | s
 def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD, further: tuple[str, ...] = ()) -> int:
     """Numbers in a sample of the time loops; `further` : parts of a scene beside cage and mounting."""
     parts = *mounting.parts, *(() if cage is None else ("cage",)), *further
-    return sum(n_rollers if isinstance(at, slice) else 1 for at in row_places(n_rollers, parts).values())
+    return _width(row_places(n_rollers, parts))
+
+
+def _width(places: dict[str, int | slice]) -> int:
+    return 1 + max(at.stop - 1 if isinstance(at, slice) else at for at in places.values())
 
 
 class SampleReader:
@@ -43,6 +47,7 @@ class SampleReader:
         of_scene = () if scene.cage is None else ("cage",), () if scene.axial is None else scene.axial.parts
         parts = *plan.operation.mounting.parts, *of_scene[0], *of_scene[1]
         self._places = row_places(plan.model.bearing.n_rollers, parts)
+        self.width = _width(self._places)  # of a row
         self._pressed = plan.pressed_energy
         self._looks = plan.looks
         self._interval = plan.interval

@@ -1,6 +1,7 @@
 """What a run from Python gives back: its samples in memory, and what the commands make of a result file."""
 
 import tempfile
+from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ import numpy as np
 from fem.commands.start_up import Outcome, need
 from fem.quantities import Quantity, labels, run_quantities
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
-from fem.result.later_columns import events_of, with_sinkages
+from fem.result.later_columns import events_of, sinkages
 from fem.result.layout import PER_ROLLER, readable, variables_of
 from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
@@ -33,26 +34,24 @@ if TYPE_CHECKING:
 PICTURE_WIDTH = 1600  # pixels
 
 
-class Memory:
-    """Takes a run's samples as they come, in the place of a result file."""
+class Memory(Mapping[str, np.ndarray]):
+    """A run's samples as they come, in the place of a result file; a column is put together when it is asked for."""
 
     def __init__(self, plan: Plan):
         self._count = 0
         self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
-        n, rollers = plan.n_samples, self._bearing.n_rollers
-        self._columns = {
-            name: np.empty((n, rollers) if dimensions == PER_ROLLER else n)
+        rollers = self._bearing.n_rollers
+        self._parts = {
+            name: [np.empty((0, rollers) if dimensions == PER_ROLLER else 0)]
             for name, (dimensions, *_) in variables_of(plan.scene).items()
         }
         self.frames: list[Frame] = []
 
     def append(self, samples: Samples) -> None:
         """Add a block of samples."""
-        values = with_sinkages(self._bearing, self._operation, samples.values)
-        end = self._count + len(samples)
-        for name, column in self._columns.items():
-            column[self._count : end] = values[name]
-        self._count = end
+        self._count += len(samples)
+        for name in samples.keys() & self._parts.keys():
+            self._parts[name].append(np.ascontiguousarray(samples[name]))
 
     def keep(self, frame: "Frame") -> None:
         """Add the fields of a sample to come."""
@@ -62,10 +61,26 @@ class Memory:
         """Forget all samples so far: the run goes on from its start."""
         self._count = 0
         self.frames.clear()
+        for parts in self._parts.values():
+            del parts[1:]
 
-    def values(self) -> dict[str, np.ndarray]:
-        """All samples, by the result file's names."""
-        return {name: column[: self._count] for name, column in self._columns.items()}
+    def __getitem__(self, name: str) -> np.ndarray:
+        """All samples of a column, by the result file's names."""
+        parts = self._parts[name]
+        if len(parts) > 1:
+            parts[:] = [np.concatenate(parts)]
+        elif len(parts[0]) < self._count:  # follows from the others
+            parts[:] = [sinkages(self._bearing, self._operation, self)[name]]
+        return parts[0]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._parts
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +105,7 @@ class Result:
         complete = state.done == state.plan.n_samples
         outcome, attributes = Outcome.COMPLETE if complete else Outcome.INTERRUPTED, state.outcome_attributes
         return cls(
-            values=memory.values(),
+            values=memory,
             status=outcome.status(),
             warnings=(*state.plan.notices, *str(attributes["warnings"]).splitlines(), *state.notices),
             setup_seconds=setup_seconds,
@@ -156,7 +171,8 @@ class Result:
         bearing = self.scene.ideal_bearing()
         ideal = mean_kinematics(bearing, self.scene.ideal_operation(), float(self.time[-1]))
         pressures = self.pressures if self.scene.bearing.type == "roller" else {}
-        return {each.name: each for each in run_quantities(ideal, {**self.values, **pressures})}
+        samples = ChainMap(pressures, self.values)  # type: ignore[arg-type]  # nothing is written into them
+        return {each.name: each for each in run_quantities(ideal, samples)}
 
     def to_xarray(self) -> "xarray.Dataset":
         """The samples with dimensions, units and the result file's attributes.

@@ -15,7 +15,6 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.files.hdf5 import SCENE_FILE, hdf5_to_write
 from lagrange.files.output import real_path
 from lagrange.scene.scene import Scene
-from lagrange.surface.deviation import profiles
 from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls, surfaces_met
 
 if TYPE_CHECKING:
@@ -94,14 +93,10 @@ EVENT_COLUMNS = {  # type, unit and meaning
 }
 
 
-def with_sinkages(
-    bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
-) -> Mapping[str, np.ndarray]:
-    """Samples with the sinkage under each contact, where surfaces are not perfect."""
-    if profiles(bearing) is None:
-        return samples
+def sinkages(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of the sinkage under each contact of surfaces that are not perfect."""
     met = zip(("inner", "outer"), surfaces_met(bearing, operation, samples), strict=True)
-    return {**samples, **{f"{side}_sinkage": each.sinkage + each.part for side, each in met}}
+    return {f"{side}_sinkage": each.sinkage + each.part for side, each in met}
 
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:

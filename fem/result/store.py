@@ -20,7 +20,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
-from fem.result.later_columns import events_of, with_sinkages, write_events, write_scene_files
+from fem.result.later_columns import events_of, sinkages, write_events, write_scene_files
 from fem.result.layout import Places, create, variables_of
 from lagrange.axial.stored import write_slices
 from lagrange.columns import FORMAT_VERSION
@@ -201,7 +201,8 @@ class ResultFile:
 
     def append(self, samples: Mapping[str, np.ndarray]) -> None:
         """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
-        samples = with_sinkages(self._bearing, self._operation, samples)
+        if not self._variables.keys() <= samples.keys():
+            samples = {**samples, **sinkages(self._bearing, self._operation, samples)}
         with self._named():
             for name in self._variables:
                 place = self._places.start[name] + self._count * self._places.width[name]

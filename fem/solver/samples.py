@@ -77,12 +77,7 @@ class SampleReader:
 
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
-        values = {name: rows[:, place] for name, place in self._places.items()}
-        single = {name: place for name, place in self._places.items() if isinstance(place, int)}
-        values |= zip(
-            single, rows.T[list(single.values())], strict=True
-        )  # copies: rows are long, and read several times
-        values |= {name: np.ascontiguousarray(values[name]) for name in ("roller_x", "roller_y")}
+        values = {name: rows[:, place].copy() for name, place in self._places.items()}  # each is read several times
         x, y = from_outer_ring(values, "roller")
         works = values["work_load"] + values["work_gravity"] + values["work_drive"]
         stored = values["energy_elastic"] + values["energy_contact"]

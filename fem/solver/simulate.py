@@ -87,7 +87,7 @@ def run(
 
 def size_of_block(size: int, found: int, took: float) -> int:
     """Of the next block, after one of some size in which so many samples were found in so many seconds."""
-    size = min(16 * size, LARGEST_BLOCK)
+    size = min(64 * size, LARGEST_BLOCK)
     if took > 0.0:  # clocks have stood still
         size = max(1, min(size, int(BLOCK_SECONDS / took * found)))
     return size

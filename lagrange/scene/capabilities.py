@@ -166,6 +166,7 @@ def refusals(scene: SceneTables) -> Iterator[str]:
         "support": "held" if scene.support is None else scene.support.kind,
         "modes": f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}",
     }  # fmt: skip
+    found = {feature: written(scene) for feature, written in GIVEN.items()}
     for feature, kind, sentence in REFUSED:
-        if (given := GIVEN[feature](scene)) is not None and KINDS[kind](scene):
+        if (given := found[feature]) is not None and KINDS[kind](scene):
             yield sentence.format(given=given, **words)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fem.rating.case import Case, Options
 from lagrange.bearing import Bearing, Material
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.rating.capacity import (
@@ -23,7 +24,14 @@ from lagrange.rating.life import (
     reference_viscosity,
     reliability_factor,
 )
-from lagrange.rating.reference_life import edge_factor, profile_drop, reference_life, rigid_loads, shared_out
+from lagrange.rating.reference_life import (
+    edge_factor,
+    lamina_capacities,
+    profile_drop,
+    reference_life,
+    rigid_loads,
+    shared_out,
+)
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.scene import read_scene
 
@@ -120,10 +128,30 @@ def test_rollers_that_share_out_their_own_loads():
     assert shared_out(PAPER, given.of_rollers) == pytest.approx(given.loads, abs=1e-8)
 
 
-def test_outer_ring_that_turns():
-    loads = rigid_loads(PAPER, 2000.0).loads
-    capacity = dynamic_capacity(PAPER)
-    assert reference_life(PAPER, capacity, loads, turning="outer") < reference_life(PAPER, capacity, loads)
+@pytest.mark.parametrize(
+    ("settings", "turning"),
+    [
+        ((), ("inner",)),
+        (("speed_rpm=0", "outer_ring_speed_rpm=600"), ("outer",)),
+        (("speed_rpm=100", "outer_ring_speed_rpm=600"), ("inner", "outer")),
+        (("rotating_load_N=1900",), ("inner",)),
+        (("rotating_load_N=2100",), ("outer",)),
+        (("unbalance_g_mm=1e7",), ("outer",)),
+        (
+            ("speed_rpm=0", "outer_ring_speed_rpm=600", "rotating_load_N=2100", 'rotating_load_with="outer_ring"'),
+            ("inner",),
+        ),
+        (("speed_rpm=0",), ("inner",)),
+    ],
+)
+def test_rings_that_turn_against_the_load(settings, turning):
+    """The mean load of such a ring has the exponent 4, of another 4.5; under a load that turns with it a ring rests."""
+    case = Case(read_scene(None, tuple(f"operation.{each}" for each in settings)), Options())
+    loads, worn = rigid_loads(PAPER, 2000.0).loads, 0.0
+    for ring, limit in zip(("inner", "outer"), lamina_capacities(PAPER, dynamic_capacity(PAPER)), strict=True):
+        w = 4.0 if ring in turning else 4.5
+        worn += np.sum((np.mean((edge_factor() * loads) ** w, axis=0) ** (1.0 / w) / limit) ** 4.5)
+    assert case.reference_life(loads) == pytest.approx(worn ** (-8 / 9), rel=1e-9)
 
 
 def test_profiles_and_edges():

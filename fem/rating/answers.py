@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lagrange.rating import sources
-from lagrange.rating.capacity import dynamic_capacity
 from lagrange.rating.contact_stress import FATIGUE, PERMITTED, LineContact
 from lagrange.rating.life import (
     in_hours,
     reference_viscosity,
     reliability_factor,
 )
-from lagrange.rating.reference_life import reference_life
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.scene.scene import Scene
 
@@ -105,9 +103,9 @@ DECLARED: tuple[_Declared, ...] = (
     ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
     ("Lnm_h", "h", "modified rating life a1 a_ISO L10", s.A_ISO, lambda c: c.modified_life()),
     ("L10r_Mrev", "Mrev", "reference rating life L10r, rigid rings", s.REFERENCE,
-     lambda c: reference_life(c.row, dynamic_capacity(c.row), c.rigid.loads)),
+     lambda c: c.reference_life(c.rigid.loads)),
     ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, mean over a pitch", s.REFERENCE,
-     lambda c: reference_life(c.row, dynamic_capacity(c.row), c.rigid_pitch)),
+     lambda c: c.reference_life(c.rigid_pitch)),
     ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING,
      lambda c: c.elastic_life()),
     ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN, lambda c: c.run.life(c.row)),

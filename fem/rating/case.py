@@ -29,7 +29,15 @@ from lagrange.rating.life import (
     reference_viscosity,
     reliability_factor,
 )
-from lagrange.rating.reference_life import LAMINAE, LaminaLoads, positions, reference_life, rigid_loads, shared_out
+from lagrange.rating.reference_life import (
+    LAMINAE,
+    LaminaLoads,
+    positions,
+    reference_life,
+    rigid_loads,
+    shared_out,
+    turning_rings,
+)
 from lagrange.rating.run_loads import RunLoads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
@@ -73,6 +81,7 @@ class Case:
         self.bearing: Bearing = scene.perfect_bearing()
         operation = scene.ideal_operation()
         self.history, self.operation = operation.history, replace(operation, history=None)
+        self.turning = turning_rings(operation)  # against the load
 
     @cached_property
     def row(self) -> Dimensions:
@@ -270,8 +279,7 @@ class Case:
         """L10r, 10⁶ revolutions, by misalignment in mrad."""
         if self.axial is None:
             raise Unavailable(PLANE)
-        capacity = dynamic_capacity(self.row)
-        return {f"{mrad:g} mrad": reference_life(self.row, capacity, self.rigid_at(slope=1e-3 * mrad).loads)
+        return {f"{mrad:g} mrad": self.reference_life(self.rigid_at(slope=1e-3 * mrad).loads)
                 for mrad in SLOPES}  # fmt: skip
 
     @property
@@ -405,13 +413,16 @@ class Case:
         if self.cycle is not None:
             weight = self.operation.inner_mass * self.operation.gravity
             acting = replace(acting, side_load=0.0, radial_load=self.load / load_factor(self.bearing) - weight)
-        capacity = dynamic_capacity(self.row)
         if self.axial is not None:  # slices alone, which the standard's factor of edges is made for
             alone = replace(self.axial, slices=LAMINAE, coupling=False)
-            return reference_life(self.row, capacity, *self.tilted_under(acting, True, alone).loads)
+            return self.reference_life(*self.tilted_under(acting, True, alone).loads)
         pitch = self.elastic if self.cycle is None else self.elastic_under(acting)
         inner, outer = (shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
-        return reference_life(self.row, capacity, inner, outer)
+        return self.reference_life(inner, outer)
+
+    def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
+        """L10r, 10⁶ revolutions, under loads of laminae, N."""
+        return reference_life(self.row, dynamic_capacity(self.row), inner, outer, turning=self.turning)
 
     def modified_life(self) -> float:
         return in_hours(reliability_factor(self.options.reliability) * self.a_iso * self.basic_life(), self.rpm)

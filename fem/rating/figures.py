@@ -10,9 +10,8 @@ import numpy as np
 from fem.rating.case import Case
 from fem.study.figures import Figure, finished
 from lagrange.contact.raceway_laws import contact_pairs
-from lagrange.rating.capacity import dynamic_capacity
 from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
-from lagrange.rating.reference_life import reference_life, rigid_loads
+from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, WIDTH
@@ -146,11 +145,11 @@ def _load_deflection(case: Case) -> Figure:
 
 def _life(case: Case) -> Figure:
     row, load = case.row, case.section_load
-    capacity, own = dynamic_capacity(row), 2e3 * case.bearing.radial_clearance
+    own = 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
     figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
     for share, colour in ((0.5, GREEN), (1.0, BLUE), (2.0, RED)):
-        lives = [reference_life(row, capacity, rigid_loads(row, share * load, s).loads) for s in clearances]
+        lives = [case.reference_life(rigid_loads(row, share * load, s).loads) for s in clearances]
         axis.plot(1e3 * clearances / row.cosine, lives, color=colour, label=f"{share * case.some_load:.0f} N")
     axis.axvline(1e3 * own / row.cosine, color=GREY, linestyle="--", linewidth=0.9, label="scene")
     axis.set(xlabel="diametral clearance, µm (below 0: preload)", ylabel="L10r, 10⁶ revolutions", yscale="log")
@@ -163,7 +162,7 @@ def _life(case: Case) -> Figure:
 
 
 def _misalignment(case: Case) -> Figure:
-    row, capacity, tilts = case.row, dynamic_capacity(case.row), np.linspace(0.0, TILTED, 25)
+    tilts = np.linspace(0.0, TILTED, 25)
     figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
     curves: list[tuple[bool | None, str, str, str]] = [
         (True, "logarithmic profile", BLUE, "-"),
@@ -173,7 +172,7 @@ def _misalignment(case: Case) -> Figure:
         curves.append((None, "the scene's profiles", GREEN, "--"))
         axis.axvline(1e3 * abs(case.operation.misalignment), color=GREY, linestyle=":", linewidth=0.9)
     for profile, words, colour, style in curves:
-        lives = [reference_life(row, capacity, case.rigid_at(slope=tilt, profile=profile).loads) for tilt in tilts]
+        lives = [case.reference_life(case.rigid_at(slope=tilt, profile=profile).loads) for tilt in tilts]
         axis.plot(1e3 * tilts, lives, color=colour, linestyle=style, label=words)
     axis.set(xlabel="misalignment, mrad", ylabel="L10r, 10⁶ revolutions", yscale="log", xlim=(0, None))
     axis.legend(fontsize=7.5)

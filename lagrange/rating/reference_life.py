@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.axial.profile import logarithmic_drop
+from lagrange.bearing import Operation
 from lagrange.rating.capacity import REDUCTION, Dimensions
 from lagrange.rating.sources import Unavailable
 
@@ -125,8 +126,28 @@ def lamina_capacities(row: Dimensions, capacity: float, laminae: int = LAMINAE) 
     return shared / 0.378 * (1.0 + ratio**4.5) ** (2 / 9), shared / 0.364 * (1.0 + ratio**-4.5) ** (2 / 9)
 
 
+def turning_rings(operation: Operation) -> tuple[str, ...]:
+    """Rings, "inner" and "outer", that turn against the direction of the load; the inner one where none does.
+
+    The load stands, or turns with a ring, as its largest part does: weight, given load, unbalance, rotating load.
+    """
+    history, (inner, outer) = operation.history, operation.ring_speeds_met
+    turning = {"inner": 0.0, "outer": 0.0}  # parts of the load, N
+    if history is not None:
+        turning["inner"] = history.unbalance * history.fastest**2
+        turning[history.rotating_load_with.removesuffix("_ring")] += history.rotating_load
+    still = operation.heaviest - sum(turning.values()) + operation.inner_mass * operation.gravity
+    _, load = max((still, 0.0), (turning["inner"], inner), (turning["outer"], outer), key=lambda part: part[0])
+    return tuple(ring for ring, speed in (("inner", inner), ("outer", outer)) if np.any(speed != load)) or ("inner",)
+
+
 def reference_life(
-    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *, turning: str = "inner"
+    row: Dimensions,
+    capacity: float,
+    inner: np.ndarray,
+    outer: np.ndarray | None = None,
+    *,
+    turning: tuple[str, ...] = ("inner",),
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
 
@@ -135,7 +156,7 @@ def reference_life(
     capacity : C_r, N
     inner, outer : (..., laminae), N, of all rollers, and of further cage angles where these are averaged over;
         outer None: as inner
-    turning : the ring that turns against the load
+    turning : rings that turn against the load, of `turning_rings`
 
     Errors
     ------
@@ -145,7 +166,7 @@ def reference_life(
     life = 0.0
     loads = {"inner": inner, "outer": inner if outer is None else outer}
     for ring, limit in zip(loads, lamina_capacities(row, capacity, laminae), strict=True):
-        exponent = 4.0 if ring == turning else 4.5
+        exponent = 4.0 if ring in turning else 4.5
         stressed = (factor * loads[ring]).reshape(-1, laminae)
         equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
         life += row.rows * float(np.sum((equivalent / limit) ** 4.5))

@@ -8,7 +8,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.rating.capacity import Dimensions, dynamic_capacity
 from lagrange.rating.life import DutyCycle
-from lagrange.rating.reference_life import reference_life, shared_out
+from lagrange.rating.reference_life import reference_life, shared_out, turning_rings
 from lagrange.rating.sources import Unavailable
 from lagrange.section import load_factor
 
@@ -25,6 +25,7 @@ class RunLoads:
     outer: np.ndarray
     dissipated: float  # W, mean of the second half
     speed: float  # rad/s, mean of one ring against the other
+    turning: tuple[str, ...]  # rings, against the load
 
     @property
     def torque(self) -> float:
@@ -36,7 +37,7 @@ class RunLoads:
     def life(self, row: Dimensions) -> float:
         """L10r, 10⁶ revolutions, under these roller loads, rollers without tilt; errors as `reference_life`."""
         inner, outer = (shared_out(row, loads) for loads in (self.inner, self.outer))
-        return reference_life(row, dynamic_capacity(row), inner, outer)
+        return reference_life(row, dynamic_capacity(row), inner, outer, turning=self.turning)
 
 
 def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> RunLoads:
@@ -70,4 +71,5 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
     return RunLoads(
         cycle=cycle, inner=force[kept], outer=samples["outer_force"][kept],
         dissipated=float((work[-1] - work[half]) / (time[-1] - time[half])), speed=float(np.mean(speeds)),
+        turning=turning_rings(operation),
     )  # fmt: skip

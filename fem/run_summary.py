@@ -91,7 +91,7 @@ class PathStatistics:
         self.low, self.high = np.fmin(self.low, places.min(axis=1)), np.fmax(self.high, places.max(axis=1))
 
     def __str__(self) -> str:
-        mean, swing = 1e6 * self.total / self.samples, 1e6 * (self.high - self.low)
+        mean, swing = np.round(1e6 * self.total / self.samples, 4) + 0.0, 1e6 * (self.high - self.low)
         return f"mean x {mean[0]:.4f} µm, y {mean[1]:.4f} µm; peak to peak {swing[0]:.4f} and {swing[1]:.4f} µm"
 
 

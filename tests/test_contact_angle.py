@@ -166,7 +166,8 @@ def test_a_run_is_sound_and_says_what_it_is_of(tmp_path, capsys):
     run = str(tmp_path / "za.nc")
     assert run_main([str(tmp_path / "za.toml"), "--dry-run"]) == 0
     assert "of one of 2 rows" in re.sub(r"\s+", " ", capsys.readouterr().out)
-    assert run_main([str(tmp_path / "za.toml"), "--output", run, "--quiet", "--set", "numerics.duration_ms=1"]) == 0
+    assert run_main([str(tmp_path / "za.toml"), "--output", run, "--set", "numerics.duration_ms=1"]) == 0
+    assert "of one of 2 rows" in re.sub(r"\s+", " ", capsys.readouterr().out)
     assert check_main([run, "--no-figures", "--quiet", "--output", str(tmp_path / "checked")]) == 0
     summary = json.loads((tmp_path / "checked" / "summary.json").read_text(encoding="utf-8"))
     assert (

@@ -146,7 +146,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         first = next(iter(blocks))
         force = first["inner_force"][0]
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
-        x, y = (1e6 * place[0] for place in from_outer_ring(first, "inner"))
+        x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(first, "inner"))
         lines = [
             f"Static equilibrium: hub x {x:.4f} µm, y {y:.4f} µm",
             f"Loaded rollers: {forces or 'none'} N",
@@ -165,6 +165,8 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
             f"{progress.imbalance:+.1e} of the exchanged energy"
         )
+    if words := section_words(plan.scene.ideal_bearing()):
+        lines.insert(0, f"plane section: {words}")
     for line in lines:
         console.print(line, soft_wrap=True)
     _print_warnings(console, state.warnings)  # the plan's stand at the start

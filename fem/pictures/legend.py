@@ -10,6 +10,7 @@ from fem.pictures.recover import Instant
 from fem.pictures.scale import Scale, rounded_down
 from fem.pictures.surfaces import chart_factor
 from lagrange.scene.operation import RPM
+from lagrange.section import load_factor
 from lagrange.surface.passages import spalls
 
 TITLE, HEADING, TEXT, SMALL = 38.0, 26.0, 23.0, 19.0  # pixels of 1600
@@ -77,15 +78,20 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
     """
     scene, operation = instant.scene, instant.operation
     page.text(f"{scene.name}:  t = {1e3 * instant.time:.6g} ms", x, y, TITLE, bold=True)
-    load, numerics = f"W = {operation.radial_load:g} N", scene.numerics
+    bearing, numerics = instant.model.bearing, scene.numerics
+    whole = load_factor(bearing) * operation.radial_load  # of the bearing
+    load = f"W = {whole:.6g} N"
     if numerics.start == "rest" and 1e3 * instant.time < numerics.load_ramp_ms:
         share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
-        load = f"W = {share * operation.radial_load:.4g} N of {operation.radial_load:g} N"
+        load = f"W = {share * whole:.4g} N of {whole:.6g} N"
     rpm = round(operation.speed / RPM, 1) if scene.operation.speed_table else scene.operation.speed_rpm
     turning = f"n = {signed(rpm)} rpm"
     if operation.outer_speed:
         turning += f" (outer ring {signed(round(operation.outer_speed / RPM, 1))} rpm)"
-    facts = [turning, load, f"{scene.bearing.present} rollers"]
+    rows = "" if bearing.rows == 1 else f"{bearing.rows} × "
+    facts = [turning, load, f"{rows}{scene.bearing.present} rollers"]
+    if bearing.contact_angle:
+        facts.append(f"section at {bearing.contact_angle_deg:.4g}°")
     if scene.bodies.rigid:
         both = len(scene.bodies.rigid) == 2
         facts.append("rigid rings" if both else f"rigid {scene.bodies.rigid[0].replace('_', ' ')}")

@@ -126,8 +126,8 @@ class OperatingClearance:
 
     def rows(self) -> list[tuple[str, str, str]]:
         """For people: what it is, µm, and what else is known of it."""
-        thumb = f"rule of thumb α ΔT (F + E)/2: {_microns(self.rule_of_thumb):+.3f}" if self.rule_of_thumb else ""
-        thin = f"ring held by nothing, 2ρR³ω²/E: {_microns(self.thin_ring):+.3f}" if self.thin_ring else ""
+        thumb = f"rule of thumb α ΔT (F + E)/2: {_microns(self.rule_of_thumb):+.3f} µm" if self.rule_of_thumb else ""
+        thin = f"ring held by nothing, 2ρR³ω²/E: {_microns(self.thin_ring):+.3f} µm" if self.thin_ring else ""
         words = {
             "given": ("unmounted", ""),
             "shaft_fit": ("fit on the shaft", _fit_in_words(self.shaft_interference, self.shaft_pressure)),

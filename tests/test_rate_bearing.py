@@ -145,6 +145,7 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
     cycle = DutyCycle(loads=np.array([1e3, 2e3]), speeds=np.array([600.0, 1200.0]), shares=np.array([2.0, 1.0]))
     assert told["P_N"] == pytest.approx(cycle.load) and told["P0_N"] == 2000.0
     assert told["speed_rpm"] == pytest.approx(800.0)
+    assert any("not of the duty cycle" in warning and "2000 N" in warning for warning in told["warnings"])
     assert 0.3 < told["L10r_elastic_Mrev"] / told["L10r_pitch_Mrev"] < 3.0  # of the same load
 
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from math import nan
-from typing import TYPE_CHECKING, Any
+from math import nan, pi
+from typing import Any
 
 import numpy as np
 
+from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
 from lagrange.rating import sources
 from lagrange.rating.contact_stress import FATIGUE, PERMITTED, LineContact
 from lagrange.rating.life import (
@@ -17,10 +18,7 @@ from lagrange.rating.life import (
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.scene.scene import Scene
 
-if TYPE_CHECKING:
-    pass
-
-from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
+ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,7 +233,17 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         yield "P is below 2 % of C: rollers may skid, and rating lives say little"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
+    if abs(case.operation.misalignment) > ALLOWED_SLOPE:
+        yield (
+            f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "
+            f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
+        )
+    if case.options.cycle is not None:
+        yield (
+            f"stiffness, stresses and film are those of the scene, at {case.static_load:.4g} N, not of the duty cycle, "
+            f"whose largest load is {case.largest_load:.4g} N"
+        )
     if values["kappa"] is not None and values["kappa"] < 1.0:
-        yield f"κ = {values['kappa']:.2g}: boundary lubrication, wear is likely"
+        yield f"κ = {values['kappa']:.2g}: surfaces touch through the film (mixed lubrication); more viscosity lifts κ"
     if case.scene.damping.contacts.acts is False:
         yield "no damping of contacts in the scene: a rotor on these coefficients is undamped"

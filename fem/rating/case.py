@@ -205,13 +205,16 @@ class Case:
         drops = [each.drop(z, self.bearing) for each in (axial.roller, axial.inner_raceway, axial.outer_raceway)]
         return 1e3 * (2.0 * drops[0] + drops[1] + drops[2])
 
-    def rigid_at(self, first: float = 0.0, slope: float | None = None, profile: bool | None = None) -> LaminaLoads:
+    def rigid_at(
+        self, first: float = 0.0, slope: float | None = None, profile: bool | None = None, load: float | None = None
+    ) -> LaminaLoads:
         """The standard's load distribution, roller 0 at an angle from the load, rad.
 
-        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's
+        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : N, None: P
         """
         return rigid_loads(
-            self.row, self.section_load, 2e3 * self.bearing.radial_clearance,
+            self.row, self.section_load if load is None else load / load_factor(self.bearing),
+            2e3 * self.bearing.radial_clearance,
             self.operation.misalignment if slope is None else slope,
             profile=self.profile if profile is None else profile, first=first,
         )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fem.rating.case import Case
+from fem.rating.case import Case, positive
 from fem.study.figures import Figure, finished
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
@@ -81,7 +81,8 @@ def _load_zone(case: Case) -> Figure:
         (words, pitch.theta.ravel(), pitch.inner_force.ravel(), colour) for words, pitch, colour in _contacts(case)
     ]
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
-    rigid = [case.rigid_at(at) for at in turned]
+    load = positive(case.static_load, "there is no load zone")
+    rigid = [case.rigid_at(at, load=load) for at in turned]
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi
     curves.append(("ISO/TS 16281", angles.ravel(), np.concatenate([each.of_rollers for each in rigid]), GREY))
     for words, theta, force, colour in curves:
@@ -90,11 +91,11 @@ def _load_zone(case: Case) -> Figure:
         loads.plot(degrees[order], force[order], color=colour, label=words)
         pressure = [PER_UM * inner.peak_pressure(float(q)) for q in force[order]]
         pressures.plot(degrees[order], pressure, color=colour)
-    for axis, label in ((loads, "load of a roller, N"), (pressures, "Hertz pressure, inner raceway, MPa")):
+    for axis, label in ((loads, "load of a roller, N"), (pressures, "Hertz pressure, MPa")):
         axis.set(xlabel="angle from the load, °", ylabel=label, xlim=(-180, 180), ylim=(0, None))
         axis.set_xticks([-180, -90, 0, 90, 180])
-    loads.legend(loc="upper right", fontsize=7.5)
-    caption = "Rollers of all angles of the cage; pressures without a roller profile."
+    figure.legend(loc="outside upper center", ncols=3, fontsize=7.5)
+    caption = f"At {case.static_load:.4g} N, at all angles of the cage; pressures of the inner raceway, no profile."
     return finished(figure, "load-zone", "Load zone", caption)
 
 
@@ -113,7 +114,7 @@ def _stiffness(case: Case) -> Figure:
     for axis, name in zip(axes, ("kyy, along the load", "kxx, across it", "kxy"), strict=True):
         axis.set(xlabel="cage angle over a pitch", title=f"{name}, N/µm", xlim=(0, 1))
     axes[0].legend(fontsize=7.5)
-    caption = "Rollers pass: the hub's stiffness at its equilibrium under load. Dotted: means over the pitch."
+    caption = f"Rollers pass: stiffness in equilibrium at {case.static_load:.4g} N. Dotted: means over the pitch."
     return finished(figure, "stiffness", "Stiffness over a pitch", caption)
 
 
@@ -121,7 +122,7 @@ def _load_deflection(case: Case) -> Figure:
     operation = case.on_bearing
     if not case.static_load > 0.0:
         raise Unavailable("without load there is no curve")
-    figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
+    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     share = LOADS[:, None]
 
     def curve(solve: Callable[..., Pitch]) -> np.ndarray:
@@ -147,7 +148,7 @@ def _life(case: Case) -> Figure:
     row, load = case.row, case.section_load
     own = 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
-    figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
+    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     for share, colour in ((0.5, GREEN), (1.0, BLUE), (2.0, RED)):
         lives = [case.reference_life(rigid_loads(row, share * load, s).loads) for s in clearances]
         axis.plot(1e3 * clearances / row.cosine, lives, color=colour, label=f"{share * case.some_load:.0f} N")
@@ -163,7 +164,7 @@ def _life(case: Case) -> Figure:
 
 def _misalignment(case: Case) -> Figure:
     tilts = np.linspace(0.0, TILTED, 25)
-    figure, axis = plt.subplots(figsize=(0.62 * WIDTH, 2.9))
+    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     curves: list[tuple[bool | None, str, str, str]] = [
         (True, "logarithmic profile", BLUE, "-"),
         (False, "straight rollers", RED, "-"),
@@ -193,5 +194,5 @@ def _friction(case: Case) -> Figure:
         axis.axvline(case.rpm, color=GREY, linestyle="--", linewidth=0.9)
         axis.set(xlabel="speed, 1/min", ylabel=label, xlim=(0, fastest), ylim=(0, None))
     torques.legend(fontsize=7.5)
-    caption = f"At {viscosity:.3g} mm²/s; dashed: the scene's speed. No number of friction is better than ±30 %."
+    caption = f"At {viscosity:.3g} mm²/s; dashed: the rated speed. No number of friction is better than ±30 %."
     return finished(figure, "friction", "Friction over speed", caption)

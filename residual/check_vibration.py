@@ -60,6 +60,8 @@ def _command(
         tolerance=_share("--speed-tolerance", speed_tolerance),
     )  # fmt: skip
     options = Options(rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)
+    if record.is_dir():
+        raise InputError(f"{record}: is a folder; give the path of a record")
     ending = "trend" if more else "vibration"
     folder = output if output is not None else record.with_name(f"{record.stem}-{ending}")
     check_replaceable(folder, app.name[0])

@@ -128,7 +128,7 @@ REFUSED = {
     ),
     "tolerance": ([*NU206, "--speed-tolerance", "much"], "must be a number of per cent"),
     "wide tolerance": ([*NU206, "--speed-tolerance", "50%"], "from 0 to 10%"),
-    "slow": (["--bearing", "NU206", "--speed", "1"], "passes of rolling elements"),
+    "slow": (["--bearing", "NU206", "--speed", "1"], "in rpm, not in Hz"),
     "scene against": ([*NU206, "--against", "scene.toml"], "scene.toml: no such file"),
     "scene without one speed": ([*NU206, "--against", "table.toml"], "at one steady speed"),
     "missing against": ([*NU206, "--against", "none.csv"], "No such file"),
@@ -146,6 +146,11 @@ def test_unusable_input_is_refused_in_one_line(case, tmp_path, monkeypatch, caps
     told = capsys.readouterr().err
     assert words in told and told.startswith("error: ") and told.count("\n") == 1
     assert not (tmp_path / "record-vibration").exists()
+
+
+def test_a_folder_is_no_record(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([".", *NU206]) == 2 and "is a folder" in capsys.readouterr().err
 
 
 MOTOR = """

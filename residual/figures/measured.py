@@ -68,13 +68,16 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
 def _record(check: Check, folder: Path) -> SavedFigure:
     """Spectrum of each record, and an excerpt of the first."""
     figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
+    shared = check.other is None or check.other.signal.unit == check.record.signal.unit
     for judged, colour in ((check.record, BLUE), (check.other, ORANGE)):
         if judged is not None:
             frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
+            amplitude = amplitude if shared else amplitude / judged.rms
             upper.plot(frequency, amplitude, color=colour, linewidth=0.7, label=judged.signal.name,
                        zorder=3.0 if judged is check.record else 2.0)  # fmt: skip
     unit = check.record.signal.unit or "own unit"
-    upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=f"amplitude, {unit}")
+    label = f"amplitude, {unit}" if shared else "amplitude over rms"
+    upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=label)
     without_minor_ticks(upper)
     legend_above(upper, 2)
     time, values = _excerpt(check.record)

@@ -34,6 +34,7 @@ STANDS_OUT, FEWEST_LINES = 9.0, 2  # power over background of a harmonic, and ho
 COINCIDES = 0.4  # of the resolution, by which a comb and a multiple of the shaft or the mains are the same
 MAINS = (50.0, 60.0)  # Hz
 FEWEST_PASSES = 20  # of rolling elements over a point of the outer ring
+SLOW = 2.0  # Hz: a shaft below may have been given in Hz where rpm are meant
 WIDEST = 0.1  # tolerance of speed: beyond, the ranges of all lines overlap
 UNMARKED = 1.0  # the same where there are none
 MARKED = 1.5  # mean of log(1 + power over background) of sidebands that are there; 0.6 ± 0.2 of noise
@@ -124,6 +125,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]  # most prominent first
     shaft: float  # Hz, as found
     shaft_from: str  # where that comes from
+    tolerance: float  # of the speed that was given
     lines: dict[str, float]  # kinematic lines at the speed as found, Hz
     spectrum: EnvelopeSpectrum
 
@@ -190,7 +192,8 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
         speed, source = shaft * findings[0].found / findings[0].expected, f"{findings[0].name}, slip neglected"
     return Diagnosis(
         verdict=verdict, reasons=tuple(reasons), notes=tuple(notes),
-        findings=tuple(findings), shaft=speed, shaft_from=source, lines=geometry.lines(speed), spectrum=spectrum,
+        findings=tuple(findings), shaft=speed, shaft_from=source, tolerance=tolerance,
+        lines=geometry.lines(speed), spectrum=spectrum,
     )  # fmt: skip
 
 
@@ -206,6 +209,7 @@ def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -
         raise InputError(
             f"{signal.name}: {signal.duration:.3g} s hold {passing * signal.duration:.3g} passes of rolling "
             f"elements at {60.0 * shaft:g} rpm; at least {FEWEST_PASSES} are needed, {FEWEST_PASSES / passing:.3g} s"
+            + ("; --speed is in rpm, not in Hz" if shaft < SLOW else "")
         )
     highest = 2.0 * max(geometry.lines(shaft)[name] for name in BODIES)
     if highest > 0.5 * signal.rate:

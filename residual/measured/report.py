@@ -116,10 +116,11 @@ def facts(check: Check) -> list[tuple[str, str]]:
     if judged.velocity is not None:
         level += f"; velocity {text(1e3 * judged.velocity, 3)} mm/s rms (10–1000 Hz, ISO 20816)"
     lines = ", ".join(f"{name} {text(found.lines[name], 5)}" for name in ("FTF", *BODIES))
+    nominal = f"{text(60.0 * judged.shaft, 5)} rpm ± {100.0 * found.tolerance:.3g} %"
     return [
         ("Record", f"{signal.name}: {text(signal.duration, 4)} s at {hertz(signal.rate, 5)}"),
         ("Level", level),
-        ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {text(60.0 * judged.shaft, 5)} rpm"),
+        ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {nominal}"),
         ("Lines, Hz", f"{lines}; resolution {text(found.spectrum.resolution, 3)}"),
         ("Width", width_in_words(judged.width)),
     ]
@@ -176,10 +177,12 @@ def comparison(check: Check) -> list[tuple[str, str, str]]:
         )
         return f"{name} − {by}, + {by}, over {name}", first, second
 
-    unit = check.record.signal.unit if check.record.signal.unit == check.other.signal.unit else "own units"
+    units = [judged.signal.unit or "own unit" for judged in pair]
+    shared = units[0] == units[1]
+    first, second = (text(each.rms) + ("" if shared else f" {unit}") for each, unit in zip(pair, units, strict=True))
     return [
         ("verdict", pair[0].diagnosis.verdict, pair[1].diagnosis.verdict),
-        row(f"rms, {unit}", (judged.rms for judged in pair)),
+        (f"rms, {units[0]}" if shared else "rms, units differ", first, second),
         row("kurtosis", (judged.kurtosis for judged in pair)),
         row("crest factor", (judged.crest for judged in pair)),
         row(f"{name}, Hz", (each.found for each in same), 5),

@@ -7,9 +7,11 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
+from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
 from lagrange.axial.pressure import SHARP, sharp_ends
 from lagrange.files.output import replaced
+from lagrange.messages import shown
 
 ROOM = 0.8  # of the pitch, that a roller takes up in the picture
 INCHES, DOTS = 9.0, 160  # width of the picture, and per inch
@@ -64,8 +66,9 @@ def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
     found = axial_pressures(stored, sample)
     figure = axial_figure(found)
     figure.suptitle(f"{stored.scene.name}, {1e3 * found.time:.4g} ms, {stored.scene.method}", fontsize=10)
+    about = {"Software": MARK, "Source": shown(stored.path.name)}
     with replaced(target) as file:
-        figure.savefig(file, dpi=DOTS, format="png")
+        figure.savefig(file, dpi=DOTS, format="png", metadata=about)
     plt.close(figure)
 
 

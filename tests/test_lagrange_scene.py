@@ -81,6 +81,9 @@ def test_override_of_one_body_leaves_the_others():
         ('[numerics]\nstart = "hot"', ["numerics.start = 'hot'", "equilibrium", "rest"]),
         ('name = "../etc"', ["name = '../etc'"]),
         ("name = ", ["not valid TOML"]),
+        ("operation.radial_load_N = 3,5", ["not valid TOML", "radial_load_N = 3,5: decimals take a point"]),
+        ("bearing.designation = NU206", ["not valid TOML", "designation = NU206: texts take quotes"]),
+        ('[fit]\nshaft = "k5"', ["fit.shaft: unknown key; did you mean shaft_interference_um?"]),
     ],
 )
 def test_faults_name_file_key_value_and_limit(text, words):

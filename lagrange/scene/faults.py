@@ -186,8 +186,10 @@ def _likely(place: Place, model: type[Table]) -> list[str]:
 
 
 def _alike(place: Place, model: type[Table]) -> list[str]:
-    """Keys like one: alike in the same table, else of the same name elsewhere in the scene, dotted."""
+    """Keys like one: with it among their words or alike in the table, else of the same name elsewhere, dotted."""
     key, elsewhere, known = str(place[-1]), [], _keys(_table_at(place[:-1], model))
+    if within := [each for each in known if f"_{key}_" in f"_{each}_"]:
+        return within[:1]
     if near := difflib.get_close_matches(key, known, n=1, cutoff=MISSPELT):
         return near
     for name in model.model_fields:

@@ -3,6 +3,7 @@
 A scene's own text keeps a file's name and the digest of its text; a result file keeps the text itself.
 """
 
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -97,7 +98,8 @@ def _text(named: _Named, path: Path) -> str:
         return plain_text(path, LARGEST_FILE)
     except ValueError as error:
         missed = "can't be read" in str(error)
-        hint = f" (looked for in {path.parent.resolve()})" if missed else f"; is it a table of {named.kind}?"
+        forms = f"; forms are {', '.join(SHAPES)}" if named.place == "axial" else ""
+        hint = f" (looked for in {path.parent.resolve()}){forms}" if missed else f"; is it a table of {named.kind}?"
         raise ValueError(f"{named.described}: {error}{hint}") from None
 
 
@@ -111,11 +113,24 @@ def load(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: not valid TOML: {error}") from None
+        raise SceneError(f"{name}: not valid TOML: {error}{_hint(text, str(error))}") from None
     except RecursionError:
         raise SceneError(f"{name}: not a scene: arrays or tables are nested too deeply") from None
     except ValueError as error:  # Python's own limit on the digits of a whole number
         raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
+
+
+def _hint(text: str, reason: str) -> str:
+    """The line at which TOML can't be read, and what is often wrong with such a one; empty where it is not known."""
+    number = re.search(r"line (\d+)", reason)
+    lines = text.splitlines()
+    if number is None or int(number[1]) > len(lines):
+        return ""
+    line = lines[int(number[1]) - 1].strip()
+    value = line.partition("=")[2].strip()
+    if re.match(r"[-+]?\d+,\d", value):
+        return f": {line}: decimals take a point"
+    return f": {line}: texts take quotes" if re.match(r"[A-Za-z]", value) else f": {line}"
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:

@@ -98,6 +98,21 @@ def test_motion_on_meshes_is_that_of_the_reduced_model():
             assert moment(mesh[name]) == pytest.approx(moment(series[name]), rel=1e-2)
 
 
+@pytest.mark.slow
+def test_a_bearing_that_lacks_a_roller_moves_on_meshes_as_that_of_the_reduced_model():
+    changes = MISALIGNED | {"bearing__missing_rollers": [2], "numerics__duration_ms": 5.0}
+    mesh, series = moved(scene("fem", PROFILED, **changes)), moved(scene("reduced", PROFILED, **changes))
+    assert missed(mesh) < 1e-6
+    assert mesh["inner_y"].mean() == pytest.approx(series["inner_y"].mean(), rel=1.5e-3)
+    for name, error in (
+        ("inner_force", 3e-3),
+        ("outer_force", 3e-3),
+        ("inner_moment", 1.5e-2),
+        ("outer_moment", 1.5e-2),
+    ):
+        assert mesh[name] == pytest.approx(series[name], abs=error * series[name].max()), name
+
+
 HOUSING = {
     "support__kind": "housing", "support__mass_kg": 12.0, "support__stiffness_N_per_m": 1.5e7,
     "support__damping_N_s_m": 2200.0,

@@ -133,7 +133,6 @@ REFUSED = (
     ("bodies' damping", "axial on meshes",
      f"{{given}}: not together with [axial], whose tilts it leaves undamped{EITHER}"),
     ("surfaces", "axial on meshes", AXIAL_MESH),
-    ("missing rollers", "axial on meshes", AXIAL_MESH),
     ("outer ring's speed", "axial on meshes", AXIAL_MESH),
     ("part of the length", "no axial",
      "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),

@@ -149,7 +149,7 @@ def _tilts(axes: TiltedStatics | None, rate: np.ndarray | None = None) -> Tilts 
 def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
     """Whether the hub follows its equilibrium along all directions, by the exact compliances of elastic bodies."""
     if middle.axes is not None:
-        return followed(middle.axes.stiffness, model.bearing, operation)[0].size == 2
+        return followed(middle.axes.radial_stiffness, model.bearing, operation)[0].size == 2
     place = np.concatenate([middle.hub, middle.rho])
     forces = np.concatenate([middle.inner_force, middle.outer_force])
     contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)

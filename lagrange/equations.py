@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.surface.deviation import Profiles, SurfaceDeviation, Turns, profiles
+from lagrange.surface.deviation import Falls, Profiles, SurfaceDeviation, Turns, profiles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,11 +31,12 @@ class Overlaps:
     inner: np.ndarray  # with the inner raceway, m
     outer: np.ndarray  # with the outer one, m
     aside: np.ndarray | float = 0.0  # rad, by which the inner surfaces' slopes have turned the direction
-    inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the contact's law
-    inner_softening: np.ndarray | float = 0.0  # 1/N, its slope over 2χ
-    inner_part: np.ndarray | float = 0.0  # m, what the part of the length that spalls take has sunk besides
-    outer_part: np.ndarray | float = 0.0
-    inner_part_aside: np.ndarray | float = 0.0  # rad, its slope over χ
+    surfaces: tuple[SurfaceDeviation, SurfaceDeviation] | tuple[None, None] = (None, None)  # that contacts meet
+
+    @property
+    def inner_compliance(self) -> np.ndarray | float:
+        """Of edges, in series with the contact's law, m/N."""
+        return 0.0 if self.surfaces[0] is None else self.surfaces[0].compliance
 
     @property
     def normal(self) -> tuple[np.ndarray, np.ndarray]:
@@ -49,19 +50,19 @@ class Overlaps:
         nx, ny = self.normal
         return replace(self, direction_x=aside * ny - nx, direction_y=-aside * nx - ny, aside=aside)
 
-    def at_share(self, share) -> "Overlaps":
-        """With the directions of contacts of whose forces the part of the length that spalls take has a share."""
-        return (
-            self
-            if isinstance(self.inner_part_aside, float)
-            else self._turned(self.aside + share * self.inner_part_aside)
-        )
+    def at_contact(self, falls: Falls) -> "Overlaps":
+        """With the directions of contacts of rollers that tilt, see `Falls`."""
+        inner = self.surfaces[0]
+        return self if inner is None else self._turned(inner.at_contact(falls).slope / self.distance)
 
     def at_force(self, inner_force) -> "Overlaps":
         """With the directions that forces, N, >= 0, have on soft edges."""
-        if isinstance(self.inner_softening, float):
+        inner = self.surfaces[0]
+        if inner is None or not inner.soft:
             return self
-        return self._turned(self.aside + inner_force * self.inner_softening)
+        return self._turned(
+            self.aside + inner_force * (0.5 * (inner.ring_softening + inner.roller_softening) / self.distance)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,19 +124,15 @@ def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Ov
     dx, dy = found.direction_x, found.direction_y
     inner = surfaces.inner(np.arctan2(-dy, -dx), turns)
     outer = surfaces.outer(outer_direction, turns)
-    aside, of_part = inner.slope / found.distance, inner.ring_part_slope + inner.roller_part_slope
+    aside = inner.slope / found.distance
     return Overlaps(
         distance=found.distance,
         direction_x=dx - aside * dy,
         direction_y=dy + aside * dx,
         inner=found.inner - inner.sinkage,
         outer=found.outer - outer.sinkage,
-        inner_part=inner.part,
-        outer_part=outer.part,
-        inner_part_aside=0.0 if isinstance(of_part, float) else of_part / found.distance,
         aside=aside,
-        inner_compliance=inner.compliance,
-        inner_softening=0.5 * (inner.ring_softening + inner.roller_softening) / found.distance if inner.soft else 0.0,
+        surfaces=(inner, outer),
     )
 
 

@@ -98,15 +98,16 @@ def contact_state(
     if isinstance(laws, TiltedLaws):
         if state.tilts is None:
             raise ValueError("contacts of tilted rollers ask for a state with tilts")
-        sunk = (0.0, 0.0) if surfaces is None else (inner.part, outer.part)
-        found, tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, state.rho, cos, sin, sunk)
+        on = (None, None) if surfaces is None else (inner, outer)
+        found, tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, state.rho, cos, sin, on)
         if surfaces is not None:
-            inner, outer = inner.at_share(tilted.shares[0]), outer.at_share(tilted.shares[1])
+            inner, outer = inner.at_contact(tilted.falls[0]), outer.at_contact(tilted.falls[1])
     else:
         inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
         inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
+        if surfaces is not None:
+            inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
     if surfaces is not None:
-        inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
         found = polar_at_force(found, inner, outer, state.rho, None if tilted is None else tilted.normal)
         passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
         passing_out = outer.passing(turns.outer_ring_speed, turns.roller_speed)

@@ -14,26 +14,18 @@ Equation (1) of docs/tilted_motion.md.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.table import SpalledTable, TiltedLaw, in_series
+from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.equations import PolarOverlaps
 from lagrange.kinematics import kinematics
-
-
-class TiltedLaw(Protocol):
-    """One contact of a roller that may be tilted: `lagrange.axial.ContactTable`, or slices."""
-
-    def at(self, approach, slope, sunk=0.0) -> Any:
-        """U, J, Q, N, M, N m, and their derivatives, at approaches δ, m, in the plane z = 0 and slopes ψ, rad.
-
-        `sunk` : m, of the part of the length that spalls take, if any
-        """
+from lagrange.surface.deviation import Falls, SurfaceDeviation
 
 
 class TiltedLaws(NamedTuple):
@@ -87,7 +79,8 @@ def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
 
 def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
     """Contacts by slices that stand alone, each with its share of the whole length's law."""
-    return TiltedLaws(*contact_slices(bearing, axial, (laws.inner, laws.outer)))
+    inner, outer = contact_slices(bearing, axial, (laws.inner, laws.outer))
+    return TiltedLaws(alone(inner), alone(outer))
 
 
 class Misalignments(NamedTuple):
@@ -163,7 +156,7 @@ class TiltedContacts:
     energy: np.ndarray  # J, of both contacts of a roller
     at: Misalignments
     normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
-    shares: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of both forces, of slices over spalls
+    falls: tuple[Falls, Falls] = (Falls(), Falls())
 
     @property
     def outwards(self) -> np.ndarray:
@@ -182,14 +175,17 @@ class TiltedContacts:
 
 
 def tilted_contacts(
-    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin, sunk=(0.0, 0.0)
+    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin, surfaces=(None, None)
 ) -> tuple[PolarOverlaps, TiltedContacts, np.ndarray, np.ndarray]:
     """The contacts with the directions that moments give their forces; what they have more; both forces, N.
 
-    `sunk` : m, inner and outer, of the part of the length that spalls take
+    `surfaces` : that the inner and the outer contacts meet; None: perfect circles
     """
     at = misalignments(found, tilts, cos, sin)
-    inner, outer = met(laws.inner, found.inner, at.inner, sunk[0]), met(laws.outer, found.outer, at.outer, sunk[1])
+    inner, outer = (
+        met(laws.inner, found.inner, at.inner, surfaces[0]),
+        met(laws.outer, found.outer, at.outer, surfaces[1]),
+    )
     aside = _turned(at.inner_across / found.distance, inner)
     turned = replace(
         found,
@@ -199,22 +195,26 @@ def tilted_contacts(
     )
     more = TiltedContacts(
         inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
-        normal=(found.radial, found.tangential),
-        shares=(share_of_part(inner, sunk[0]), share_of_part(outer, sunk[1])),
+        normal=(found.radial, found.tangential), falls=(falls(inner, surfaces[0]), falls(outer, surfaces[1])),
     )  # fmt: skip
     return turned, more, inner.force, outer.force
 
 
-def met(law: TiltedLaw, approach, slope, sunk):
-    """`TiltedLaw.at` of contacts, `sunk` the number 0 where no spall takes a part of the length."""
-    return law.at(approach, slope) if isinstance(sunk, float) else law.at(approach, slope, sunk)
+def met(law: TiltedLaw, approach, slope, surface: SurfaceDeviation | None):
+    """`TiltedLaw.at` of contacts on a surface; None: a perfect circle."""
+    if surface is None:
+        return law.at(approach, slope)
+    if surface.part is not None and isinstance(law, SpalledTable):
+        return law.at(approach, slope, surface.part.sinkage, surface.compliance, surface.part.compliance)
+    return in_series(law.at, approach, slope, surface.compliance) if surface.soft else law.at(approach, slope)
 
 
-def share_of_part(of, sunk) -> np.ndarray | float:
-    """Of contacts' forces, what slices over spalls bear that take a part of the length."""
-    if isinstance(sunk, float):
-        return 0.0
-    return of.part / np.where(of.force > 0.0, of.force, np.inf)
+def falls(of, surface: SurfaceDeviation | None) -> Falls:
+    """By how much contacts' energies fall, over their forces, as a surface changes under them; None: a circle."""
+    if surface is None:
+        return Falls()
+    over = 1.0 / np.where(of.force > 0.0, of.force, np.inf)
+    return Falls(over * of.part, over * of.edges, over * of.part_edges)
 
 
 def _turned(across, of) -> np.ndarray:

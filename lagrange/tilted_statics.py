@@ -14,7 +14,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.equations import PolarOverlaps, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, SurfaceDeviation, Turns, profiles
-from lagrange.tilt import HubTilt, TiltedLaws, Tilts, met, misalignments, precession_stiffness, share_of_part
+from lagrange.tilt import HubTilt, TiltedLaws, Tilts, falls, met, misalignments, precession_stiffness
 
 MOST_STEPS, MOST_HALVINGS, MOST_TURNS = 150, 30, 60
 ROUND_OFF_ENERGY, SOFTEST, LONGEST = 1e-15, 1e-9, 2e-3  # of energies; of scaled stiffnesses; of a roller's radius
@@ -223,19 +223,19 @@ class _System:
         """Forces and energy where other contacts take so much of approaches and misalignments, (4 n,)."""
         n, j = self.n, np.arange(self.n)
         geometric, ways, found, deviations = self.geometry(moved)
-        sunk, shares = (0.0, 0.0) if deviations is None else tuple(each.part for each in deviations), []
+        surfaces, fallen = deviations or (None, None), []
         own, parts, forces, stiff = geometric - taken, np.zeros(2 * n), np.zeros(4 * n), np.zeros((4 * n, 4 * n))
         for row, law in enumerate(self.laws):
             d, p = row * n + j, (2 + row) * n + j
-            most = getattr(law, "last_approach", np.inf)  # of a table, beyond which a step may try
-            here, more = met(law, np.minimum(own[d], most), own[p], sunk[row]), np.maximum(own[d] - most, 0.0)
+            most = law.last_approach  # of a table, beyond which a step may try
+            here, more = met(law, np.minimum(own[d], most), own[p], surfaces[row]), np.maximum(own[d] - most, 0.0)
             forces[d], forces[p] = here.force + here.stiffness * more, -here.moment + here.cross * more
             parts[d] = here.energy + (here.force + 0.5 * here.stiffness * more) * more
             stiff[d, d], stiff[d, p], stiff[p, d] = here.stiffness, here.cross, here.cross
             stiff[p, p] = here.tilt_stiffness
-            shares.append(share_of_part(here, sunk[row]))
+            fallen.append(falls(here, surfaces[row]))
         if deviations is not None:
-            self._aside(ways, found, deviations[0].at_share(shares[0]).slope)
+            self._aside(ways, found, deviations[0].at_contact(fallen[0]).slope)
         off = moved - self.slack
         pull = np.where(self.moves, self.springs, 0.0) * off
         left = self.applied - pull - ways.T @ forces

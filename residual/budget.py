@@ -96,9 +96,10 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
     spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
     force = spring + damper
-    contacts = contacts.at_force(spring)  # the spring alone deforms an edge, whose compliance is in series with it
     if isinstance(law, SlicedLaw):
-        contacts = contacts.at_share(law.share(contacts.inner))
+        contacts = contacts.at_contact(law.falls(contacts.inner))
+    else:
+        contacts = contacts.at_force(spring)  # the spring alone deforms an edge, whose compliance is in series with it
     if shaft is not None:
         x, y = (shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
         held = x, y

@@ -8,19 +8,23 @@ import numpy as np
 
 from lagrange.axial.pressure import SHARP, pressures_under, sharp_ends
 from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.table import TiltedContact
+from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
 from lagrange.equations import Overlaps
 from lagrange.motion import State
 from lagrange.rating.sources import Unavailable
+from lagrange.surface.deviation import Falls, SurfaceDeviation
 from lagrange.tilt import (
     Misalignments,
     SlicedTractions,
     TiltedContacts,
     Tilts,
+    falls,
     hub_slope_equations,
     hub_tilt,
+    met,
     tilt_equations,
 )
 from residual.differentiate import derivative
@@ -41,7 +45,7 @@ class SlicedLaw:
     whole: PowerLaw | LogarithmicLaw  # of the whole length
     slices: Slices
     misalignment: np.ndarray  # (n_times, n_rollers), rad
-    sunk: np.ndarray | float = 0.0  # the same, m, of the part of the length that spalls take
+    surface: SurfaceDeviation | None  # that the contacts meet
 
     @property
     def name(self) -> str:
@@ -53,29 +57,28 @@ class SlicedLaw:
 
     def force(self, approach) -> np.ndarray:
         """N, >= 0."""
-        return self._of("force", approach)
+        return self._at(approach).force
 
     def slope(self, approach) -> np.ndarray:
         """dQ/dδ, N/m."""
-        return self._of("stiffness", approach)
+        return self._at(approach).stiffness
 
     def moment(self, approach) -> np.ndarray:
         """Force times z, N m."""
-        return self._of("moment", approach)
+        return self._at(approach).moment
 
-    def share(self, approach) -> np.ndarray | float:
-        """Of the force, what slices over spalls bear that take a part of the length."""
-        if self.slices.part is None:
-            return 0.0
-        force = self.force(approach)
-        return self._of("part", approach) / np.where(force > 0.0, force, 1.0)
+    def falls(self, approach) -> Falls:
+        """By how much energies fall as surfaces change."""
+        return Falls() if self.surface is None else falls(self._at(approach), self.surface)
 
-    def _of(self, name: str, approach) -> np.ndarray:
-        found, sunk = np.empty_like(self.misalignment), np.broadcast_to(self.sunk, self.misalignment.shape)
-        for first in range(0, len(found), BLOCK):
-            part = slice(first, first + BLOCK)
-            found[part] = getattr(self.slices.at(approach[part], self.misalignment[part], sunk[part]), name)
-        return found
+    def _at(self, approach) -> TiltedContact:
+        contact, found = alone(self.slices), []
+        for first in range(0, len(self.misalignment), BLOCK):
+            rows = slice(first, first + BLOCK)
+            surface = None if self.surface is None else self.surface.rows(rows)
+            here = met(contact, approach[rows], self.misalignment[rows], surface)
+            found.append([np.broadcast_to(each, here.force.shape) for each in here])
+        return TiltedContact(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
 
 def has_tilts(record: Record) -> bool:
@@ -90,9 +93,9 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
         raise ValueError("the record has no rollers that tilt")
     slices, contacts = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.contacts
     if outer:
-        return SlicedLaw(whole=whole, slices=slices, misalignment=-record.roller_tilt, sunk=contacts.outer_part)
+        return SlicedLaw(whole=whole, slices=slices, misalignment=-record.roller_tilt, surface=contacts.surfaces[1])
     misalignment = misaligned(record, contacts)[0]
-    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, sunk=contacts.inner_part)
+    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, surface=contacts.surfaces[0])
 
 
 def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
@@ -166,11 +169,11 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
 
     def left(moments):
         more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at, normal=normal)
-        around, met = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
-        found = tilt_equations(bearing, record.acting, state, met, gains["tilt"], gains["skew"], around, spin)
+        around, touch = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
+        found = tilt_equations(bearing, record.acting, state, touch, gains["tilt"], gains["skew"], around, spin)
         axial = record.scene.ideal_axial()
         hub = hub_tilt(record.operation, axial) if axial is not None else None
-        slopes = hub_slope_equations(bearing, record.acting, hub, state, met, gains["slope_x"], gains["slope_y"])
+        slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])
         of_rollers = tuple(each - moment for each, moment in zip(found, on_roller, strict=True))
         return of_rollers, tuple(each - moment for each, moment in zip(slopes, on_hub, strict=True))
 
@@ -230,11 +233,9 @@ def _sides(record: Record) -> list[_Side]:
     contacts, parts = record.contacts, axial.parts(record.bearing)
     found = []
     each = zip(slices, contact_pairs(bearing), sharp_ends(bearing, axial), loads, strict=False)
-    for (own, pair, sharp, load), part, sunk in zip(
-        each, parts, (contacts.inner_part, contacts.outer_part), strict=True
-    ):
+    for (own, pair, sharp, load), part, surface in zip(each, parts, contacts.surfaces, strict=True):
         force, moment = (np.asarray(value) for value in load)
-        depth = np.broadcast_to(sunk, force.shape)
+        depth = np.broadcast_to(0.0 if surface is None else surface.part_sinkage, force.shape)
         found.append(_Side(replace(own, part=part), pair, bool(sharp), force, moment, depth))
     return found
 

@@ -146,7 +146,7 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
         hub_equations(weightless, state, touch, 0.0, 0.0), radial_equations(bearing, weightless, state, touch, zero),
         angular_equations(bearing, weightless, state, touch, zero) - state.tilts.tilt * of_skew, of_tilt,
     ])  # fmt: skip
-    assert max(np.abs(share).max() for share in touch.tilted.shares) > 0.1
+    assert max(fall.part.max() for fall in touch.tilted.falls) > 0.1
     parts, scale = [2, n, n, n], np.abs(pushes)
     step = np.repeat([1e-10, 1e-10, 1e-8, 1e-8], parts)
     scale = np.repeat([part.max() for part in np.split(scale, np.cumsum(parts)[:-1])], parts)
@@ -174,7 +174,7 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     assert np.abs(hub_equations(operation, state, touch, 0.0, 0.0)).max() < 1e-6 * operation.radial_load
     assert np.abs(radial_equations(bearing, operation, state, touch, zero)).max() < 1e-6 * operation.radial_load
     assert np.abs(touch.tilted.outwards).max() < 1e-6 * np.abs(touch.tilted.inner_moment).max()
-    assert touch.tilted.shares[1][0] == 0.0 and abs(still.tilt[0]) > 1e-4  # tilted, it stands on the sound half
+    assert touch.tilted.falls[1].part[0] == 0.0 and abs(still.tilt[0]) > 1e-4  # tilted, it stands on the sound half
 
 
 FREE = {

@@ -11,7 +11,7 @@ from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach
 from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
 from lagrange.axial.slices import Slices
-from lagrange.axial.table import TiltedContact
+from lagrange.axial.table import TiltedContact, in_series
 from lagrange.axial.tabulate import contact_slices, without_part
 from lagrange.bearing import Bearing
 from lagrange.contact.raceway_laws import LogarithmicLaw
@@ -19,7 +19,6 @@ from lagrange.contact.raceway_laws import LogarithmicLaw
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
 ROUND_OFF = 1e-9
-NEWTON_STEPS, FITTING = 50, 1e-16  # m
 SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
 
 
@@ -78,10 +77,12 @@ def tilted_tables(
 
     rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
     inner, outer = (
-        SpalledTable(whole=table, rest=replace(table, coefficients=np.ascontiguousarray(rests[side])))
-        if side in rests
+        SpalledTable(
+            whole=table, rest=replace(table, coefficients=np.ascontiguousarray(rests[side])), share=float(part.mean())
+        )
+        if part is not None
         else table
-        for side, table in zip(SIDES, found, strict=True)
+        for side, table, part in zip(SIDES, found, parts, strict=True)
     )
     return inner, outer
 
@@ -94,7 +95,7 @@ def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, fl
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeshedContact:
-    """A contact as a whole, with what a mesh has of its compliance: `lagrange.tilt.TiltedLaw` for statics."""
+    """A contact as a whole, with what a mesh has of its compliance: `lagrange.axial.table.TiltedLaw` for statics."""
 
     table: ContactTable  # of the rest
     meshed: float  # m/N
@@ -105,22 +106,8 @@ class MeshedContact:
         return self.table.last_approach + self.meshed * float(self.table.at(self.table.last_approach, 0.0).force)
 
     def at(self, approach, slope) -> TiltedContact:
-        """See `ContactTable.at`; Newton's method on δ + m Q(δ, ψ), which only grows with δ."""
-        approach, slope = np.broadcast_arrays(np.asarray(approach, dtype=float), np.asarray(slope, dtype=float))
-        own = approach
-        for _ in range(NEWTON_STEPS):
-            met = self.table.at(own, slope)
-            missing = approach - own - self.meshed * met.force
-            if np.abs(missing).max(initial=0.0) <= FITTING:
-                break
-            own = own + missing / (1.0 + self.meshed * np.maximum(met.stiffness, 0.0))
-        give = 1.0 / (1.0 + self.meshed * met.stiffness)
-        return met._replace(
-            energy=met.energy + 0.5 * self.meshed * met.force**2,
-            stiffness=met.stiffness * give,
-            cross=met.cross * give,
-            tilt_stiffness=met.tilt_stiffness - self.meshed * met.cross**2 * give,
-        )
+        """See `ContactTable.at`."""
+        return in_series(self.table.at, approach, slope, self.meshed)
 
 
 SIDES = "inner", "outer"

@@ -37,7 +37,7 @@ from fem.kernels.reduced_state import INNER, OUTER, Compliance
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles, push_along
 from fem.kernels.sliced_friction import sliced_tractions
 from fem.kernels.tilted_contact import SHORTEST, kick_by_work
-from fem.kernels.tilted_surfaces import keep_slopes, part_sunk, sunk, surfaces_met, table_at
+from fem.kernels.tilted_surfaces import fallen, keep_slopes, own_approach, sunk, surfaces_met, table_at
 from fem.kernels.tilts import (
     axes,
     kick_hub_axis,
@@ -54,7 +54,8 @@ Tilted = NamedTuple(
     [
         *Compliance.__annotations__.items(),
         ("tables", tuple),  # `tilted_contact.TiltedLaw` of the inner and the outer contacts
-        ("rests", tuple),  # the same without the part of the length that spalls take; None: they take none, or all
+        ("rests", tuple),  # `tilted_surfaces.SpalledRest` of both; None: spalls take no part of the length
+        ("part", tuple),  # `tilted_surfaces.PartProfiles`; None: as above
         ("share", float),  # 12/L², 1/m²
         ("length", float),  # m, of a roller
     ],
@@ -147,10 +148,10 @@ def _given(between, compliance, forces, group, array):
 
 @part
 def _look(laws, forces, row, columns, group, deep, slope):
-    """Look eight contacts up; their forces, N, and moments, N m. `laws` : of all slices, and without spalls' part."""
+    """Look eight contacts up; their forces, N, and moments, N m. `laws` : of all slices, and `SpalledRest`."""
     met = forces.tilted.met
     at = row * columns + group
-    energy, Q, M, stiff, cross, tilting = table_at(forces.tilted.sunken, laws, at, columns, deep, slope)
+    energy, Q, M, stiff, cross, tilting = table_at(forces, laws, at, columns, deep, slope)
     store(forces.first, row * columns + group, deep)
     store(forces.estimate, row * columns + group, Q)
     store(forces.stiffness, row * columns + group, stiff)
@@ -386,7 +387,7 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     M = select(there, maximum(minimum(M, most), -most), 0.0)
     energy, residual = load(met, _at(row, ENERGY, columns, group)), load(forces.residual, at)
     before, Q_before, P_before = load(forces.approach, at), load(forces.force, at), load(forces.kick, at)
-    step, known = approach - before - part_sunk(own.sunken, at, columns), before == before
+    step, known = approach - before - fallen(own, at, columns), before == before
     work = energy - load(own.energy, at) + 0.5 * (M + load(own.moment, at)) * (slope - load(own.slope, at))
     taken, last = load(own.taken, at), at + own.taken.size // 2
     P = select(there, kick_by_work(Q, Q_before, P_before, residual, approach, step, work), 0.0)
@@ -400,8 +401,9 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
-    reached = there & (approach > table.first_approach)
-    note_furthest(tilts, row, select(reached, approach, 0.0), select(reached, absolute(slope), 0.0))
+    deepest = own_approach(own.edges, at, approach, Q)
+    reached = there & (deepest > table.first_approach)
+    note_furthest(tilts, row, select(reached, deepest, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
 
 

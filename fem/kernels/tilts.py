@@ -55,8 +55,9 @@ class TiltedForces(NamedTuple):
     met: room("2, 4, columns")  # own misalignment, energy, moment; ∂Q/∂ψ
     stiffness: room("2, columns")  # −∂M/∂ψ, N m/rad
     taken: state("2, 2, columns")  # m, of approaches by other contacts' forces: now, at the last kick
-    # how far spalls let a part of the length sink, m, and its share of the force: now, at the last kick; None: none do
-    sunken: state("4, 2, columns")
+    # see `tilted_surfaces`
+    edges: state("4, 2, columns")  # compliance of edges, m/N; None: surfaces are perfect circles
+    sunken: state("8, 2, columns")  # of the part of the length that spalls take; None: they take none
 
 
 @part

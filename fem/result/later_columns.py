@@ -96,7 +96,7 @@ EVENT_COLUMNS = {  # type, unit and meaning
 def sinkages(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of the sinkage under each contact of surfaces that are not perfect."""
     met = zip(("inner", "outer"), surfaces_met(bearing, operation, samples), strict=True)
-    return {f"{side}_sinkage": each.sinkage + each.part for side, each in met}
+    return {f"{side}_sinkage": each.sinkage + each.part_sinkage for side, each in met}
 
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:

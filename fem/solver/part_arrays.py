@@ -14,6 +14,7 @@ from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import ReducedDampers
 from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Dampers, Drive, LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
+from fem.kernels.tilted_surfaces import PartProfiles
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_places
 from lagrange import Bearing, Kinematics, Operation
@@ -222,15 +223,26 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
     if surfaces is None:
         nothing = {"profile": None, "roller_profiles": None}
         return nothing, nothing
-    rings, rollers = (surfaces.inner_ring, surfaces.outer_ring), (surfaces.rollers_inside, surfaces.rollers_outside)
-    on_rings, on_rollers = (None, None), (None, None)
+    on_rings, on_rollers = _profiles_met(list(vars(surfaces).values()), columns)
+    return tuple(
+        {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
+    )
+
+
+def part_profiles(bearing: Bearing, columns: int) -> PartProfiles:
+    """What the part of the rollers' length that spalls take meets besides."""
+    every = vars(profiles(bearing)).values()
+    return PartProfiles(*_profiles_met([None if profile is None else profile.part for profile in every], columns))
+
+
+def _profiles_met(every: list[Profile | None], columns: int) -> tuple[tuple, tuple]:
+    """Of both rings, and of rollers in their contacts with them, in the order of `Profiles`."""
+    rings, rollers, on_rings, on_rollers = every[:2], every[2:], (None, None), (None, None)
     if any(ring is not None for ring in rings):
         on_rings = tuple(_ring_profile(ring) for ring in rings)
     if all(roller is not None for roller in rollers):
         on_rollers = tuple(_roller_profiles(roller, columns) for roller in rollers)
-    return tuple(
-        {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
-    )
+    return on_rings, on_rollers
 
 
 def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
@@ -243,23 +255,15 @@ def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
 
 def _ring_profile(profile: Profile | None) -> RingProfile:
     sinkage = np.zeros(WIDTH) if profile is None else profile.coefficients[0]
-    beside = None if profile is None else _beside(profile)
-    return RingProfile(
-        sinkage=at_line(sinkage), compliance=at_line(np.zeros_like(sinkage) if beside is None else beside[0])
-    )
-
-
-def _beside(profile: Profile) -> np.ndarray | None:
-    """Compliance of edges, or where rollers may tilt, whose edges have none, the sinkage of part of their length."""
-    return profile.part if profile.compliance is None else profile.compliance
+    soft = None if profile is None or profile.compliance is None else profile.compliance[0]
+    return RingProfile(sinkage=at_line(sinkage), compliance=at_line(np.zeros_like(sinkage) if soft is None else soft))
 
 
 def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     first = np.zeros(columns, dtype=np.int64)
     first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
-    beside = _beside(profile)
-    beside = np.zeros_like(profile.coefficients) if beside is None else beside
-    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(beside), first=at_line(first))
+    soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
+    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
 
 
 def rigid_dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:

@@ -8,8 +8,10 @@ from fem.kernels.reduced_state import Compliance, ReducedForces, RigidBodies
 from fem.kernels.skews import Skews
 from fem.kernels.tilted_contact import TiltedLaw
 from fem.kernels.tilted_contacts import Tilted
+from fem.kernels.tilted_surfaces import SpalledRest
 from fem.kernels.tilts import TiltedForces
 from fem.kernels.tilts import Tilts as TiltArrays
+from fem.solver.part_arrays import part_profiles
 from fem.solver.samples import row_width
 from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
@@ -81,17 +83,25 @@ def tilted(
     compliance: Compliance, tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing
 ) -> Tilted:
     """Contacts of rollers that tilt, with the compliance of their tables, otherwise as those of parallel axes."""
-    length, rests = float(bearing.roller_length), (None, None)
+    length, rests, part = float(bearing.roller_length), (None, None), None
     if any(isinstance(table, SpalledTable) for table in tables):  # both, so that they are of one type
-        rests = tuple(TiltedLaw.of(table.rest if isinstance(table, SpalledTable) else table) for table in tables)
+        rests = tuple(_rest(table) for table in tables)
+        part = part_profiles(bearing, compliance.apart.shape[1])
     laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
-    return Tilted(*compliance, tables=laws, rests=rests, share=12.0 / length**2, length=length)
+    return Tilted(*compliance, tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
+
+
+def _rest(table: ContactTable | SpalledTable) -> SpalledRest:
+    if not isinstance(table, SpalledTable):
+        return SpalledRest(law=TiltedLaw.of(table), of_rest=1.0, of_part=0.0)
+    return SpalledRest(law=TiltedLaw.of(table.rest), of_rest=1.0 / (1.0 - table.share), of_part=1.0 / table.share)
 
 
 def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, spalled: bool) -> ReducedForces:
     """Forces with moments, of a start (n_rollers,), N m; `spalled` : whether spalls take a part of the length."""
     columns, halo, n = forces.force.shape[1], forces.halo, inner.size
     absent = {} if spalled else {"sunken": None}
+    absent |= {} if forces.slope is not None else {"edges": None}
     found = filled(TiltedForces, {"columns": columns, "haloed": forces.guess.shape[1]}, **absent)
     for row, moment in enumerate((inner, outer)):
         found.moment[row, :n] = moment

@@ -58,7 +58,7 @@ def slice_pressures(
     part, pair, depth = axial.parts(spalled)[k], contact_pairs(bearing)[k], np.zeros(bearing.n_rollers)
     if part is not None:
         met = surfaces_met(spalled, scene.ideal_operation(), {name: np.asarray(column(name))[None] for name in PLACES})
-        depth = depth + np.asarray(met[k].part).reshape(-1)
+        depth = depth + np.asarray(met[k].part_sinkage).reshape(-1)
     force, moment = column(f"{side}_force"), column(f"{side}_moment")
     return pressures_under(replace(slices, part=part), pair, force, moment, depth, force > FAINT * force.max())
 
@@ -93,7 +93,7 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
         return found
     met = surfaces_met(spalled, scene.ideal_operation(), samples)
     closed = (samples[f"{side}_force"] > 0.0 for side in SIDES)
-    over = (each.part > FLAT for each in met)
+    over = (each.part_sinkage > FLAT for each in met)
     return {
         name: np.where(shut & sunk, np.nan, peak)
         for (name, peak), shut, sunk in zip(found.items(), closed, over, strict=True)

@@ -5,7 +5,8 @@ d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from math import inf
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -45,6 +46,8 @@ class Slices:
     drop: np.ndarray  # (n,), of roller and raceway together
     coupling: np.ndarray | None = None  # C, (n, n), m/N; None: each is alone
     part: np.ndarray | None = None  # (n,), bool, which of them spalls of part of the length let sink; None: none
+
+    last_approach: ClassVar[float] = inf
 
     @property
     def count(self) -> int:

@@ -4,12 +4,16 @@ u = √U is a bicubic B-spline, twice continuously differentiable; where it is n
 costs the same at any number of slices, and conserves energy as the plane law does.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 SPAN = 4  # coefficients that a cubic B-spline adds up in a point
+FAINT = 1e-20  # m/N: less, a spline's ringing beside edges, moves no contact
+NOTHING = np.zeros(())
+NEWTON_STEPS, SETTLED = 60, 1e-8  # of the approach that a compliance takes: what is left is of its square
 
 
 class TiltedContact(NamedTuple):
@@ -21,7 +25,10 @@ class TiltedContact(NamedTuple):
     stiffness: np.ndarray  # ∂Q/∂δ, N/m
     cross: np.ndarray  # ∂Q/∂ψ = −∂M/∂δ, N/rad
     tilt_stiffness: np.ndarray  # −∂M/∂ψ, N m/rad
-    part: np.ndarray  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
+    part: np.ndarray = NOTHING  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
+    # −∂U/∂s, N², by the compliance of edges across the whole length, and of those of the part that spalls take
+    edges: np.ndarray = NOTHING
+    part_edges: np.ndarray = NOTHING
 
 
 SUMMED = "energy", "force", "moment", "stiffness", "cross", "tilt_stiffness"
@@ -80,8 +87,59 @@ class ContactTable:
         u, d, p, dd, dp, pp = (np.where(closed, each, 0.0) for each in (u, d, p, dd, dp, pp))
         return TiltedContact(
             u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp),
-            np.zeros(u.shape),
         )  # fmt: skip
+
+
+class TiltedLaw(Protocol):
+    """One contact of a roller that may be tilted: a table, or slices."""
+
+    @property
+    def last_approach(self) -> float:
+        """The largest, m, that it knows."""
+
+    def at(self, approach, slope) -> TiltedContact:
+        """At approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any shape."""
+
+
+def in_series(at: Callable[..., TiltedContact], approach, slope, compliance) -> TiltedContact:
+    """A contact with a compliance s in series, which stores U(δ', ψ) + ½ s Q², δ' + s Q(δ', ψ) = δ.
+
+    Parameters
+    ----------
+    at : of the contact; approach, slope : m and rad, of any shape; compliance : m/N
+
+    Errors
+    ------
+    Newton's method, to round-off.
+    """
+    approach, slope, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), slope, compliance)
+    sound = at(approach, slope)
+    found = TiltedContact(*(np.array(np.broadcast_to(each, soft.shape)) for each in sound))
+    found.edges[...] = 0.5 * found.force**2
+    near = (np.abs(soft) > FAINT) & (found.force > 0.0)
+    if not near.any():
+        return found
+    depth, turned, s = approach[near], slope[near], soft[near]
+    own, here = depth, TiltedContact(*(each[near] for each in found))
+    moves = np.ones(own.shape, dtype=bool)  # each until it has settled, whatever stands beside it
+    for _ in range(NEWTON_STEPS):
+        step = np.where(moves, (depth - own - s * here.force) / (1.0 + s * here.stiffness), 0.0)
+        own = own + step
+        here = at(own, turned)
+        moves &= np.abs(step) > SETTLED * np.abs(s) * here.force
+        if not moves.any():
+            break
+    give, half = 1.0 / (1.0 + s * here.stiffness), 0.5 * here.force**2
+    softer = here._replace(
+        energy=here.energy + s * half,
+        stiffness=here.stiffness * give,
+        cross=here.cross * give,
+        tilt_stiffness=here.tilt_stiffness - s * here.cross**2 * give,
+        edges=half,
+    )
+    for every, each in zip(found, softer, strict=True):
+        every[near] = each
+    return found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,26 +147,31 @@ class SpalledTable:
     """A contact, part of whose slices spalls let sink by h: U(δ, ψ, h) = U_rest(δ, ψ) + (U − U_rest)(δ − h, ψ).
 
     That is exact where slices stand alone, and wherever the part bears nothing or has not sunk; between these coupled
-    slices of the part know those of the rest as if all had sunk.
+    slices of the part know those of the rest as if all had sunk. Edges are in series with either term, each a contact
+    of its own length: its compliance is that of the whole length over the term's share of it.
     """
 
-    whole: ContactTable  # of all slices
-    rest: ContactTable  # without those of the part
+    whole: TiltedLaw  # of all slices
+    rest: TiltedLaw  # without those of the part
+    share: float  # of the slices, that the part has
 
     @property
     def last_approach(self) -> float:
         return self.whole.last_approach
 
-    def at(self, approach, slope, sunk) -> TiltedContact:
-        """As `ContactTable.at`; `sunk` : h, m."""
-        deep = np.asarray(approach) - sunk
-        of_rest, all_sunk, rest_sunk = (
-            self.rest.at(approach, slope),
-            self.whole.at(deep, slope),
-            self.rest.at(deep, slope),
-        )
-        found = {name: getattr(of_rest, name) + getattr(all_sunk, name) - getattr(rest_sunk, name) for name in SUMMED}
-        return TiltedContact(**found, part=all_sunk.force - rest_sunk.force)
+    def at(self, approach, slope, sunk=0.0, compliance=0.0, part_compliance=0.0) -> TiltedContact:
+        """As `ContactTable.at`; `sunk` : h, m; compliances : m/N, of edges across the whole length, and of the part's,
+        both as if these were across the whole length."""
+
+        def of_part(approach, slope) -> TiltedContact:
+            every, rest = self.whole.at(approach, slope), self.rest.at(approach, slope)
+            return TiltedContact(*(getattr(every, name) - getattr(rest, name) for name in SUMMED))
+
+        of_rest = in_series(self.rest.at, approach, slope, compliance / (1.0 - self.share))
+        part = in_series(of_part, approach - sunk, slope, (compliance + part_compliance) / self.share)
+        edges, part_edges = of_rest.edges / (1.0 - self.share), part.edges / self.share
+        sums = (getattr(of_rest, name) + getattr(part, name) for name in SUMMED)
+        return TiltedContact._make([*sums, part.force, edges + part_edges, part_edges])
 
 
 def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:

@@ -48,7 +48,16 @@ def contact_tables(
 
 def spalled(slices: Slices, whole: ContactTable) -> ContactTable | SpalledTable:
     """The table with that of the slices which no spall takes, if any takes a part of the length."""
-    return whole if slices.part is None else SpalledTable(whole=whole, rest=without_part(slices, whole))
+    if slices.part is None:
+        return whole
+    return SpalledTable(whole=whole, rest=without_part(slices, whole), share=float(slices.part.mean()))
+
+
+def alone(slices: Slices) -> Slices | SpalledTable:
+    """A contact of slices that stand alone, apart in those that spalls of part of the length take and the rest."""
+    if slices.part is None:
+        return slices
+    return SpalledTable(whole=replace(slices, part=None), rest=_bare(slices), share=float(slices.part.mean()))
 
 
 def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: float) -> float:
@@ -93,8 +102,14 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
 def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
     """The table on the same knots of a contact in whose part of the length that spalls take nothing bears."""
     rows, columns = whole.coefficients.shape
-    rest = replace(slices, drop=slices.approaches(0.0, 0.0, OUT_OF_REACH) * -1.0)
-    return _on_grid(rest, (whole.first_approach, whole.approach_step, rows - 2), (whole.slope_step, (columns - 3) // 2))
+    return _on_grid(
+        _bare(slices), (whole.first_approach, whole.approach_step, rows - 2), (whole.slope_step, (columns - 3) // 2)
+    )
+
+
+def _bare(slices: Slices) -> Slices:
+    """Those of a contact in whose part of the length that spalls take nothing bears."""
+    return replace(slices, drop=-slices.approaches(0.0, 0.0, OUT_OF_REACH), part=None)
 
 
 def _on_grid(slices: Slices, rows: tuple[float, float, int], columns: tuple[float, int]) -> ContactTable:

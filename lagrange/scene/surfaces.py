@@ -75,11 +75,10 @@ class SpallTable(SurfaceTable):
         if self.length_mm is None and self.z_mm:
             yield f"z_mm = {self.z_mm:g}: only with length_mm, of spalls of part of the rollers' length"
 
-    def fault(self, roller_length: float | None = None) -> Spall:
-        """`roller_length` : m, of rollers that may tilt; None: of a plane section."""
+    def fault(self) -> Spall:
         along = None
-        if roller_length is not None:
-            half = 0.5 * (roller_length if self.length_mm is None else MM * self.length_mm)
+        if self.length_mm is not None:
+            half = 0.5 * MM * self.length_mm
             along = MM * self.z_mm - half, MM * self.z_mm + half
         return Spall(
             body=self.body,
@@ -215,7 +214,7 @@ def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iter
     """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
     met: dict[str, tuple[int, np.ndarray]] = {}
     for i, table in enumerate(tables):
-        spall = table.fault(bearing.roller_length)
+        spall = table.fault()
         if not spall.is_part(bearing):
             continue
         over, place = slices_over(bearing, slices, spall), f"spall.{i}.length_mm = {table.length_mm:g}"

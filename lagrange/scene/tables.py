@@ -74,12 +74,7 @@ class SceneTables(Table):
 
     def _faults(self) -> tuple[Fault, ...]:
         """Of its surfaces, without films."""
-        length = None if self.axial is None else MM * self.bearing.roller_length_mm
-        return tuple(
-            table.fault(length) if isinstance(table, SpallTable) else table.fault()
-            for name in SURFACES
-            for table in getattr(self, name)
-        )
+        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
 
     @property
     def method(self) -> str:

@@ -13,7 +13,7 @@ Equation (2) of docs/surfaces.md.
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,8 +38,7 @@ class BodyDeviation(NamedTuple):
     slope: np.ndarray  # m/rad
     compliance: np.ndarray | float = 0.0  # m/N
     softening: np.ndarray | float = 0.0  # m/N/rad
-    part: np.ndarray | float = 0.0  # m, sinkage of the part of the length that spalls take, beside that of all of it
-    part_slope: np.ndarray | float = 0.0  # m/rad
+    part: "BodyDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,12 +52,12 @@ class Profile:
     spalls: tuple[tuple[int | None, float, float], ...] = ()  # roller, middle and half of each, with its edges, rad
     waves: float = inf  # m, between the knots that all but spalls would need; infinite: between spalls circles are
     # perfect
-    part: np.ndarray | None = None  # (n_rows, n_knots), m, of spalls of part of the rollers' length; None: no such
+    part: "Profile | None" = None  # on the same knots, of spalls of part of the rollers' length; None: no such
 
     @property
     def deepest(self) -> float:
         """How far a contact sinks at most, m."""
-        return float((self.coefficients if self.part is None else self.coefficients + self.part).max())
+        return float((self.coefficients if self.part is None else self.coefficients + self.part.coefficients).max())
 
     def at(self, angle: np.ndarray) -> BodyDeviation:
         """At angles of the rollers' contacts, (..., n_rollers), rad."""
@@ -69,8 +68,7 @@ class Profile:
         near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
         found = BodyDeviation(*_cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi))
         if self.part is not None:
-            part, slope = _cubic([self.part.take(at) for at in near], t, 0.5 * n / pi)
-            found = found._replace(part=part, part_slope=slope)
+            found = found._replace(part=self.part.at(angle))
         if self.compliance is None:
             return found
         soft = [self.compliance.take(at) for at in near]
@@ -114,6 +112,14 @@ class Turns:
 UNTURNED = Turns()
 
 
+class Falls(NamedTuple):
+    """By how much a contact's energy falls, over its force, as the part that spalls take sinks and edges soften."""
+
+    part: np.ndarray | float = 0.0  # by the sinkage of the part
+    compliance: np.ndarray | float = 0.0  # N, by the compliance of edges across the whole length
+    part_compliance: np.ndarray | float = 0.0  # N, by that of the part's
+
+
 @dataclass(frozen=True, kw_only=True)
 class SurfaceDeviation:
     """What the contacts with one raceway meet, and its slopes as the angle grows, (..., n_rollers)."""
@@ -124,9 +130,7 @@ class SurfaceDeviation:
     compliance: np.ndarray | float = 0.0  # m/N, of edges, of ring and roller together; 0.0: no contact is near one
     ring_softening: np.ndarray | float = 0.0  # m/N/rad
     roller_softening: np.ndarray | float = 0.0
-    part: np.ndarray | float = 0.0  # m, of the part of the length that spalls take, beside `sinkage`
-    ring_part_slope: np.ndarray | float = 0.0  # m/rad
-    roller_part_slope: np.ndarray | float = 0.0
+    part: "SurfaceDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
 
     @property
     def slope(self) -> np.ndarray:
@@ -138,23 +142,32 @@ class SurfaceDeviation:
         """Whether a contact is near an edge."""
         return not isinstance(self.compliance, float)
 
+    @property
+    def part_sinkage(self) -> np.ndarray | float:
+        """Of the part of the length that spalls take, beside that of all of it, m."""
+        return 0.0 if self.part is None else self.part.sinkage
+
+    def rows(self, which: slice) -> "SurfaceDeviation":
+        """Of some of the times alone."""
+        part = None if self.part is None else self.part.rows(which)
+        own: dict[str, Any] = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray)}
+        return replace(self, **{name: each[which] for name, each in own.items()}, part=part)
+
     def at_force(self, force: np.ndarray) -> "SurfaceDeviation":
         """With the slopes that the surfaces have for contacts under these forces, N."""
         if not self.soft:
             return self
-        return replace(
-            self,
-            ring_slope=self.ring_slope + 0.5 * force * self.ring_softening,
-            roller_slope=self.roller_slope + 0.5 * force * self.roller_softening,
-        )
+        return self.at_contact(Falls(compliance=0.5 * force))
 
-    def at_share(self, share: np.ndarray | float) -> "SurfaceDeviation":
-        """With the slopes that the surfaces have for contacts of whose forces spalls bear a share in their part."""
-        return replace(
-            self,
-            ring_slope=self.ring_slope + share * self.ring_part_slope,
-            roller_slope=self.roller_slope + share * self.roller_part_slope,
-        )
+    def at_contact(self, falls: Falls) -> "SurfaceDeviation":
+        """With the slopes that the surfaces have for contacts of rollers that tilt, see `Falls`."""
+        soft, part = falls.compliance, self.part
+        ring, roller = self.ring_slope + soft * self.ring_softening, self.roller_slope + soft * self.roller_softening
+        if part is not None:
+            share, soft = falls.part, falls.part_compliance
+            ring = ring + share * part.ring_slope + soft * part.ring_softening
+            roller = roller + share * part.roller_slope + soft * part.roller_softening
+        return replace(self, ring_slope=ring, roller_slope=roller)
 
     def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
         """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
@@ -197,7 +210,7 @@ class Profiles:
     def parts(self) -> tuple[float, float]:
         """How far a part of the length may sink deeper than the rest in inner and outer contacts, m."""
         ring, outer, *rollers = (
-            0.0 if profile is None or profile.part is None else float(profile.part.max())
+            0.0 if profile is None or profile.part is None else float(profile.part.coefficients.max())
             for profile in vars(self).values()
         )
         return ring + rollers[0], outer + rollers[1]
@@ -219,6 +232,13 @@ def _deviation(ring: Profile | None, on_ring, roller: Profile | None, on_roller)
         BodyDeviation(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
         for profile, angle in ((ring, on_ring), (roller, on_roller))
     )
+    return _both(one, other)
+
+
+def _both(one: BodyDeviation, other: BodyDeviation) -> SurfaceDeviation:
+    """Of a ring and of rollers together."""
+    parts = one.part, other.part
+    flat = np.zeros_like(one.sinkage)
     return SurfaceDeviation(
         sinkage=one.sinkage + other.sinkage,
         ring_slope=one.slope,
@@ -226,9 +246,7 @@ def _deviation(ring: Profile | None, on_ring, roller: Profile | None, on_roller)
         compliance=one.compliance + other.compliance,
         ring_softening=one.softening,
         roller_softening=other.softening,
-        part=one.part + other.part,
-        ring_part_slope=one.part_slope,
-        roller_part_slope=other.part_slope,
+        part=None if parts == (None, None) else _both(*(part or BodyDeviation(flat, flat) for part in parts)),
     )
 
 
@@ -258,30 +276,33 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     for k, number in enumerate(rollers, 1):
         row[number] = k
-    compliance = part = None
-    if any(isinstance(fault, Spall) and fault.along is None for fault in faults) and not isinstance(
-        bearing, BallBearing
-    ):
-        softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
-        compliance = _spline(pair.line_compliance * np.array(softer))
     whole, parts = ([[f for f in some if _is_part(f, bearing) is wanted] for some in rows] for wanted in (False, True))
-    if any(parts):
-        part = _spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in parts]))
-        part = np.where(np.abs(part) > FAINT, part, 0.0)  # off spalls exactly nothing: contacts there look no more up
     smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]
-    return Profile(
-        coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in whole])),
-        compliance=compliance,
-        row=row,
-        spacing=2.0 * pi * own / n,
-        spalls=tuple(
-            (fault.roller, fault.angle, _half(fault, roller, own, other, meeting) + RINGING * 2.0 * pi / n)
-            for fault in faults
-            if isinstance(fault, Spall)
-        ),
-        waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf,
-        part=part,
-    )
+
+    def profile(rows: list[list[Fault]], part: Profile | None = None) -> Profile:
+        compliance, spalled = None, any(isinstance(fault, Spall) for some in rows for fault in some)
+        if spalled and not isinstance(bearing, BallBearing):
+            softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
+            compliance = _spline(pair.line_compliance * np.array(softer))
+        return Profile(
+            coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
+            compliance=compliance,
+            row=row,
+            spacing=2.0 * pi * own / n,
+            spalls=tuple(
+                (fault.roller, fault.angle, _half(fault, roller, own, other, meeting) + RINGING * 2.0 * pi / n)
+                for fault in faults
+                if isinstance(fault, Spall)
+            ),
+            waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf,
+            part=part,
+        )
+
+    if not any(parts):
+        return profile(whole)
+    part = profile(parts)  # off spalls exactly nothing: contacts there look no more up
+    clean = np.where(np.abs(part.coefficients) > FAINT, part.coefficients, 0.0)
+    return profile(whole, replace(part, coefficients=clean))
 
 
 def _is_part(fault: Fault, bearing: Bearing) -> bool:

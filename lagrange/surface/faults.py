@@ -24,9 +24,7 @@ class Spall:
     width: float  # m, from edge to edge, of the sharp-edged gap into which a roller sinks as deeply
     depth: float  # m
     edge_radius: float  # m, 0: sharp
-    # m, from and to which z along a roller that may tilt; None: across the whole length of a plane section's contacts,
-    # which its edges make softer
-    along: tuple[float, float] | None = None
+    along: tuple[float, float] | None = None  # m, from and to which z along a roller that may tilt; None: all of it
 
     def is_part(self, bearing) -> bool:
         """Whether it takes a part of the rollers' length."""

@@ -7,17 +7,20 @@ import pytest
 
 from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
+from fem.kernels.tilted_surfaces import in_series
 from lagrange.axial import ContactTable
 from lagrange.axial.pressure import peak_table, placed, pressures
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import spalled, tabulated
+from lagrange.axial.table import in_series as softened
+from lagrange.axial.tabulate import alone, spalled, tabulated
 from lagrange.contact.raceway_laws import contact_pairs, johnson
 from lagrange.tilt import roller_inertias
 from tests.reference.bearings import paper
 
 PAPER = paper()
 LARGEST, STEEPEST = 1900.0, 4e-3  # N, rad
+SOFT = 1e-9  # m/N, of an edge
 
 
 def slices(kind: str, count: int = 21) -> Slices:
@@ -96,17 +99,27 @@ def test_the_kernel_and_numpy_read_a_table_alike(table):
     @kernel
     def read_all(law, approach, slope, found):
         for i in range(approach.size):
-            found[i, :] = force_and_stiffness(law, approach[i], slope[i])
+            found[i, :6] = force_and_stiffness(law, approach[i], slope[i])
+            found[i, 6:] = in_series(None, law, approach[i], slope[i], SOFT, 500.0)
 
     approach, slope = places(table, 500)
     approach[:2], slope[2:4] = (-1.0, 1e-6), (1.1 * STEEPEST, -1.1 * STEEPEST)  # outside too
-    found = np.zeros((500, 6))
+    found = np.zeros((500, 12))
     read_all(TiltedLaw.of(table), approach, slope, found)
-    exact = np.column_stack(table.at(approach, slope)[:6])
-    assert found == pytest.approx(exact, rel=1e-9, abs=1e-9 * np.abs(exact).max())
+    soft = softened(table.at, approach, slope, SOFT)
+    exact = np.column_stack(table.at(approach, slope)[:6] + soft[:6])
+    for k, (column, wanted) in enumerate(zip(found.T, exact.T, strict=True)):
+        inside = slice(0 if k < 6 else 4, None)
+        tolerance = 1e-9 if k < 9 else 1e-6  # in series second derivatives are those before the last step
+        scale = np.abs(wanted[inside]).max()
+        assert column[inside] == pytest.approx(wanted[inside], rel=tolerance, abs=tolerance * scale)
     three = np.zeros((500, 3))
     read(TiltedLaw.of(table), approach, slope, three)
     assert np.array_equal(three, found[:, :3])
+    closed = soft.force > 0.0
+    own = (approach - SOFT * soft.force)[closed]
+    assert table.at(own, slope[closed]).force == pytest.approx(soft.force[closed], rel=1e-9)
+    assert soft.force.max() < 0.9 * exact[:, 1].max()
 
 
 def test_force_and_moment_are_the_derivatives_of_the_energy(table):
@@ -126,12 +139,18 @@ def test_a_table_over_a_spall_is_that_of_its_slices():
     own = replace(whole, part=whole.place > 0.0)
     table, rng = spalled(own, table_of(whole)), np.random.default_rng(3)
     approach, slope = places(table.whole, 2000)
-    sunk = rng.uniform(0.0, 10e-6, 2000) * rng.integers(0, 2, 2000)
-    found, exact = table.at(approach, slope, sunk), own.at(approach, slope, sunk)
+    sunk, soft = rng.uniform(0.0, 10e-6, 2000) * rng.integers(0, 2, 2000), rng.uniform(0.0, SOFT, (2, 2000))
+    found, exact = table.at(approach, slope, sunk, *soft), alone(own).at(approach, slope, sunk, *soft)
+    for k, name in enumerate(("edges", "part_edges")):
+        way = 1e-13 * (np.arange(2)[:, None] == k)
+        more, less = (table.at(approach, slope, sunk, *(soft + sign * way)).energy for sign in (1.0, -1.0))
+        assert -(more - less) / 2e-13 == pytest.approx(getattr(found, name), rel=1e-4, abs=50.0)  # N²
     for name, scale in (("force", 1900.0), ("moment", 3.0), ("part", 1900.0)):
         missed = getattr(found, name) - getattr(exact, name)
         assert np.sqrt(np.mean(missed**2)) < 1e-4 * scale
-    h = 1e-10
+    exact, h = own.at(approach, slope, sunk), 1e-10
+    for one, other in zip(alone(own).at(approach, slope, sunk)[:7], exact[:7], strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-9 * np.abs(other).max())
     more, less = (own.sums(approach, slope, sunk + step).energy for step in (h, -h))
     assert -(more - less) / (2.0 * h) == pytest.approx(exact.part, rel=1e-4, abs=1e-2)
 

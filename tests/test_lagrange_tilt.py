@@ -146,7 +146,9 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
         hub_equations(weightless, state, touch, 0.0, 0.0), radial_equations(bearing, weightless, state, touch, zero),
         angular_equations(bearing, weightless, state, touch, zero) - state.tilts.tilt * of_skew, of_tilt,
     ])  # fmt: skip
-    assert max(fall.part.max() for fall in touch.tilted.falls) > 0.1
+    for kind in zip(*touch.tilted.falls, strict=True):  # the part bears, and both kinds of edges
+        assert max(fall.max() for fall in kind) > 0.1
+    assert max(np.max(touch.inner_compliance), np.max(touch.outer_compliance)) > 1e-11
     parts, scale = [2, n, n, n], np.abs(pushes)
     step = np.repeat([1e-10, 1e-10, 1e-8, 1e-8], parts)
     scale = np.repeat([part.max() for part in np.split(scale, np.cumsum(parts)[:-1])], parts)
@@ -157,7 +159,8 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
 
 
 def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
-    found = scene(axial__slices=10, model="reduced", spall=[SPALLS[0] | {"angle_deg": 0.0}])
+    edge = {"body": "outer_ring", "width_mm": 0.6, "angle_deg": 360.0 / 13.0 + 0.62}  # under the next roller
+    found = scene(axial__slices=10, model="reduced", spall=[SPALLS[0] | {"angle_deg": 0.0}, edge])
     bearing, operation = found.ideal_bearing(), replace(found.ideal_operation(), speed=0.0, gravity=0.0)
     laws = contact_laws("iso16281", bearing)
     plane = static_equilibrium(bearing, operation, laws)
@@ -175,6 +178,7 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     assert np.abs(radial_equations(bearing, operation, state, touch, zero)).max() < 1e-6 * operation.radial_load
     assert np.abs(touch.tilted.outwards).max() < 1e-6 * np.abs(touch.tilted.inner_moment).max()
     assert touch.tilted.falls[1].part[0] == 0.0 and abs(still.tilt[0]) > 1e-4  # tilted, it stands on the sound half
+    assert touch.outer_compliance[1] > 1e-10 and touch.outer_force[1] > 100.0
 
 
 FREE = {

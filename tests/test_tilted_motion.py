@@ -30,6 +30,17 @@ def test_parallel_axes_move_as_in_the_plane_section():
     assert np.abs(solid["roller_tilt"]).max() < 1e-5  # rad: all of it is noise of rollers that carry nothing
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_a_strike_on_the_edge_of_a_spall_is_that_of_the_plane_section(model):
+    crossing = {"spall": [{"width_mm": 0.5, "angle_deg": 4.0}], "numerics__output_interval_us": 0.5}
+    straight = {"roller_profile": "none", "coupling": False}
+    solid, plane = moved(scene(model, straight, **crossing)), moved(scene(model, None, **crossing))
+    assert plane["outer_force"].max() > 1000.0
+    assert solid["outer_force"].max() == pytest.approx(plane["outer_force"].max(), rel=2e-3)  # 0.08 with stiff edges
+    assert missed(solid) < 2.0 * missed(plane)
+
+
 def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
     bearing = found.ideal_bearing()

@@ -127,7 +127,7 @@ def _at_edges(edges, rest, table, forces, at, columns, deep, slope):
 @part
 def _over_spalls(rest, table, forces, at, columns, deep, slope):
     if rest is None:
-        found = _in_series(None, table, deep, slope, load(forces.tilted.edges, at), load(forces.estimate, at))
+        found = in_series(None, table, deep, slope, load(forces.tilted.edges, at), load(forces.estimate, at))
         store(forces.tilted.edges, FALL * 2 * columns + at, 0.5 * found[1])
         return found
     return _in_pieces(forces.tilted.sunken, rest, table, forces, at, columns, deep, slope)
@@ -145,8 +145,8 @@ def _in_pieces(sunken, rest, table, forces, at, columns, deep, slope):
         store(sunken, (SUNK + FALL) * apart + at, splat(0.0))
         store(sunken, (PART_EDGES + FALL) * apart + at, splat(0.0))
         return force_and_stiffness(table, deep, slope)
-    a = _in_series(None, rest.law, deep, slope, rest.of_rest * soft, (1.0 - share) * last)
-    b = _in_series(rest.law, table, deep - h, slope, rest.of_part * (soft + more), share * last)
+    a = in_series(None, rest.law, deep, slope, rest.of_rest * soft, (1.0 - share) * last)
+    b = in_series(rest.law, table, deep - h, slope, rest.of_part * (soft + more), share * last)
     Q = a[1] + b[1]
     over = select(Q > 0.0, 1.0 / select(Q > 0.0, Q, 1.0), 0.0)
     soft_part = 0.5 * rest.of_part * b[1] * b[1] * over
@@ -157,7 +157,7 @@ def _in_pieces(sunken, rest, table, forces, at, columns, deep, slope):
 
 
 @part
-def _in_series(rest, table, deep, slope, soft, last):
+def in_series(rest, table, deep, slope, soft, last):
     """Eight contacts, less those of a rest, with compliances in series, m/N; `last` : N, forces of the last step."""
     if not any_lane(absolute(soft) > FAINT):
         return _less(rest, table, deep, slope)

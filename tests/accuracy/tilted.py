@@ -1,15 +1,21 @@
-"""What rollers that tilt do: finite elements beside the reduced model, a spall of half the length, free skew.
+"""What rollers that tilt do: finite elements beside the reduced model, spalls and their edges, free skew.
 
 `python -m tests.accuracy.tilted`; writes docs/measurements/tilted.md. Takes a minute once loops are compiled.
 """
+
+from dataclasses import replace
 
 import numpy as np
 from cyclopts import App
 from scipy.signal import butter, hilbert, sosfiltfilt
 
 from fem.solver.simulate import make_plan
+from lagrange.axial.table import in_series
+from lagrange.axial.tabulate import alone, contact_slices
+from lagrange.contact.raceway_laws import contact_laws, contact_pairs
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
+from lagrange.surface.edges import Softened
 from tests.measurements import markdown_table, publish
 from tests.verification.runs import RunSamples, record
 
@@ -24,6 +30,13 @@ SPALLS = {
     "half the length": {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}]},
     "whole length": {"spall": [{"width_mm": 1.0}]},
 }
+CROSSED = [{"width_mm": 0.5, "angle_deg": 4.0}]
+LAWS = {
+    "no profile, alone": {"axial.roller_profile": "none", "axial.coupling": False},
+    "no profile, coupled": {"axial.roller_profile": "none"},
+    "logarithmic, coupled": {"axial.roller_profile": "logarithmic"},
+}
+DEEPER, LOADED = 1.5, 700.0  # ΔB of an edge; N, without it
 PLAYS = [("guided", 0.1, 0.0), *((f"{play:g} mrad", mu, play) for mu in (0.05, 0.1) for play in (1.0, 5.0))]
 
 
@@ -83,6 +96,41 @@ def spalled() -> str:
     return markdown_table(("spall", *SPALLS), zip(names, *columns, strict=True))
 
 
+def strikes() -> str:
+    """Largest forces of a roller that crosses a spall of the whole length, beside those of the plane section."""
+    rows = []
+    for model in ("reduced", "lagrange"):
+        fixed = {"model": model, "numerics.duration_ms": 0.6, "numerics.output_interval_us": 0.5, "spall": CROSSED}
+        peaks = [record(make_plan(Scene().varied(fixed | keys)))["outer_force"].max() for keys in ({}, *LAWS.values())]
+        rows.append([model, f"{peaks[0]:.0f} N", *(f"{100.0 * (peak / peaks[0] - 1.0):+.2f} %" for peak in peaks[1:])])
+    return markdown_table(("model", "plane section", *LAWS), rows)
+
+
+def at_an_edge() -> str:
+    """Forces where an edge's compliance acts on their sum, over those where it acts on each slice that stands alone."""
+    rows = []
+    for profile in ("none", "logarithmic"):
+        scene = Scene().varied({"axial.slices": 40, "axial.roller_profile": profile})
+        bearing, axial = scene.ideal_bearing(), scene.ideal_axial()
+        law, soft = contact_laws("johnson", bearing).outer, DEEPER * contact_pairs(bearing)[1].line_compliance
+        whole = contact_slices(bearing, axial, (law, law))[1]
+        half = replace(whole, part=whole.place > 0.0)
+        for slope in (0.0, 1e-3, 2e-3):
+            place = whole.approach_under(LOADED, np.array([slope])), np.array([slope])
+            each = (
+                law.force(whole.approaches(*place)),
+                Softened(law=law, compliance=soft).force(whole.approaches(*place)),
+            )
+            found = (
+                in_series(whole.at, *place, soft).force / each[1].mean(),
+                alone(half).at(*place, 0.0, 0.0, soft).force / np.where(half.part, each[1], each[0]).mean(),
+            )
+            rows.append(
+                [profile, f"{1e3 * slope:g} mrad", *(f"{100.0 * (ratio.item() - 1.0):+.1f} %" for ratio in found)]
+            )
+    return markdown_table(("profile", "slope", "whole length", "half the length"), rows)
+
+
 def _envelope_at_bpfo(found: RunSamples, acceleration: np.ndarray, interval: float) -> float:
     band = butter(4, BAND, "band", fs=1.0 / interval, output="sos")
     envelope = np.abs(hilbert(sosfiltfilt(band, acceleration)))
@@ -122,6 +170,8 @@ def main(*, write: bool = False) -> None:
             "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on.",
             spalled,
         ),
+        ("Strikes on edges", "2000 N, 4500 rpm, a spall 0.5 mm wide; largest forces.", strikes),
+        ("Uneven pressure at an edge", "ΔB = 1.5, 700 N on the sound raceway, slices that stand alone.", at_an_edge),
         ("Free skew", "1 mrad, 60 to 120 ms.", skewed),
     ):
         publish("tilted", heading, COMMAND, about, table(), write=write)

@@ -110,6 +110,10 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "outer_axial_traction": (PER_ROLLER, "N", "force of the outer raceway on the roller along z"),
         "guide_moment": (PER_ROLLER, "N m", "moment of flange or pocket on the roller's skew, beyond its play"),
     },
+    "damping of tilt": {
+        "inner_damping_moment": (PER_ROLLER, "N m", "part of inner_moment that damping gives"),
+        "outer_damping_moment": (PER_ROLLER, "N m", "part of outer_moment that damping gives"),
+    },
 }
 
 

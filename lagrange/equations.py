@@ -145,18 +145,13 @@ def polar_deviated(
     return replace(found, inner=found.inner - inner.sinkage, outer=found.outer - outer.sinkage), inner, outer
 
 
-def polar_at_force(
-    found: PolarOverlaps, inner: SurfaceDeviation, outer: SurfaceDeviation, rho, normal=None
-) -> PolarOverlaps:
-    """The overlaps with their derivatives turned by the slopes that contacts meet.
-
-    `normal` : of the circles, along e_r and e_t, where moments have turned the derivatives already
-    """
-    aside, (radial, tangential) = inner.slope / found.distance, normal or (found.radial, found.tangential)
+def polar_at_force(found: PolarOverlaps, inner: SurfaceDeviation, outer: SurfaceDeviation, rho) -> PolarOverlaps:
+    """The overlaps with their derivatives turned by the slopes that contacts meet."""
+    aside = inner.slope / found.distance
     return replace(
         found,
-        radial=found.radial - aside * tangential,
-        tangential=found.tangential + aside * radial,
+        radial=found.radial - aside * found.tangential,
+        tangential=found.tangential + aside * found.radial,
         outer_slope=found.outer_slope + outer.slope / rho,
     )
 

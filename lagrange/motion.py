@@ -17,7 +17,7 @@ from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, po
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 from lagrange.surface.edges import SoftenedLaws, softened
-from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts
+from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts, turning_speeds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ def contact_state(
 
     Parameters
     ----------
-    laws : of tilted contacts where the state has tilts; these have no dampers
+    laws : of tilted contacts where the state has tilts
     damping : of each closed contact; it never makes a contact pull
 
     Errors
@@ -99,7 +99,7 @@ def contact_state(
         if state.tilts is None:
             raise ValueError("contacts of tilted rollers ask for a state with tilts")
         on = (None, None) if surfaces is None else (inner, outer)
-        found, tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, state.rho, cos, sin, on)
+        tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, cos, sin, on)
         if surfaces is not None:
             inner, outer = inner.at_contact(tilted.falls[0]), outer.at_contact(tilted.falls[1])
     else:
@@ -108,24 +108,28 @@ def contact_state(
         if surfaces is not None:
             inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
     if surfaces is not None:
-        found = polar_at_force(found, inner, outer, state.rho, None if tilted is None else tilted.normal)
+        found = polar_at_force(found, inner, outer, state.rho)
         passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
         passing_out = outer.passing(turns.outer_ring_speed, turns.roller_speed)
-    radial, tangential = found.radial, found.tangential
-    along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
-    vx, vy, around = (
-        np.asarray(state.x_rate)[..., None],
-        np.asarray(state.y_rate)[..., None],
-        state.rho * state.theta_rate,
-    )
-    inner_closing = -(radial * state.rho_rate + tangential * around + along_x * vx + along_y * vy) + passing_in
-    outer_closing = state.rho_rate - found.outer_slope * around + passing_out
-    if damping.acts:
+    vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
+    apart = state.rho_rate - (vx * cos + vy * sin), state.rho * state.theta_rate - (vy * cos - vx * sin)
+    inner_closing = -(found.radial * apart[0] + found.tangential * apart[1]) + passing_in
+    outer_closing = state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing_out
+    if damping.acts and tilted is not None and state.tilts is not None:
+        turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
+        tilted, inner_damper, outer_damper = tilted.damped(
+            damping, (inner_closing, outer_closing), turning, bearing.roller_length
+        )
+        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
+    elif damping.acts:
         inner_rate = damping.coefficient(inner_force, inner_law.slope(found.inner))
         outer_rate = damping.coefficient(outer_force, outer_law.slope(found.outer))
         inner_damper = damper_force(inner_force, inner_closing, inner_rate)
         outer_damper = damper_force(outer_force, outer_closing, outer_rate)
         inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
+    if tilted is not None:
+        found = tilted.turned(found, inner_force, outer_force, state.rho)
+    along_x, along_y = found.tangential * sin - found.radial * cos, -found.tangential * cos - found.radial * sin
     return ContactState(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
         inner_closing=inner_closing, outer_closing=outer_closing, inner_passing=passing_in, outer_passing=passing_out,

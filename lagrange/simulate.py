@@ -99,6 +99,7 @@ class Motion:
             along = state.ring_y_rate * np.cos(state.theta) - state.ring_x_rate * np.sin(state.theta)
             driven += np.sum(force * (state.rho * state.theta_rate + along))
         lost = np.sum(touch.inner_damper * touch.inner_closing + touch.outer_damper * touch.outer_closing)
+        lost += 0.0 if touch.tilted is None else np.sum(touch.tilted.lost)
         shaft, housing, sensor = acting.mounting.shaft, acting.mounting.housing, acting.mounting.sensor
         dashed = 0.0 if shaft is None else shaft.damping * (vx**2 + vy**2)
         dashed += 0.0 if housing is None else housing.damping * (state.ring_x_rate**2 + state.ring_y_rate**2)

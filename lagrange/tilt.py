@@ -19,9 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.table import SpalledTable, TiltedLaw, in_series
+from lagrange.axial.table import SpalledTable, TiltedContact, TiltedLaw, in_series
 from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.equations import PolarOverlaps
 from lagrange.kinematics import kinematics
@@ -102,6 +103,8 @@ class TiltSamples:
     outer_moment: np.ndarray
     inner_slope_x: np.ndarray  # rad
     inner_slope_y: np.ndarray
+    inner_damping_moment: np.ndarray  # N m, part of the moments
+    outer_damping_moment: np.ndarray
 
     @classmethod
     def of(cls, tilts: Tilts, contacts: "TiltedContacts") -> "TiltSamples":
@@ -109,7 +112,8 @@ class TiltSamples:
         return cls(
             roller_tilt=tilts.tilt, roller_skew=nothing + tilts.skew, inner_moment=contacts.inner_moment,
             outer_moment=contacts.outer_moment, inner_slope_x=nothing[:, 0] + tilts.slope_x,
-            inner_slope_y=nothing[:, 0] + tilts.slope_y,
+            inner_slope_y=nothing[:, 0] + tilts.slope_y, inner_damping_moment=nothing + contacts.dampers[0],
+            outer_damping_moment=nothing + contacts.dampers[1],
         )  # fmt: skip
 
 
@@ -157,6 +161,34 @@ class TiltedContacts:
     at: Misalignments
     normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
     falls: tuple[Falls, Falls] = (Falls(), Falls())
+    met: tuple[TiltedContact, ...] = ()  # the springs, inner and outer
+    dampers: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # N m, the dampers' part of both moments
+    lost: np.ndarray | float = 0.0  # W, in these
+
+    def damped(self, damping: ContactDamping, closing, turning, length: float):
+        """The contacts with their dampers' moments, and the dampers' forces, N, inner and outer.
+
+        `closing`, `turning` : rates of approaches, m/s, and misalignments, rad/s, of both; `length` : m, of rollers
+        """
+        (inner, inner_moment), (outer, outer_moment) = (
+            tilted_damper(met, damping, closes, turns, length)
+            for met, closes, turns in zip(self.met, closing, turning, strict=True)
+        )
+        found = replace(
+            self, inner_moment=self.inner_moment + inner_moment, outer_moment=self.outer_moment + outer_moment,
+            dampers=(inner_moment, outer_moment), lost=-(inner_moment * turning[0] + outer_moment * turning[1]),
+        )  # fmt: skip
+        return found, inner, outer
+
+    def turned(self, found: PolarOverlaps, inner_force, outer_force, rho) -> PolarOverlaps:
+        """Overlaps with the directions that moments give contacts' forces, N."""
+        aside = _turned(self.inner_moment * self.at.inner_across / found.distance, inner_force)
+        return replace(
+            found,
+            radial=found.radial - aside * self.normal[1],
+            tangential=found.tangential + aside * self.normal[0],
+            outer_slope=found.outer_slope - _turned(self.outer_moment * self.at.outer_across / rho, outer_force),
+        )
 
     @property
     def outwards(self) -> np.ndarray:
@@ -175,9 +207,9 @@ class TiltedContacts:
 
 
 def tilted_contacts(
-    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, rho, cos, sin, surfaces=(None, None)
-) -> tuple[PolarOverlaps, TiltedContacts, np.ndarray, np.ndarray]:
-    """The contacts with the directions that moments give their forces; what they have more; both forces, N.
+    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, cos, sin, surfaces=(None, None)
+) -> tuple[TiltedContacts, np.ndarray, np.ndarray]:
+    """What the contacts have beside their forces; both forces, N.
 
     `surfaces` : that the inner and the outer contacts meet; None: perfect circles
     """
@@ -186,18 +218,30 @@ def tilted_contacts(
         met(laws.inner, found.inner, at.inner, surfaces[0]),
         met(laws.outer, found.outer, at.outer, surfaces[1]),
     )
-    aside = _turned(at.inner_across / found.distance, inner)
-    turned = replace(
-        found,
-        radial=found.radial - aside * found.tangential,
-        tangential=found.tangential + aside * found.radial,
-        outer_slope=-_turned(at.outer_across / rho, outer),
-    )
     more = TiltedContacts(
         inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
-        normal=(found.radial, found.tangential), falls=(falls(inner, surfaces[0]), falls(outer, surfaces[1])),
+        normal=(found.radial, found.tangential), met=(inner, outer),
+        falls=(falls(inner, surfaces[0]), falls(outer, surfaces[1])),
     )  # fmt: skip
-    return turned, more, inner.force, outer.force
+    return more, inner.force, outer.force
+
+
+def turning_speeds(
+    contacts: TiltedContacts, tilts: Tilts, theta_rate, distance, apart, cos, sin
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rates of misalignments ψ, rad/s, of inner and outer contacts.
+
+    Parameters
+    ----------
+    distance : m, of rollers' centres from the hub; apart : m/s, at which they leave it, along e_r and e_t
+    cos, sin : of the rollers' angles
+    """
+    vx, vy = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
+    out = tilts.tilt_rate + theta_rate * tilts.skew - (vx * cos + vy * sin)
+    around = theta_rate * tilts.tilt - tilts.skew_rate - (vy * cos - vx * sin)
+    radial, tangential = contacts.normal
+    passing = (apart[1] * radial - apart[0] * tangential) / distance
+    return out * radial + around * tangential + contacts.at.inner_across * passing, -tilts.tilt_rate
 
 
 def met(law: TiltedLaw, approach, slope, surface: SurfaceDeviation | None):
@@ -217,10 +261,10 @@ def falls(of, surface: SurfaceDeviation | None) -> Falls:
     return Falls(over * of.part, over * of.edges, over * of.part_edges)
 
 
-def _turned(across, of) -> np.ndarray:
-    """Angle, rad, by which a moment turns a contact's force."""
-    closed = of.force > 0.0
-    return np.where(closed, of.moment * across / np.where(closed, of.force, 1.0), 0.0)
+def _turned(push, force) -> np.ndarray:
+    """Angle, rad, by which a push across, N, turns a contact's force, N."""
+    closed = force > 0.0
+    return np.where(closed, push / np.where(closed, force, 1.0), 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

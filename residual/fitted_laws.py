@@ -97,7 +97,7 @@ def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
 def spring_and_damper(law: Law, approach, closing_speed, compliance=0.0) -> tuple[np.ndarray, np.ndarray | float]:
     """The same, springs' and dampers' apart."""
     if isinstance(law, SlicedLaw):
-        return law.force(approach), 0.0
+        return law.force(approach), law.damper(approach)
     spring = softened(law.spring if isinstance(law, DampedLaw) else law, compliance)
     force = spring.force(approach)
     if not isinstance(law, DampedLaw):

@@ -113,6 +113,8 @@ class Record:
     outer_traction_moment: np.ndarray | None = None
     outer_axial_traction: np.ndarray | None = None
     guide_moment: np.ndarray | None = None  # N m
+    inner_damping_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, what damping gives of inner_moment
+    outer_damping_moment: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage

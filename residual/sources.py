@@ -137,7 +137,7 @@ def _variables(scene: Scene) -> tuple[list[str], list[str]]:
     held = [*OPTIONAL, *(name for name in mounting.columns if name.endswith(("_ax", "_ay")))]
     held += [OF_SUPPORT] if mounting.housing is not None else []
     held += SHAFT if mounting.shaft is not None else ()
-    held += columns_of(*scene.axial.parts) if scene.axial is not None else ()
+    held += columns_of(*scene.parts_of_tilt)
     held += [*ENERGIES, *(DAMPERS if scene.damping.acts else ())]
     return [*MOTION, *mounting.centre[:2]], held
 

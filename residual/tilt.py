@@ -10,6 +10,7 @@ from lagrange.axial.pressure import SHARP, pressures_under, sharp_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact
 from lagrange.axial.tabulate import alone, contact_slices
+from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
 from lagrange.equations import Overlaps
@@ -38,6 +39,19 @@ BINS, ROLLERS = 120, 3  # of angles; shown from their side
 CANDIDATES = 64  # contacts of which one has the largest pressure
 
 
+class Dampers(NamedTuple):
+    """Dampers of a record's tilted contacts."""
+
+    damping: ContactDamping
+    closing_speed: np.ndarray  # (n_times, n_rollers), m/s
+    turning_speed: np.ndarray  # rad/s, at which misalignments grow
+    length: float  # m, of rollers
+
+    def given(self, met: TiltedContact) -> tuple[np.ndarray, np.ndarray]:
+        """Forces, N, and moments, N m."""
+        return tilted_damper(met, self.damping, self.closing_speed, self.turning_speed, self.length)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlicedLaw:
     """A contact's law in slices at a record's misalignments; force and slope of approaches of the record's shape."""
@@ -46,6 +60,7 @@ class SlicedLaw:
     slices: Slices
     misalignment: np.ndarray  # (n_times, n_rollers), rad
     surface: SurfaceDeviation | None  # that the contacts meet
+    dampers: "Dampers | None" = None  # None: contacts without
 
     @property
     def name(self) -> str:
@@ -56,16 +71,21 @@ class SlicedLaw:
         return f"{self.whole.source}, in {self.slices.count} slices"
 
     def force(self, approach) -> np.ndarray:
-        """N, >= 0."""
+        """N, >= 0, of the springs."""
         return self._at(approach).force
+
+    def damper(self, approach) -> np.ndarray | float:
+        """Force of the dampers, N."""
+        return 0.0 if self.dampers is None else self.dampers.given(self._at(approach))[0]
 
     def slope(self, approach) -> np.ndarray:
         """dQ/dδ, N/m."""
         return self._at(approach).stiffness
 
     def moment(self, approach) -> np.ndarray:
-        """Force times z, N m."""
-        return self._at(approach).moment
+        """Force times z, N m, of springs and dampers."""
+        met = self._at(approach)
+        return met.moment if self.dampers is None else met.moment + self.dampers.given(met)[1]
 
     def falls(self, approach) -> Falls:
         """By how much energies fall as surfaces change."""
@@ -93,9 +113,14 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
         raise ValueError("the record has no rollers that tilt")
     slices, contacts = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.contacts
     if outer:
-        return SlicedLaw(whole=whole, slices=slices, misalignment=-record.roller_tilt, surface=contacts.surfaces[1])
-    misalignment = misaligned(record, contacts)[0]
-    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, surface=contacts.surfaces[0])
+        misalignment, approach, surface = -record.roller_tilt, contacts.outer, contacts.surfaces[1]
+    else:
+        misalignment, approach, surface = misaligned(record, contacts)[0], contacts.inner, contacts.surfaces[0]
+    dampers, damping = None, record.scene.damping.contacts
+    if damping.acts:
+        closing, turning = (derivative(value, record.interval, 1) for value in (approach, misalignment))
+        dampers = Dampers(damping, closing, turning, bearing.roller_length)
+    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, surface=surface, dampers=dampers)
 
 
 def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:

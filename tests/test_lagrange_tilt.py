@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, angular_equations, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
@@ -112,6 +113,20 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
         closed += np.sum(touch.inner_force > 0.0) + np.sum(touch.outer_force > 0.0)
     assert worst == pytest.approx(0.0, abs=ROUND_OFF)
     assert 10 < closed < 40  # open and closed contacts are both met
+
+
+def test_dampers_of_a_tilted_contact_are_those_of_its_slices():
+    found = scene(axial__slices=11)
+    bearing = found.ideal_bearing()
+    slices = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing)).inner
+    damping, rng = ContactDamping(time=1e-5), np.random.default_rng(7)
+    approach, slope = 8e-6 + 4e-6 * rng.uniform(size=9), 1e-3 * rng.uniform(-1.0, 1.0, 9)
+    closing, turning = 1e-4 * rng.uniform(-1.0, 1.0, 9), 1e-2 * rng.uniform(-1.0, 1.0, 9)
+    deep = slices.approaches(approach, slope)  # of each slice, whose damper has the time of the whole
+    each = 1e-5 * slices.law.slope(deep) / slices.count * (closing[:, None] - turning[:, None] * slices.place)
+    force, moment = tilted_damper(slices.at(approach, slope), damping, closing, turning, bearing.roller_length)
+    assert force == pytest.approx(each.sum(axis=1), rel=1e-9)
+    assert moment == pytest.approx(each @ slices.place, rel=1e-9)
 
 
 SPALLS = [

@@ -6,12 +6,13 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
+from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.simulate import make_plan
-from lagrange import contact_laws, simulate
+from lagrange import contact_laws, first_state, simulate
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import SceneError
-from lagrange.tilt import sliced_laws
+from lagrange.tilt import TiltedLaws, sliced_laws
 from residual.evaluation import evaluate
 from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
@@ -55,6 +56,38 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     assert missed(samples) < 1e-6
 
 
+@pytest.mark.slow  # compiles a loop
+@pytest.mark.parametrize("free", [{}, {"hub_tilt_inertia_kg_m2": 1.03e-5, "shaft_tilt_stiffness_N_m_rad": 2000.0}])
+def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypatch, tmp_path):
+    found = scene(
+        "lagrange", {"coupling": False, **free}, operation__misalignment_mrad=1.0, lagrange__law="johnson",
+        damping__contact_time_us=12.5,
+    )  # fmt: skip
+    bearing, plan = found.ideal_bearing(), make_plan(found)
+    tables = TiltedLaws(*tables_of(plan.problem, found.ideal_axial()))
+    run_scene(found, tmp_path / "damped.nc", RunOptions(quiet=True))
+    checked = evaluate(read_result(tmp_path / "damped.nc"))  # by slices, whose stiffness jumps as each one touches
+    damped = np.abs(checked.record.inner_damping_force).sum(axis=1).max()
+    assert 0.0 < max(np.abs(each.budget.terms["damping"]).max() for each in checked.directions) < 0.1 * damped
+    assert np.abs(checked.tilt.contact_law).max() < 0.3 * np.abs(checked.record.inner_damping_moment).max()
+    monkeypatch.setattr(first_state, "sliced_laws", lambda *of: tables)
+    laws, damping = contact_laws("johnson", bearing), found.damping.contacts
+    reference = simulate(bearing, found.ideal_operation(), laws, 5e-4, 1e-5, axial=found.ideal_axial(), damping=damping)
+    samples = moved(found)
+    for name, value in {
+        "inner_force": reference.inner_force, "inner_moment": reference.tilt.inner_moment,
+        "roller_tilt": reference.tilt.roller_tilt, "inner_slope_y": reference.tilt.inner_slope_y,
+    }.items():  # fmt: skip
+        assert samples[name] == pytest.approx(value, abs=1e-4 * np.abs(value).max())
+    largest = np.abs(reference.tilt.inner_damping_moment).max()
+    assert largest > 5e-3  # N m
+    assert samples["inner_damping_moment"] == pytest.approx(reference.tilt.inner_damping_moment, abs=2e-3 * largest)
+    assert samples["work_damping_contact"] == pytest.approx(
+        reference.work_damping, abs=3e-3 * reference.work_damping[-1]
+    )
+    assert missed(samples) < 1e-6
+
+
 def test_peak_pressures_of_a_run_are_those_of_its_forces_and_moments():
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
     result, bearing = interface.simulate(found), found.ideal_bearing()
@@ -91,7 +124,7 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
     ("model", "axial", "changes", "remedy"),
     [
         ("reduced", {}, {"reduced__modes_up_to_kHz": 200.0}, "leave one of them out"),
-        ("reduced", {}, {"damping__contact_N_s_m": 10.0}, "leave one of them out"),
+        ("reduced", {"skew": "free"}, {"damping__contact_N_s_m": 10.0}, "leave the dampers out"),
     ],
 )
 def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, remedy):

@@ -21,6 +21,15 @@ from fem.kernels.sample_kernels import (
     N_SCALARS,
 )
 from fem.kernels.shaft import give_way, mobility
+from fem.kernels.tilted_damping import (
+    find_levers,
+    pair_mobility,
+    turn_back,
+    turn_hub_back,
+    with_turning,
+    with_turning_power,
+    write_turning,
+)
 
 
 @part
@@ -66,7 +75,7 @@ def damp_contacts(dampers, bodies, compliance, forces, before, drive):
     if dampers is not None:
         dampers.work[0] += dampers.work[1]
         x, y = _find(dampers, bodies, compliance, forces, before, drive)
-        _give(dampers, bodies, forces, drive, x, y)
+        _give(dampers, bodies, forces, before, drive, x, y)
 
 
 @part
@@ -83,12 +92,20 @@ def _closing(bodies, forces, drive, group, motion):
 
 
 @part
-def _before_and_now(bodies, forces, before, drive, group):
-    """`_closing` before the kick and at the velocities so far: two pairs."""
+def _motions(bodies, before):
+    """Before the kick and at the velocities so far: see `passing_rates`."""
     past, next_ = ring_rates(bodies.housing)
-    was = _closing(bodies, forces, drive, group, (before.hub_velocity, before.velocity, before.spin, past))
-    now = _closing(bodies, forces, drive, group, (bodies.hub_velocity, bodies.velocity, bodies.spin, next_))
-    return was, now
+    was = before.hub_velocity, before.velocity, before.spin, past
+    return was, (bodies.hub_velocity, bodies.velocity, bodies.spin, next_)
+
+
+@part
+def _power(dampers, bodies, forces, drive, group, motion, after):
+    """What eight rollers' dampers take at velocities before (False) or after a kick, W."""
+    inner, outer = _closing(bodies, forces, drive, group, motion)
+    F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
+    power = F_i * inner + F_o * outer
+    return with_turning_power(dampers.tilted, bodies, forces, group, motion, after, power)
 
 
 @part
@@ -102,12 +119,20 @@ def _find(dampers, bodies, compliance, forces, before, drive):
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         c_i, c_o = damping_coefficients(compliance, dampers, forces, columns, group, there)
-        was, now = _before_and_now(bodies, forces, before, drive, group)
-        rate_i, rate_o = 0.5 * (was[0] + now[0]), 0.5 * (was[1] + now[1])
+        find_levers(dampers.tilted, forces, columns, group, c_i, c_o)
+        motions = _motions(bodies, before)
+        was, now = (
+            _closing(bodies, forces, drive, group, motions[0]),
+            _closing(bodies, forces, drive, group, motions[1]),
+        )
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
-        share = 1.0 / ((1.0 + h_i) * (1.0 + h_o) - h_i * h_o * facing * facing)
-        alone = ((1.0 + h_o) * c_i * rate_i + h_i * facing * c_o * rate_o) * share
-        gain = 0.5 * c_i * (1.0 + h_o) * share
+        rates = 0.5 * (was[0] + now[0]), 0.5 * (was[1] + now[1])
+        rate_i, rate_o = with_turning(dampers.tilted, bodies, forces, drive, group, motions, facing, rates)
+        own_i, own_o, other = pair_mobility(dampers.tilted, bodies, drive.dt, group, facing)
+        own_i, own_o = 1.0 + h_i * own_i, 1.0 + h_o * own_o
+        share = 1.0 / (own_i * own_o - h_i * h_o * other * other)
+        alone = (own_o * c_i * rate_i + h_i * other * c_o * rate_o) * share
+        gain = 0.5 * c_i * own_o * share
         store(dampers.force, group, alone)
         store(dampers.gain, group, gain)
         store(dampers.coefficient, columns + group, c_o)
@@ -124,7 +149,7 @@ def _find(dampers, bodies, compliance, forces, before, drive):
 
 
 @part
-def _give(dampers, bodies, forces, drive, hub_x, hub_y):
+def _give(dampers, bodies, forces, before, drive, hub_x, hub_y):
     """The dampers' kicks; `hub_` : m/s, what the hub's velocity changes by."""
     columns, half, over = bodies.columns, 0.5 * drive.dt / bodies.mass, drive.dt / bodies.mass
     push_x, push_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
@@ -135,11 +160,14 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
         facing, c_o = ix * ox + iy * oy, load(dampers.coefficient, at)
         F_i = load(dampers.force, group) + load(dampers.gain, group) * (hub_x * ix + hub_y * iy)
         F_i = select(there & (load(forces.force, group) > 0.0), maximum(F_i, -load(forces.kick, group)), 0.0)
-        F_o = c_o * (load(dampers.rate, at) + half * facing * F_i) / (1.0 + c_o * half)
+        _, own, other = pair_mobility(dampers.tilted, bodies, drive.dt, group, facing)
+        F_o = c_o * (load(dampers.rate, at) + half * other * F_i) / (1.0 + c_o * half * own)
         F_o = select(there & (load(forces.force, at) > 0.0), maximum(F_o, -load(forces.kick, at)), 0.0)
         store(dampers.force, group, F_i)
         store(dampers.force, at, F_o)
         T_i, T_o = push_along(forces.slope, bodies, forces, drive, group, (F_i, F_o), (splat(0.0), splat(0.0)))
+        motions, given = _motions(bodies, before), (F_i, F_o)
+        T_i = turn_back(dampers.tilted, bodies, forces, drive, group, motions, facing, given, T_i)
         by_hub_x, by_hub_y = F_i * ix - T_i * iy, F_i * iy + T_i * ix
         by_ring_x, by_ring_y = F_o * ox + T_o * oy, F_o * oy - T_o * ox
         push_x -= by_hub_x
@@ -154,6 +182,7 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
         bodies.hub_velocity[k] += gained[k]
         give_way(bodies.shaft, k, gained[k])
     push_ring(bodies.housing, total(ring_x), total(ring_y), drive.dt)
+    turn_hub_back(dampers.tilted, bodies, forces, drive)
 
 
 @part
@@ -167,11 +196,10 @@ def note_damped(dampers, bodies, forces, before, drive):
 def _note_work(dampers, bodies, forces, before, drive):
     work, first = load(dampers.pair_work, 0), splat(0.0)
     store(dampers.pair_work, 0, splat(0.0))
+    was, now = _motions(bodies, before)
     for group in range(0, bodies.n, WIDTH):
-        was, now = _before_and_now(bodies, forces, before, drive, group)
-        F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
-        first += 0.5 * (F_i * was[0] + F_o * was[1])
-        work += 0.5 * (F_i * now[0] + F_o * now[1])
+        first += 0.5 * _power(dampers, bodies, forces, drive, group, was, False)
+        work += 0.5 * _power(dampers, bodies, forces, drive, group, now, True)
     dampers.work[0] += drive.dt * total(first)
     dampers.work[1] = drive.dt * total(work)
 
@@ -183,9 +211,7 @@ def damping_power(dampers, bodies, forces, drive):
     if dampers is not None:
         for group in range(0, bodies.n, WIDTH):
             motion = bodies.hub_velocity, bodies.velocity, bodies.spin, ring_rates(bodies.housing)[1]
-            now = _closing(bodies, forces, drive, group, motion)
-            F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
-            found += 0.5 * (F_i * now[0] + F_o * now[1])
+            found += 0.5 * _power(dampers, bodies, forces, drive, group, motion, True)
     return total(found)
 
 
@@ -203,3 +229,9 @@ def write_damping(dampers, n, out):
             out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
         for row in (INNER, OUTER):
             out[at + (DAMPER_FORCE + row) * n] = dampers.force[row, j]
+
+
+@part
+def write_damped_moments(dampers, bodies, out):
+    if dampers is not None:
+        write_turning(dampers.tilted, bodies, out)

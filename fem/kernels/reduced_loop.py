@@ -20,7 +20,13 @@ from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damp
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.prescribed_rollers import hold, note_held, prescribe, write_held
 from fem.kernels.reduced_contacts import corrected_forces, estimate_forces, gauss_seidel_sweeps
-from fem.kernels.reduced_damping import damp_contacts, damping_coefficients, note_damped, write_damping
+from fem.kernels.reduced_damping import (
+    damp_contacts,
+    damping_coefficients,
+    note_damped,
+    write_damped_moments,
+    write_damping,
+)
 from fem.kernels.reduced_friction import press_neighbours
 from fem.kernels.reduced_housing import (
     TWELFTH,
@@ -105,6 +111,7 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
                 write_ring(bodies.housing, before, drive, out)
                 write_held(bodies.prescribed, bodies, drive, time, out)
                 write_tilts(bodies.tilts, bodies, forces, drive, out)
+                write_damped_moments(forces.dampers, bodies, out)
             if inside == 0:
                 take_pace(paces, bodies, compliance, forces, drives, before, time, (side_load, radial_load), given)
                 drive, count = drive_of(paces, drives), steps_of(paces, stride)

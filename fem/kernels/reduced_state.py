@@ -14,6 +14,7 @@ from fem.kernels.housing_kernels import Housing
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
 from fem.kernels.state import Law, LoadHistory
+from fem.kernels.tilted_damping import TiltedDampers
 from fem.kernels.tilts import TiltedForces, Tilts
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
@@ -132,6 +133,7 @@ class ReducedDampers(NamedTuple):
     coefficient: room("2, columns")  # N s/m
     pair_work: room("lanes")  # W, by lane, of rollers that touch
     work: state("2")  # J, dissipated up to the last kick; and after it in that step
+    tilted: TiltedDampers | None = None  # None: axes stay parallel
 
 
 class Radiation(NamedTuple):

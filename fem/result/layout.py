@@ -56,10 +56,9 @@ def variables_of(scene: Scene) -> Variables:
         "surfaces": scene.has_faults or scene.lubricant is not None,
         "cage": scene.cage is not None,
         "damping": scene.damping.acts,
-        "axial": scene.axial is not None,
-        "skew": scene.axial is not None and "skew" in scene.axial.parts,
     }
-    return columns_of("", *scene.mounting().parts, *(name for name, is_there in features.items() if is_there))
+    tilt = scene.parts_of_tilt
+    return columns_of("", *scene.mounting().parts, *tilt, *(name for name, is_there in features.items() if is_there))
 
 
 def readable(scene: Scene) -> Variables:

@@ -87,7 +87,7 @@ def contact_laws_of(problem: Problem) -> Isolated | Tilted:
     if problem.axial is not None:
         columns = columns_for(problem.bearing.n_rollers)
         still = rigid_compliance(reach, track, columns)._replace(**_surfaces(problem.bearing))
-        return tilted(still, _tables(problem, problem.axial), problem.bearing)
+        return tilted(still, tables_of(problem, problem.axial), problem.bearing)
     return Isolated(
         inner=_constants(problem.laws.inner),
         outer=_constants(problem.laws.outer),
@@ -105,7 +105,7 @@ def _surfaces(bearing: Bearing) -> dict[str, tuple]:
     }
 
 
-def _tables(problem: Problem, axial: Axial) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
+def tables_of(problem: Problem, axial: Axial) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables up to a few times the largest static force, made of the slices that the reference has."""
     bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), expected_force(problem)
     slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))
@@ -144,4 +144,4 @@ def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
     if problem.axial is None:
         return found
     spalled = any(part is not None for part in problem.axial.parts(problem.bearing))
-    return with_moments(found, start["inner_moment"][0], start["outer_moment"][0], spalled)
+    return with_moments(found, start["inner_moment"][0], start["outer_moment"][0], problem.bearing, spalled)

@@ -100,7 +100,9 @@ def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     }  # fmt: skip
     found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
     found |= dict.fromkeys(WORKS, zero)
-    found |= {} if tilt is None else vars(tilt)
+    if tilt is not None:
+        damps = problem.damping.acts
+        found |= {name: value for name, value in vars(tilt).items() if damps or "damping" not in name}
     return found | ({} if cage is None else {f"cage_{name}": value for name, value in vars(cage).items()})
 
 

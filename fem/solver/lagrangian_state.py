@@ -151,10 +151,9 @@ class LagrangianState(RigidState):
         )  # fmt: skip
         touch = contact_state(bearing, problem.contacts, state)
         if touch.tilted is not None:
-            samples["inner_moment"][:], samples["outer_moment"][:] = (
-                touch.tilted.inner_moment,
-                touch.tilted.outer_moment,
-            )
+            for side, moment in (("inner", touch.tilted.inner_moment), ("outer", touch.tilted.outer_moment)):
+                damping = samples[f"{side}_damping_moment"] if problem.damping.acts else 0.0
+                samples[f"{side}_moment"][:] = moment + damping
         inner, outer = touch.inner_force > 0.0, touch.outer_force > 0.0
         samples["inner_damping_force"][:] = np.where(
             inner, np.maximum(samples["inner_damping_force"], -touch.inner_force), 0.0

@@ -140,7 +140,7 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     if start.inner_moment is None or start.outer_moment is None:
         return found
     spalled = any(isinstance(table, SpalledTable) for table in plan.tables or ())
-    return with_moments(found, start.inner_moment, start.outer_moment, spalled)
+    return with_moments(found, start.inner_moment, start.outer_moment, plan.model.bearing, spalled)
 
 
 def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:

@@ -44,8 +44,8 @@ class SampleReader:
 
     def __init__(self, plan):
         scene = plan.scene
-        of_scene = () if scene.cage is None else ("cage",), () if scene.axial is None else scene.axial.parts
-        parts = *plan.operation.mounting.parts, *of_scene[0], *of_scene[1]
+        cage = () if scene.cage is None else ("cage",)
+        parts = *plan.operation.mounting.parts, *cage, *scene.parts_of_tilt
         self._places = row_places(plan.model.bearing.n_rollers, parts)
         self.width = _width(self._places)  # of a row
         self._pressed = plan.pressed_energy

@@ -8,6 +8,7 @@ from fem.kernels.reduced_state import Compliance, ReducedForces, RigidBodies
 from fem.kernels.skews import Skews
 from fem.kernels.tilted_contact import TiltedLaw
 from fem.kernels.tilted_contacts import Tilted
+from fem.kernels.tilted_damping import TiltedDampers
 from fem.kernels.tilted_surfaces import SpalledRest
 from fem.kernels.tilts import TiltedForces
 from fem.kernels.tilts import Tilts as TiltArrays
@@ -97,7 +98,9 @@ def _rest(table: ContactTable | SpalledTable) -> SpalledRest:
     return SpalledRest(law=TiltedLaw.of(table.rest), of_rest=1.0 / (1.0 - table.share), of_part=1.0 / table.share)
 
 
-def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, spalled: bool) -> ReducedForces:
+def with_moments(
+    forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, bearing: Bearing, spalled: bool
+) -> ReducedForces:
     """Forces with moments, of a start (n_rollers,), N m; `spalled` : whether spalls take a part of the length."""
     columns, halo, n = forces.force.shape[1], forces.halo, inner.size
     absent = {} if spalled else {"sunken": None}
@@ -107,7 +110,11 @@ def with_moments(forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, sp
         found.moment[row, :n] = moment
         if found.guess.shape[1]:
             found.guess[row, : n + 2 * halo] = moment[np.arange(-halo, n + halo) % n]
-    return forces._replace(tilted=found)
+    if (dampers := forces.dampers) is not None:
+        over_reach = 1.0 / (bearing.inner_raceway_radius + bearing.roller_radius)
+        sizes, length = {"columns": columns}, float(bearing.roller_length)
+        dampers = dampers._replace(tilted=filled(TiltedDampers, sizes, over_reach=over_reach, length=length))
+    return forces._replace(tilted=found, dampers=dampers)
 
 
 def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:

@@ -44,3 +44,22 @@ UNDAMPED = ContactDamping()
 def damper_force(spring_force, closing_speed, coefficient):
     """Force of dampers, N, beside springs that push: spring and damper together never pull; 0 of open contacts."""
     return np.where(spring_force > 0.0, np.maximum(coefficient * closing_speed, -spring_force), 0.0)
+
+
+def tilted_damper(met, damping: ContactDamping, closing_speed, turning_speed, length: float):
+    """Force, N, and moment, N m, of the dampers of contacts along a length, m, whose slices damp as they are stiff.
+
+    D = c/K ∂²U/∂(δ, ψ)²: what acts on δ and ψ is F = c (δ̇ + z ψ̇) and M = −z F − c/K (−∂M/∂ψ − z² K) ψ̇, z = ∂Q/∂ψ/K.
+
+    Parameters
+    ----------
+    met : `lagrange.axial.TiltedContact` of the springs
+    closing_speed, turning_speed : δ̇, m/s, and ψ̇, rad/s, of its shape
+    """
+    coefficient = damping.coefficient(met.force, met.stiffness)
+    softness = np.where(met.force > 0.0, 1.0 / np.where(met.force > 0.0, met.stiffness, 1.0), 0.0)
+    lever = met.cross * softness
+    force = damper_force(met.force, closing_speed + lever * turning_speed, coefficient)
+    turning = coefficient * (met.tilt_stiffness * softness - lever**2)
+    most = 0.5 * length * np.maximum(met.force + force, 0.0)
+    return force, np.clip(-turning * turning_speed, -most, most) - lever * force

@@ -101,11 +101,6 @@ class AxialTable(Table):
                     yield f'{surface}_profile = "{name}": {error}'
 
     @property
-    def parts(self) -> tuple[str, ...]:
-        """Of `lagrange.columns.COLUMNS` that runs with it have."""
-        return ("axial", "skew") if self.skew == "free" else ("axial",)
-
-    @property
     def files(self) -> dict[str, str]:
         """Texts of its files, by their digests, as far as they are at hand."""
         found = [[getattr(self, f"{surface}_profile_{end}") for end in ("sha256", "content")] for surface in SURFACES]

@@ -73,6 +73,7 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "axial": lambda scene: scene.axial is not None,
     "no axial": lambda scene: scene.axial is None,
     "axial on meshes": lambda scene: scene.axial is not None and scene.model == "fem",
+    "free skew": lambda scene: scene.axial is not None and scene.axial.skew == "free",
     "not reduced": lambda scene: scene.model != "reduced",
     "frictionless": lambda scene: scene.friction_coefficient == 0.0,
     "fitted": lambda scene: scene.fit is not None,
@@ -137,8 +138,10 @@ REFUSED = (
     ("part of the length", "no axial",
      "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
-    ("contacts' damping", "axial",
-     f"{{given}}: not together with [axial], of whose tilts dampers of approaches know nothing{EITHER}"),
+    ("contacts' damping", "axial on meshes", AXIAL_MESH),
+    ("contacts' damping", "free skew",
+     '{given}: not together with axial.skew = "free", which dampers know nothing of; take skew = "guided", or leave '
+     'the dampers out'),
     ("free skew", "not reduced",
      '{given}: only with model = "reduced", whose tractions act slice by slice, not with "{model}"; take '
      'skew = "guided"'),

@@ -156,6 +156,14 @@ class SceneTables(Table):
         """The cage in SI; None: there is none."""
         return None if self.cage is None else self.cage.cage(self.perfect_bearing())
 
+    @property
+    def parts_of_tilt(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
+        if self.axial is None:
+            return ()
+        free = ("skew",) if self.axial.skew == "free" else ()
+        return "axial", *free, *(("damping of tilt",) if self.damping.contacts.acts else ())
+
     def ideal_axial(self) -> Axial | None:
         """Profiles, slices and tilt in SI; None: the bearing is a plane section."""
         return None if self.axial is None else self.axial.axial(self.perfect_bearing())

@@ -1,5 +1,7 @@
 """Modes of discs and rings against exact frequencies and exact static series."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from tests.reference.free_vibration import disc_frequency, held_ring_frequencies
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RADIUS, LENGTH = 5e-3, 10e-3
 INNER, OUTER = (18e-3, 12.5e-3), (28e-3, 32.5e-3)  # loaded and held circle
+RINGS = ((INNER, 0.03), (OUTER, None))  # and the hub that moves with the held circle, kg
 HIGH = 2.0 * np.pi * 500e3
 SURE = 60.0 * HIGH / np.pi  # rad/s: what DEGREE resolves is far below
 
@@ -39,16 +42,19 @@ def test_a_ring_on_a_heavy_hub_is_a_held_ring_and_a_light_hub_takes_part():
     assert np.all(heavy.carried**2 < 1e-5) and np.abs(light.carried[light.order == 1]).max() > 1.0
 
 
+@cache
+def all_modes():
+    """What can be resolved of a disc and of both rings, with the radius of the loaded circle."""
+    found = [(disc_vibrations(RADIUS, STEEL, LENGTH, SURE), RADIUS)]
+    return found + [(ring_vibrations(*ring, STEEL, LENGTH, SURE, hub), ring[0]) for ring, hub in RINGS]
+
+
 @pytest.mark.parametrize("n", [0, 1, 2, 7])
 def test_modes_carry_the_exact_static_displacement_but_for_what_is_faster(n):
     line = 1.0 / (np.pi * LENGTH) * (0.5 if n == 0 else 1.0)  # pressure of a line force, over harmonic and radius
-    cases = [
-        (disc_vibrations(RADIUS, STEEL, LENGTH, SURE), disc_harmonic_compliance(np.array([n]), RADIUS, STEEL), RADIUS)
-    ]
-    for ring, hub in ((INNER, 0.03), (OUTER, None)):
-        exact = ring_harmonic_compliance(np.array([n]), *ring, STEEL)
-        cases.append((ring_vibrations(*ring, STEEL, LENGTH, SURE, hub), exact, ring[0]))
-    for modes, exact, radius in cases:
+    compliances = [disc_harmonic_compliance(np.array([n]), RADIUS, STEEL)]
+    compliances += [ring_harmonic_compliance(np.array([n]), *ring, STEEL) for ring, _ in RINGS]
+    for (modes, radius), exact in zip(all_modes(), compliances, strict=True):
         some = modes.order == n
         carried = np.sum(((modes.shape + modes.carried)[some] / modes.frequency[some]) ** 2)
         # a line force moves a surface by Σ 1/ω² of its modes: the rest falls as 1/highest frequency
@@ -67,7 +73,7 @@ def test_the_inertia_of_a_disc_is_that_of_its_exact_modes():
     assert slowest == pytest.approx(disc_frequency(2, 2.2, 2.5, STEEL) * scale, rel=1e-9)
 
 
-@pytest.mark.parametrize(("ring", "hub"), [(INNER, 0.03), (OUTER, None)])
+@pytest.mark.parametrize(("ring", "hub"), RINGS)
 def test_the_inertia_of_a_ring_is_that_of_all_its_modes(ring, hub):
     modes = ring_vibrations(*ring, STEEL, LENGTH, 2.0 * np.pi * 2e6, hub)
     found, slowest = ring_inertia(*ring, STEEL, LENGTH, hub)

@@ -5,6 +5,7 @@ stand open (Signorini). Undeformed gaps are those of exact circles.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,6 +97,7 @@ def _falls(bearing: Bearing, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return roller + depth(bearing.inner_raceway_radius), roller - depth(bearing.outer_raceway_radius)
 
 
+@lru_cache(maxsize=1)  # wherever the rollers stand
 def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
     """Between the nodes of all contacts, inner ones first, (2 n m, 2 n m), m/N."""
     n, m, length = bearing.n_rollers, contact_nodes(spot)[0].size, bearing.roller_length
@@ -118,6 +120,7 @@ def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
     found[0, j, :, 0, j] += own[::-1, ::-1]
     found[1, j, :, 0, j] += other[:, ::-1]
     found[0, j, :, 1, j] += other[::-1]
+    found.flags.writeable = False
     return found.reshape(2 * n * m, 2 * n * m)
 
 

@@ -5,6 +5,7 @@ import shutil
 import signal
 import tempfile
 import threading
+from collections import Counter
 from pathlib import Path
 from unittest import mock
 
@@ -18,7 +19,21 @@ mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").st
 
 mock.patch("fem.solver.pace.pace_file", lambda: Path(_CACHE.name) / "pace.json").start()
 
+# Two processes begin with these: one compiles the time loops, and the other three files need no kernel.
+FIRST = ("test_bad_input.py", "test_quadratic_statics.py", "test_vibration.py", "test_lagrange_motion.py")
 BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
+
+
+def pytest_configure(config):
+    config.option.loadscopereorder = False  # `--dist loadfile` hands out files as they are collected
+
+
+@pytest.hookimpl(trylast=True)  # of the tests that are run
+def pytest_collection_modifyitems(items):
+    """Put the first files in front, then those of many tests."""
+    tests = Counter(item.path.name for item in items)
+    place = {name: place - len(FIRST) for place, name in enumerate(FIRST)}
+    items.sort(key=lambda item: (place.get(item.path.name, 0), -tests[item.path.name]))
 
 
 @pytest.fixture(scope="session")

@@ -3,12 +3,15 @@
 T and V are typed in from the paper's (2), (3), (14)-(19), (26), (27); nothing of `lagrange` is used.
 """
 
+from functools import cache
+
 import mpmath as mp
 import sympy as sp
 
 DIGITS = 40
 
 
+@cache
 def derived_equations(n_rollers: int, exponent: sp.Rational):
     """Left sides d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q + ∂D/∂q̇, as one function of numbers.
 

@@ -39,8 +39,7 @@ class Memory(Mapping[str, np.ndarray]):
 
     def __init__(self, plan: Plan):
         self._count = 0
-        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
-        rollers = self._bearing.n_rollers
+        self._scene, rollers = plan.scene, plan.scene.bearing.present
         self._parts = {
             name: [np.empty((0, rollers) if dimensions == PER_ROLLER else 0)]
             for name, (dimensions, *_) in variables_of(plan.scene).items()
@@ -70,7 +69,7 @@ class Memory(Mapping[str, np.ndarray]):
         if len(parts) > 1:
             parts[:] = [np.concatenate(parts)]
         elif len(parts[0]) < self._count:  # follows from the others
-            parts[:] = [sinkages(self._bearing, self._operation, self)[name]]
+            parts[:] = [sinkages(self._scene.ideal_bearing(), self._scene.ideal_operation(), self)[name]]
         return parts[0]
 
     def __contains__(self, name: object) -> bool:

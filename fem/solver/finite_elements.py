@@ -207,7 +207,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     mass, critical = LUMPED, critical_with(LUMPED)
     longest = lumped = min(numerics.time_step_safety * critical, along)
     damped = scene.damping.contacts.acts  # by forces that are implicit in velocities of nodes with lumped masses
-    if not may_strike(scene, operation) and not damped and (model.has_shear_springs or not sticks):
+    if not may_strike(scene, model.bearing, operation) and not damped and (model.has_shear_springs or not sticks):
         for slowed in LONG:
             further = critical_with(slowed)
             if min(numerics.time_step_safety * further, along) > slowed.worth * lumped:

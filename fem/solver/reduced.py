@@ -167,7 +167,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         tangential=tangential,
         relaxation_factor=relaxation_factor(strongest_coupling(model, LOAD_MARGIN * largest)),
         waves=unseen_waves(bearing, operation.inner_mass, modes),
-        strikes=scene.cage is not None or may_strike(scene, operation),
+        strikes=scene.cage is not None or may_strike(scene, bearing, operation),
         start=start,
         tables=tables,
         seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),

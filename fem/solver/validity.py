@@ -28,9 +28,8 @@ from lagrange.surface.faults import Spall
 HELD = 5.0
 
 
-def may_strike(scene: Scene, operation: Operation) -> bool:
+def may_strike(scene: Scene, bearing: Bearing, operation: Operation) -> bool:
     """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
-    bearing = scene.ideal_bearing()
     spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
     outwards = kinematics(bearing, *operation.ring_speeds).cage ** 2 * bearing.pitch_radius
     falling = 0.0 < outwards < HELD * operation.gravity

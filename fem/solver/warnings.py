@@ -46,15 +46,14 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
     found = (
         interval_warning(bearing, operation, interval),
         _waves(bearing, operation, interval),
-        _undamped(scene),
-        _brief(scene),
+        _undamped(scene, operation),
+        _brief(scene, bearing, operation),
     )
     return tuple(sentence for sentence in found if sentence)
 
 
-def _brief(scene: Scene) -> str | None:
+def _brief(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
     """A default duration in which hardly a roller passes the load."""
-    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     seconds = 1e-3 * scene.numerics.duration_ms
     cage = float(np.abs(kinematics_met(bearing, operation).cage).max()) / (2.0 * pi)
     passages = bearing.n_rollers * cage * seconds
@@ -66,9 +65,9 @@ def _brief(scene: Scene) -> str | None:
     )
 
 
-def _undamped(scene: Scene) -> str | None:
+def _undamped(scene: Scene, operation: Operation) -> str | None:
     """Vibration that is excited again and again, and that nothing but friction takes energy from."""
-    housing = scene.mounting().housing
+    housing = operation.mounting.housing
     excited = {
         "[[spall]]": bool(scene.spall),
         "operation.load_table": scene.operation.load_table is not None,

@@ -249,12 +249,12 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
             and np.abs(unbalanced).max() <= BALANCED * scale
             and np.abs(through[closed]).max() <= SETTLED * bearing.roller_radius
         ):
-            fits = not np.any(through[is_open] > SETTLED * bearing.roller_radius)
+            fits = not (through[is_open] > SETTLED * bearing.roller_radius).any()
             return (moved, force) if fits else None
         matrix[n:, n:] = own + np.diag(law.softness(np.where(is_open, 1.0, force))[closed])
         step = np.linalg.solve(matrix, np.concatenate([unbalanced, through[closed]]))
         moved, force[closed] = moved + step[:n], force[closed] + step[n:]
-        if np.any(force[closed] <= 0.0):
+        if (force[closed] <= 0.0).any():
             return None
     return None
 
@@ -292,9 +292,8 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _room(value, step) -> float:
-    """How much of a step leaves all values positive."""
-    shrinking = step < 0.0
-    return TO_THE_WALL * float(np.min(-value[shrinking] / step[shrinking])) if shrinking.any() else 1.0
+    """How much of a step leaves all values positive, or more."""
+    return TO_THE_WALL * float(np.divide(-value, step, out=np.full(len(step), np.inf), where=step < 0.0).min())
 
 
 def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces=None) -> tuple[np.ndarray, np.ndarray]:

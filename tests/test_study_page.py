@@ -1,5 +1,6 @@
 """The page of a study and the numbers behind it, on points whose results are made up."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -110,7 +111,7 @@ def test_the_page_tells_effects_failures_and_speed(made_up):
     text = folder.page.read_text()
     assert "23 of 24 points are complete" in text
     assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
-    assert "mean position of the hub, y (hub_mean_y): 1 µm in every point" in text
+    assert "mean position of the hub, y (hub_mean_y): 1 µm in 23 of 24 points" in text
     for name in ("main-effects", "heat-map", "scatter-matrix"):
         assert f'<figure id="{name}">' in text
     assert "http" not in text.split("<pre>")[0].replace("http://www.w3.org", "")
@@ -121,6 +122,9 @@ def test_quantities_stand_in_words_and_engineers_units_and_one_parameter_has_no_
     write_page(points, folder)
     text = folder.page.read_text(encoding="utf-8")
     assert "largest force on the inner raceway (largest_force): 100 to 300 N.<" in text
+    points, folder = made_up(lambda speed, *_: np.nan if speed < 3.0 else speed, **GRID)
+    write_page(points, folder)
+    assert re.search(r"\(largest_force\): 3 N in \d+ of 24 points", folder.page.read_text(encoding="utf-8"))
     assert "variance" not in text and "Shares" not in text
     assert "<td>mean position of the hub, y (hub_mean_y)</td><td>µm</td><td>1</td>" in text
 

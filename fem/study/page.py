@@ -87,9 +87,10 @@ def _sentence(table: Table, quantity: Column) -> str:
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not len(known):
         return f"{quantity.title}: no point tells it."
+    few = "" if len(known) == len(quantity.values) else f" in {len(known)} of {len(quantity.values)} points"
     if not np.ptp(known) > 0.0:
-        return f"{quantity.title}: {number(known[0])}{unit} in every point."
-    span = f"{quantity.title}: {number(known.min())} to {number(known.max())}{unit}"
+        return f"{quantity.title}: {number(known[0])}{unit}{few or ' in every point'}."
+    span = f"{quantity.title}: {number(known.min())} to {number(known.max())}{unit}{few}"
     if len(table.parameters) < 2:  # it explains all that differs
         return f"{span}."
     strongest = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]

@@ -175,9 +175,11 @@ def test_impossible_options_are_refused(arguments, tmp_path, monkeypatch, capsys
     assert "error:" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
-def test_warnings_of_a_hub_on_single_rollers():
-    found = rating(scene("model=lagrange", "operation.radial_load_N=5", "operation.gravity_m_s2=0"))
+def test_warnings_of_a_hub_on_single_rollers_and_of_speed():
+    keys = "model=lagrange", "operation.radial_load_N=5", "operation.gravity_m_s2=0", "operation.speed_rpm=30000"
+    found = rating(scene(*keys))
     assert any("not positive" in warning for warning in found.warnings)
+    assert any("n d_m is 1.4e+06 mm/min" in warning for warning in found.warnings)
 
 
 def test_coefficients_for_rotordynamics(rated, tmp_path):

@@ -136,7 +136,7 @@ def _housing(whole: _Whole) -> None:
         end += 2.0 * np.pi * (end < start)
         page.fill(ring(inside, HOUSING_RADIUS, -0.02, start, end), LOAD_ZONE)
     page.stroke(circle((0.0, 0.0), HOUSING_RADIUS, -0.01), FAINT, OUTLINE)
-    middle = 0.5 * (scale * whole.bearing.outside_radius + HOUSING_RADIUS)
+    middle = 0.5 * (max(inside + 0.01, 1.0) + HOUSING_RADIUS)
     for j, centre in enumerate(whole.drawn.roller_reference):
         x, y = middle * centre / np.hypot(*centre)
         page.text(str(j), x, y, 19.0, "#4d4d4d", align="center")
@@ -199,7 +199,7 @@ def _marks(whole: _Whole) -> None:
 
 
 def _shaft(whole: _Whole) -> None:
-    """The hub as a disc, with its centre, the outer ring's centre, the load and the sense of rotation."""
+    """The hub as a disc, with its centre, the outer ring's centre, the load and how both rings turn."""
     page, operation = whole.page, whole.instant.operation
     hub, bore = whole.scale * whole.hub, whole.scale * whole.bearing.core_radius
     size = min(27.0, 75.0 * bore)
@@ -218,6 +218,10 @@ def _shaft(whole: _Whole) -> None:
         ends = (0.28, 0.72) if operation.speed > 0.0 else (0.72, 0.28)
         page.fill(turning_arrow(hub, 0.78 * bore, np.pi * ends[0], np.pi * ends[1], 0.05 * bore, 0.3), INK)
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
+    if operation.outer_speed != 0.0:
+        ends = (0.42, 0.58) if operation.outer_speed > 0.0 else (0.58, 0.42)
+        middle = HOUSING_RADIUS + 0.035
+        page.fill(turning_arrow((0.0, 0.0), middle, np.pi * ends[0], np.pi * ends[1], 0.016, 0.3), INK)
 
 
 def _forces(whole: _Whole) -> None:

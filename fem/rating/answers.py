@@ -16,8 +16,10 @@ from lagrange.rating.life import (
     reliability_factor,
 )
 from lagrange.rating.sources import Source, Unavailable
+from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 
+FASTEST = 1e6  # mm/min, speed times pitch diameter: above limiting speeds of roller bearings in catalogues
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 
 
@@ -237,6 +239,12 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         yield (
             f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "
             f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
+        )
+    factor = max(map(abs, (*case.operation.ring_speeds, case.rpm * RPM))) / RPM * 2e3 * case.bearing.pitch_radius
+    if factor > FASTEST:
+        yield (
+            f"n d_m is {factor:.2g} mm/min, beyond {FASTEST:.2g}: catalogues' limiting speeds are lower, and friction "
+            "and temperature are extrapolated"
         )
     if case.options.cycle is not None:
         yield (

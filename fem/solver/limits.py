@@ -34,7 +34,7 @@ def check_rollers(scene: Scene) -> None:
     if scene.bearing.type == "ball":
         raise UsageError(
             'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
-            "run-fem --model lagrange takes balls"
+            "run-fem --model lagrange takes balls, and check-residual draws figures of its runs"
         )
 
 

@@ -158,7 +158,8 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
     figure, (axis,) = panels(1, 3.6, lines=2, x="frequency, Hz", y=[f"PSD of error_{name}, N²/Hz"])
     axis.plot(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, marker="o", markersize=3.5)
     axis.set_xlim(0.0, paper.PAPER_BAND)
-    axis.set_ylim(bottom=0.0)
+    seen = float(spectrum.psd[inside & (spectrum.frequency <= paper.PAPER_BAND)].max(initial=0.0))
+    axis.set_ylim(0.0, 1.1 * seen or None)  # a line just beyond the band would flatten what is in it
     axis.yaxis.get_offset_text().set_x(-0.08)  # clear of the first line's name
     mark_lines(axis, evaluation.lines, 0.0, paper.PAPER_BAND, labels=True)
     caption = (

@@ -387,8 +387,9 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     M = select(there, maximum(minimum(M, most), -most), 0.0)
     energy, residual = load(met, _at(row, ENERGY, columns, group)), load(forces.residual, at)
     before, Q_before, P_before = load(forces.approach, at), load(forces.force, at), load(forces.kick, at)
-    step, known = approach - before - fallen(own, at, columns), before == before
-    work = energy - load(own.energy, at) + 0.5 * (M + load(own.moment, at)) * (slope - load(own.slope, at))
+    way, given = fallen(own, at, columns, Q - Q_before)
+    step, known = approach - before - way, before == before
+    work = given + energy - load(own.energy, at) + 0.5 * (M + load(own.moment, at)) * (slope - load(own.slope, at))
     taken, last = load(own.taken, at), at + own.taken.size // 2
     P = select(there, kick_by_work(Q, Q_before, P_before, residual, approach, step, work), 0.0)
     grown = taken - load(own.taken, last)  # forces at both ends take what is stored between contacts

@@ -190,32 +190,41 @@ def _less(rest, table, deep, slope):
 
 
 @part
-def fallen(tilted, at, columns):
-    """By how much less than its approach a contact's force has worked since the last kick, m, as spalls came under it.
+def fallen(tilted, at, columns, gained):
+    """What spalls that came under eight contacts since the last kick took of their forces' ways, m, and of work, J.
 
-    `tilted` : `TiltedForces`
+    A kick works along surfaces by its force times the fall of then: the mean of both ends' products, not the product
+    of means.
+
+    Parameters
+    ----------
+    tilted : `TiltedForces`; gained : N, of forces since the last kick
     """
-    return _fallen(tilted.edges, 0, at, columns) + _fallen_part(tilted.sunken, at, columns)
+    way, work = _fallen(tilted.edges, 0, at, columns, gained)
+    more, besides = _fallen_part(tilted.sunken, at, columns, gained)
+    return way + more, work + besides
 
 
 @part
-def _fallen_part(sunken, at, columns):
+def _fallen_part(sunken, at, columns, gained):
     if sunken is None:
-        return splat(0.0)
-    return _fallen(sunken, SUNK, at, columns) + _fallen(sunken, PART_EDGES, at, columns)
+        return splat(0.0), splat(0.0)
+    way, work = _fallen(sunken, SUNK, at, columns, gained)
+    more, besides = _fallen(sunken, PART_EDGES, at, columns, gained)
+    return way + more, work + besides
 
 
 @part
-def _fallen(array, first, at, columns):
+def _fallen(array, first, at, columns, gained):
     if array is None:
-        return splat(0.0)
+        return splat(0.0), splat(0.0)
     apart = 2 * columns
     now, before = (first + NOW) * apart + at, (first + BEFORE) * apart + at
-    value, fall = load(array, now), load(array, now + apart)
-    found = 0.5 * (fall + load(array, before + apart)) * (value - load(array, before))
-    store(array, before, value)
+    fall, last = load(array, now + apart), load(array, before + apart)
+    passed = load(array, now) - load(array, before)
+    store(array, before, load(array, now))
     store(array, before + apart, fall)
-    return found
+    return 0.5 * (fall + last) * passed, 0.25 * gained * (fall - last) * passed
 
 
 @part

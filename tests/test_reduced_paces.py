@@ -91,6 +91,23 @@ def test_all_around_a_bearing_changes_its_steps_with_it(model):
         assert off(found[name], wanted[name]) < 1e-2
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_rollers_that_tilt_change_their_steps_alike(model):
+    """Over a spall of half the length, the hub's slope free."""
+    axial = {"slices": 12, "roller_profile": "logarithmic", "hub_tilt_inertia_kg_m2": 1e-3}
+    axial["shaft_tilt_stiffness_N_m_rad"] = 2e4
+    plan = plan_of(
+        model=model, axial=axial, operation=NU206["operation"] | {"misalignment_mrad": 1.0},
+        spall=[SPALL | {"length_mm": 4.5, "z_mm": 2.25}], numerics=NU206["numerics"] | {"duration_ms": 20.0},
+    )  # fmt: skip
+    (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
+    assert state.progress.steps < 0.45 * other.progress.steps
+    assert error(state) < 1e-4 and error(other) < 1e-4
+    for name in ("inner_force", "inner_vy", "inner_moment", "roller_tilt", "inner_slope_y"):
+        assert off(found[name], wanted[name]) < 2e-3, name
+
+
 @pytest.mark.parametrize("model", ["reduced", "lagrange"])
 def test_a_run_cut_anywhere_makes_the_same_bits(model):
     """Within a strike too, and where steps have just become longer."""

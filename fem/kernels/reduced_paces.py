@@ -26,6 +26,8 @@ from fem.kernels.reduced_damping import damping_power
 from fem.kernels.reduced_housing import TWELFTH, ring_rates
 from fem.kernels.reduced_radiation import QUIET, radiated_power
 from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.tilted_contacts import Tilted
+from fem.kernels.tilts import unrest_of_tilts
 
 NEAR, FAR = 0, 1  # paces, and places of what belongs to one
 ON_INNER_RING, ON_OUTER_RING, INSIDE, OUTSIDE = range(4)  # `Arcs`: of rings, and of rollers in either contact
@@ -158,7 +160,7 @@ def _unrest(paces, bodies, compliance, forces, before, dt):
             if stiffness > 0.0:
                 rate = _force_rate(compliance, forces, row, j, dt, inward if row == INNER else outward)
                 found += rate * rate / stiffness
-    return found
+    return found + unrest_of_tilts(bodies.tilts, forces, bodies.n)
 
 
 @verb
@@ -170,6 +172,13 @@ def _force_rate(compliance, forces, row, j, dt, closing):
 @_force_rate.of(Isolated)
 def _force_rate_alone(compliance, forces, row, j, dt, closing):
     return forces.stiffness[row, j] * closing
+
+
+@_force_rate.of(Tilted)
+def _force_rate_tilted(compliance, forces, row, j, dt, closing):
+    if compliance.between is None:
+        return forces.stiffness[row, j] * closing
+    return (forces.guess[row, forces.halo + j] - forces.force[row, j]) / dt
 
 
 @verb
@@ -207,6 +216,7 @@ def _change(bodies, compliance, forces, before, old, new, instant):
             _turn_back(before.velocity[k], bodies.velocity[k], j, back)
     for j in range(bodies.n):
         _turn_back(before.spin, bodies.spin, j, back)
+    _change_tilts(bodies.tilts, bodies.n, shift, back)
     hold_anew(bodies.prescribed, bodies, forces, new, time)
     sums[1] -= back * (sums[1] - given)
     _change_shaft(bodies.shaft, dt, next_, before.hub_velocity)
@@ -242,6 +252,39 @@ def _change_forces(compliance, forces, n, ratio):
 @_change_forces.of(Isolated)
 def _change_no_forces(compliance, forces, n, ratio):
     pass
+
+
+@_change_forces.of(Tilted)
+def _change_tilted_forces(compliance, forces, n, ratio):
+    _change_expected(compliance.between, forces, n, ratio)
+
+
+@part
+def _change_expected(between, forces, n, ratio):
+    """Forces and moments that tell each other what to expect; None: they do not."""
+    if between is None:
+        return
+    for row in range(2):
+        for j in range(n):
+            Q, M, at = forces.force[row, j], forces.tilted.moment[row, j], forces.halo + j
+            forces.guess[row, at] = max(Q + ratio * (forces.guess[row, at] - Q), 0.0)
+            forces.tilted.guess[row, at] = M + ratio * (forces.tilted.guess[row, at] - M)
+        wrap(forces.guess, row, n, forces.halo)
+        wrap(forces.tilted.guess, row, n, forces.halo)
+    for lane in range(WIDTH):
+        forces.fastest[lane] *= ratio
+
+
+@part
+def _change_tilts(tilts, n, shift, back):
+    """Slopes of the axes of guided rollers and hub, as all other motions."""
+    if tilts is not None:
+        for j in range(n):
+            tilts.tilt[j] += shift * tilts.pushed[j]
+            _turn_back(tilts.before, tilts.rate, j, back)
+        for k in range(2):
+            tilts.slope[k] += shift * tilts.slope_pushed[k]
+            _turn_back(tilts.slope_before, tilts.slope_rate, k, back)
 
 
 @part
@@ -332,6 +375,11 @@ def _smooth(compliance, bodies, forces):
         forces.bracket_now[INNER, j], forces.bracket_now[OUTER, j] = compliance.inner.B, compliance.outer.B
         for i in range(4):
             forces.slope[i, j] = forces.softening[i, j] = 0.0
+
+
+@_smooth.of(Tilted)
+def _smooth_tilted(compliance, bodies, forces):
+    pass  # they look it up, and find nothing
 
 
 @_smooth.of(Isolated)

@@ -170,6 +170,20 @@ def kick_axes(tilts, drive, group, moments):
 
 
 @part
+def unrest_of_tilts(tilts, forces, n):
+    """Σ I (τ̈² − τ̇ d³τ/dt³), J/s², of rollers and hub: see `reduced_paces`."""
+    found = 0.0
+    if tilts is not None:
+        for j in range(n):
+            stiffness = forces.tilted.stiffness[INNER, j] + forces.tilted.stiffness[OUTER, j]
+            found += tilts.inertia * tilts.pushed[j] * tilts.pushed[j] + stiffness * tilts.rate[j] * tilts.rate[j]
+        if tilts.hub_over > 0.0:
+            pushed = tilts.slope_pushed[0] * tilts.slope_pushed[0] + tilts.slope_pushed[1] * tilts.slope_pushed[1]
+            found += pushed / tilts.hub_over
+    return found
+
+
+@part
 def write_tilts(tilts, bodies, forces, drive, out):
     """A sample's columns, and what tilts add to energies and to the drive's work, J."""
     if tilts is not None:

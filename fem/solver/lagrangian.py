@@ -171,7 +171,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         axial=scene.ideal_axial(),
     )
     steps, sections = ceil(interval / longest_step(problem) * (1.0 - 1e-12)), None
-    if problem.damping.acts and problem.axial is None:  # contacts without dampers vibrate on after a strike
+    if problem.damping.acts:  # contacts without dampers vibrate on after a strike
         fastest = fastest_kinematics(bearing, problem.operation)
         sections = sections_of(bearing, fastest, interval, longest_step(problem), longest_step(problem, spalls=False))
     return LagrangianPlan(

@@ -156,7 +156,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride, sections = looks * ceil(steps / looks), None
-    if scene.damping.contacts.acts and axial is None:  # contacts without dampers vibrate on after a strike
+    if scene.damping.contacts.acts:  # contacts without dampers vibrate on after a strike
         sections = sections_of(bearing, fastest, interval / looks, longest, on_waves)
     if sections is not None:
         stride = looks * sections.count * sections.near

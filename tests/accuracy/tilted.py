@@ -102,8 +102,12 @@ def strikes() -> str:
     for model in ("reduced", "lagrange"):
         fixed = {"model": model, "numerics.duration_ms": 0.6, "numerics.output_interval_us": 0.5, "spall": CROSSED}
         peaks = [record(make_plan(Scene().varied(fixed | keys)))["outer_force"].max() for keys in ({}, *LAWS.values())]
-        rows.append([model, f"{peaks[0]:.0f} N", *(f"{100.0 * (peak / peaks[0] - 1.0):+.2f} %" for peak in peaks[1:])])
+        rows.append([model, f"{peaks[0]:.0f} N", *(_more(peak / peaks[0]) for peak in peaks[1:])])
     return markdown_table(("model", "plane section", *LAWS), rows)
+
+
+def _more(ratio: float) -> str:
+    return f"{100.0 * (ratio - 1.0):+.2f} %".replace("-", "−")
 
 
 def at_an_edge() -> str:
@@ -125,9 +129,7 @@ def at_an_edge() -> str:
                 in_series(whole.at, *place, soft).force / each[1].mean(),
                 alone(half).at(*place, 0.0, 0.0, soft).force / np.where(half.part, each[1], each[0]).mean(),
             )
-            rows.append(
-                [profile, f"{1e3 * slope:g} mrad", *(f"{100.0 * (ratio.item() - 1.0):+.1f} %" for ratio in found)]
-            )
+            rows.append([profile, f"{1e3 * slope:g} mrad", *(_more(ratio.item()) for ratio in found)])
     return markdown_table(("profile", "slope", "whole length", "half the length"), rows)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import BallBearing, Bearing
+from lagrange.contact.laws import Side, ball_pressure
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
@@ -190,11 +191,14 @@ def passes(ideal: Kinematics, cage_speed: float) -> str:
 
 
 def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool = False) -> str:
-    """The largest force at each raceway, N, in words; of rollers that do not tilt each with its Hertz pressure."""
+    """The largest force at each raceway, N, in words; unless rollers tilt each with its Hertz pressure."""
+    sides: tuple[tuple[Side, float], ...] = (("inner", float(inner)), ("outer", float(outer)))
     parts = []
-    for row, (raceway, force) in enumerate((("inner", float(inner)), ("outer", float(outer)))):
+    for row, (raceway, force) in enumerate(sides):
         pressure = ""
-        if not tilts and not isinstance(bearing, BallBearing):
+        if isinstance(bearing, BallBearing):
+            pressure = f" ({1e-6 * ball_pressure(bearing, raceway, force):.0f} MPa)"
+        elif not tilts:
             pressure = f" ({1e-6 * contact_pairs(bearing)[row].peak_pressure(force):.0f} MPa)"
         parts.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
     return ", ".join(parts)

@@ -5,15 +5,17 @@ import pytest
 
 from fem.rating.case import Case, Options
 from lagrange.bearing import Bearing, Material
+from lagrange.contact.laws import ball_pressure
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.rating.capacity import (
+    Basic,
     Dimensions,
     capacity_factor,
     dynamic_capacity,
     fatigue_load_limit,
     static_capacity,
 )
-from lagrange.rating.contact_stress import PERMITTED, line_contact, stress_below
+from lagrange.rating.contact_stress import PERMITTED, PERMITTED_OF_BALLS, line_contact, stress_below
 from lagrange.rating.friction import conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     DutyCycle,
@@ -67,6 +69,16 @@ def test_static_capacity_means_4000_megapascal():
     assert contact.peak_pressure == pytest.approx(4020e6, abs=1e6)
     assert contact.peak_pressure == pytest.approx(PERMITTED, rel=0.01)
     assert fatigue_load_limit(PAPER) == pytest.approx(capacity / 8.2)
+
+
+@pytest.mark.parametrize("designation", ["6205", "6008", "6310"])
+def test_static_capacity_of_balls_means_4200_megapascal(designation):
+    """ISO 76: largest ball load 5 C0/Z, steel of 207 GPa, which its f_0 is made for."""
+    bearing = read_scene(
+        None, (f'bearing={{designation="{designation}"}}', "material.youngs_modulus_GPa=207")
+    ).ideal_bearing()
+    largest = 5.0 * Basic.of(bearing).static / bearing.n_rollers
+    assert ball_pressure(bearing, "inner", largest) == pytest.approx(PERMITTED_OF_BALLS, rel=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
 from lagrange.rating import sources
-from lagrange.rating.contact_stress import FATIGUE, PERMITTED, LineContact
+from lagrange.rating.contact_stress import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
 from lagrange.rating.life import (
     in_hours,
     reference_viscosity,
@@ -111,14 +111,13 @@ DECLARED: tuple[_Declared, ...] = (
     ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN, lambda c: c.run.life(c.row)),
     ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
      lambda c: refuse("the dynamic equivalent load of a lamina is not at hand from a source")),
-    ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ,
-     lambda c: 1e-6 * max(each.peak_pressure for each in c.stressed.values())),
+    ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
     ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
      lambda c: {name: _stresses(each) for name, each in c.stressed.items()}),
-    ("pressure_over_permitted", "1", "largest pressure over 4000 MPa", s.STRESS_LIMITS,
-     lambda c: max(each.peak_pressure for each in c.stressed.values()) / PERMITTED),
+    ("pressure_over_permitted", "1", "largest pressure over ISO 76's limit", s.STRESS_LIMITS,
+     lambda c: c.peak_pressure / (PERMITTED_OF_BALLS if c.balls else PERMITTED)),
     ("pressure_over_fatigue", "1", "largest pressure over 1500 MPa", s.STRESS_LIMITS,
-     lambda c: max(each.peak_pressure for each in c.stressed.values()) / FATIGUE),
+     lambda c: c.peak_pressure / FATIGUE),
     ("roller_loads_N", "N", "loads of rollers at the first angle, rigid rings", s.REFERENCE,
      lambda c: c.rigid.of_rollers),
     ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,

@@ -10,6 +10,7 @@ import numpy as np
 from lagrange import BallBearing, Bearing, Operation, contact_laws
 from lagrange.axial import Axial
 from lagrange.catalogue import listed, width_of
+from lagrange.contact.laws import ball_pressure
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.first_state import equilibrium_state
 from lagrange.fits import OperatingClearance
@@ -311,6 +312,16 @@ class Case:
             return {pair.kind: line_contact(pair, peaks[pair.kind]) for pair in pairs[:2]}
         forces = self.pitch.inner_force.max(), self.pitch.outer_force.max()
         return {pair.kind: line_contact(pair, float(q)) for pair, q in zip(pairs, forces, strict=False)}
+
+    @cached_property
+    def peak_pressure(self) -> float:
+        """Largest Hertz pressure of any contact over the pitch, Pa."""
+        if isinstance(self.bearing, BallBearing):
+            return max(
+                ball_pressure(self.bearing, "inner", float(self.pitch.inner_force.max())),
+                ball_pressure(self.bearing, "outer", float(self.pitch.outer_force.max())),
+            )
+        return max(each.peak_pressure for each in self.stressed.values())
 
     @cached_property
     def film(self) -> float:

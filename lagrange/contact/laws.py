@@ -235,6 +235,15 @@ def contact_ellipse(bearing: BallBearing, side: Side, force: float) -> tuple[flo
     return longer, longer / ratio
 
 
+def ball_pressure(bearing: BallBearing, side: Side, force: float) -> float:
+    """Hertz's peak pressure of a ball on a raceway under a force, N: 3 Q/(2 π a b), Pa.
+
+    Source: Johnson, Contact Mechanics (1985), (4.24).
+    """
+    longer, shorter = contact_ellipse(bearing, side, force)
+    return 1.5 * force / (pi * longer * shorter) if force > 0.0 else 0.0
+
+
 def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
     """Q = K δ^(3/2) of one ball on one raceway: equations (9) to (11), K = (C δ*)^(-3/2) Σρ^(-1/2), N/m^1.5.
 

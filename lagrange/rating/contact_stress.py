@@ -12,6 +12,7 @@ from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.rating.sources import Unavailable
 
 PERMITTED = 4000e6  # Pa, at ISO 76's C0: roller and raceway then keep 1e-4 of the roller's diameter
+PERMITTED_OF_BALLS = 4200e6  # Pa, the same of balls
 FATIGUE = 1500e6  # Pa, at ISO 281's C_u, of usual bearing steels
 DEPTHS = np.linspace(0.0, 3.0, 30_001)  # over the half-width
 

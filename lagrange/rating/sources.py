@@ -56,8 +56,8 @@ CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200
 REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
 TILTED = Source("balance", "of hub and tilted rollers in slices, linearised at the operating point")
-HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stresses below it (4.49)")
-STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa at C0; 1500 MPa at C_u", _RECALLED)
+HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stress below (4.49); balls (4.24)")
+STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa, of balls 4200 MPa, at C0; 1500 MPa at C_u", _RECALLED)
 FILM = Source("Dowson, Higginson", "1968, h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
 SKF = Source(
     "SKF",

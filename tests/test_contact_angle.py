@@ -2,7 +2,7 @@
 
 import json
 import re
-from math import cos, pi, radians, sqrt
+from math import cos, pi, radians, sqrt, tan
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from fem.commands.run_fem import run_main
 from fem.interface import statics
+from fem.rating.answers import rating
 from fem.rating.case import Case, Options
 from lagrange import contact_laws, kinematics
 from lagrange.contact.laws import raceway_curvature
@@ -156,6 +157,14 @@ def test_ratings_of_a_contact_angle():
     assert carried == pytest.approx(13345.0, rel=1e-6)
     in_machine = np.sqrt(np.linalg.eigvalsh(found.pitch.mean) / 8.0) / (2.0 * pi)
     assert found.frequencies() == pytest.approx(in_machine, rel=1e-9)
+
+
+def test_a_radial_load_makes_an_axial_force():
+    """Harris, table 7.4: F_r tan α/F_a = 0.7939 of rollers whose half is loaded."""
+    found = rating(scene(ZA_2115 | {"rows": 1, "clearance_um": 0.0}))
+    told = next(warning for warning in found.warnings if "axial force" in warning)
+    force = float(re.search(r"axial force of (\S+) N", told)[1])
+    assert force == pytest.approx(13345.0 * tan(radians(15.17)) / 0.7939, rel=5e-3)
 
 
 def test_a_run_is_sound_and_says_what_it_is_of(tmp_path, capsys):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from math import nan, pi
+from math import nan, pi, sin
 from typing import Any
 
 import numpy as np
@@ -234,6 +234,12 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         yield "P is below 2 % of C: rollers may skid, and rating lives say little"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
+    if case.bearing.contact_angle and case.bearing.rows == 1 and values["stiffness_N_per_m"] is not None:
+        axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(case.bearing.contact_angle)
+        yield (
+            f"the contact angle makes an axial force of {axial:.4g} N from the radial load, Σ Q sin α, which another "
+            "bearing must take; loads of shafts that push further are not in this program"
+        )
     if abs(case.operation.misalignment) > ALLOWED_SLOPE:
         yield (
             f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "

@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from fem.commands.run_fem import result_name
-from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of
+from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of, standard_bearing
 from fem.errors import UsageError
 
 CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
@@ -68,7 +68,7 @@ def _rate(
     if reliability not in RELIABILITY:
         raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
     settings = settings_of(set)
-    overrides = settings if bearing is None else [f'bearing={{designation="{bearing}"}}', *settings]
+    overrides = [*standard_bearing(bearing), *settings]
     run = None
     if scene is not None and scene.suffix == ".nc":
         if overrides or cycle is not None:

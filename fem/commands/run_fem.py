@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, entry, importing, new_app, run_app_main, settings_of
+from fem.commands.start_up import Outcome, entry, importing, new_app, run_app_main, settings_of, standard_bearing
 from fem.errors import UsageError
 from fem.solver.simulate import SOLVERS
 
@@ -79,9 +79,8 @@ def _run(
 
     settings = settings_of(set)
     keys = {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
-    standard = () if bearing is None else (f'bearing={{designation="{bearing}"}}',)
     given = (f"{key}={value}" for key, value in keys.items() if value is not None)
-    chosen = read_scene(scene, (*standard, *settings, *given))
+    chosen = read_scene(scene, (*standard_bearing(bearing), *settings, *given))
     path = output if output is not None else RUNS / f"{result_name(chosen.name, settings)}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of
+from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of, standard_bearing
 
 live_app = new_app(
     "run-live",
@@ -27,12 +27,13 @@ def _live(
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
     /,
     *,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
 ) -> int:
     from lagrange.messages import say, telling
     from lagrange.scene.scene import read_scene
 
-    chosen = read_scene(scene, (*settings_of(set), "model=reduced"))
+    chosen = read_scene(scene, (*standard_bearing(bearing), *settings_of(set), "model=reduced"))
     import asyncio
 
     from fem.live.player import Player

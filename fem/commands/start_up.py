@@ -295,6 +295,11 @@ def _joined(arguments: list[str]) -> list[str]:
     return ["--set", SEPARATOR.join(values), *others] if len(values) > 1 else list(arguments)
 
 
+def standard_bearing(designation: str | None) -> tuple[str, ...]:
+    """The setting that --bearing stands for."""
+    return () if designation is None else (f'bearing={{designation="{designation}"}}',)
+
+
 def settings_of(given: list[str] | None) -> list[str]:
     """The values of --set, each for itself."""
     return [setting for joined in given or () for setting in joined.split(SEPARATOR)]

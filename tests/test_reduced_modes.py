@@ -32,8 +32,8 @@ def test_modes_change_no_static_force_nor_the_hubs_place():
 
 def test_a_frequency_below_all_modes_is_the_model_without_and_too_many_modes_are_refused():
     assert plan_of("reduced.modes_up_to_kHz=100").model.modes is None
-    with pytest.raises(UsageError, match="modes_up_to_kHz = 20000"):
-        plan_of("reduced.modes_up_to_kHz=20000")
+    with pytest.raises(UsageError, match="modes_up_to_kHz = 4000"):
+        plan_of("reduced.modes_up_to_kHz=4000")
 
 
 def test_modes_found_for_the_first_time_are_laid_out_as_kept_ones_are(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import cache
 
 import h5py
 import numpy as np
@@ -147,7 +148,7 @@ def test_a_standing_or_still_bearing_has_no_lines():
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Paths of runs of the reduced model, healthy and spalled, longer where the spall strikes less often."""
+    """Path of a run of the reduced model by its name, healthy or spalled; it is made when it is first asked for."""
     folder = tmp_path_factory.mktemp("vibration")
     spalls = {
         "healthy": (),
@@ -155,15 +156,19 @@ def runs(tmp_path_factory):
         "inner": ("spall.0.width_mm=0.5", "spall.0.body=inner_ring"),
         "roller": ("spall.0.width_mm=0.5", "spall.0.body=roller", "spall.0.roller=0"),
     }
-    paths = {}
-    for name, settings in spalls.items():
-        paths[name] = folder / f"{name}.nc"
+
+    @cache
+    def made(name):
+        path = folder / f"{name}.nc"
         same = ("model=reduced", "numerics.output_interval_us=10")
-        options = [word for each in (*same, *settings) for word in ("--set", each)]
-        # of 300 ms of a spalled roller one path in six has a foreign line four times above its floor, of 900 none twice
+        options = [word for each in (*same, *spalls[name]) for word in ("--set", each)]
+        # longer where the spall strikes less often: of 300 ms of a spalled roller one path in six has a foreign line
+        # four times above its floor, of 900 none twice
         duration = {"inner": "300", "roller": "900"}.get(name, "150")
-        assert run_main([*options, "--duration", duration, "--output", str(paths[name]), "--quiet"]) == 0
-    return paths
+        assert run_main([*options, "--duration", duration, "--output", str(path), "--quiet"]) == 0
+        return path
+
+    return made
 
 
 @pytest.mark.slow
@@ -173,7 +178,7 @@ def runs(tmp_path_factory):
      ("roller", {"2×BSF"})],
 )  # fmt: skip
 def test_a_spall_shows_at_its_own_lines_and_a_perfect_bearing_at_none(runs, name, expected):
-    evaluation = evaluate(read_result(runs[name]))
+    evaluation = evaluate(read_result(runs(name)))
     found = {line.name for d in evaluation.directions for line in d.vibration.lines if line.stands_out}
     families = {"healthy": (), "outer": ("BPFO",), "inner": ("BPFI",), "roller": ("2×BSF",)}[name]
     assert expected <= found
@@ -190,7 +195,7 @@ def test_a_spall_shows_at_its_own_lines_and_a_perfect_bearing_at_none(runs, name
 
 def test_a_fault_whose_line_needs_a_longer_record_is_said_so(runs):
     """BPFO lies 23.3 Hz from 2×BSF + FTF, two bins of 86 ms; the last 50 ms can't tell them apart."""
-    whole, short = (vibration_sentences(evaluate(read_result(runs["outer"]), start=start))[0] for start in (0.0, 0.1))
+    whole, short = (vibration_sentences(evaluate(read_result(runs("outer")), start=start))[0] for start in (0.0, 0.1))
     assert "resolved" not in whole
     needed = re.search(r"BPFO is not resolved from 2×BSF\+FTF in this record: that takes ([\d.]+) ms", short)
     pitch, roller, shaft = 46.0, 10.0, 75.0  # mm, Hz (Harris, Rolling Bearing Analysis, 2001, ch. 8)
@@ -200,13 +205,13 @@ def test_a_fault_whose_line_needs_a_longer_record_is_said_so(runs):
 
 
 def test_a_spall_raises_bpfo_a_hundredfold(runs):
-    healthy, spalled = (by_name(evaluate(read_result(runs[name])).y.vibration) for name in ("healthy", "outer"))
+    healthy, spalled = (by_name(evaluate(read_result(runs(name))).y.vibration) for name in ("healthy", "outer"))
     assert spalled["BPFO"].amplitude > 100.0 * healthy["BPFO"].amplitude
 
 
 def test_a_spall_against_the_healthy_bearing_is_told_in_decibels(runs, tmp_path, capsys):
-    options = ["--against", str(runs["healthy"]), "--output", str(tmp_path / "report"), "--no-equations"]
-    assert main([str(runs["outer"]), *options, "--no-figures"]) == 0
+    options = ["--against", str(runs("healthy")), "--output", str(tmp_path / "report"), "--no-equations"]
+    assert main([str(runs("outer")), *options, "--no-figures"]) == 0
     page = (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
     row = re.search(r"<td>BPFO, g, y</td>\s*<td>(\S+)</td>\s*<td>(\S+)</td>\s*<td>\+([\d.]+)</td>", page)
     found = [float(number.replace("·10⁻", "e-").translate(LOWERED)) for number in row.groups()]
@@ -217,7 +222,7 @@ def test_a_spall_against_the_healthy_bearing_is_told_in_decibels(runs, tmp_path,
 
 def test_the_figure_says_which_band_it_shows(runs, tmp_path):
     """From 3 BPFI at the run's own cage speed, 1.78 kHz, to 0.9 of 50 kHz."""
-    _, drawn = vibration_figures(evaluate(read_result(runs["outer"])), tmp_path)
+    _, drawn = vibration_figures(evaluate(read_result(runs("outer"))), tmp_path)
     assert "within 1.78 to 45 kHz: in y over 5 roller passages" in drawn.caption
     assert drawn.png.stat().st_size > 10_000
 
@@ -247,7 +252,7 @@ def test_vibration_is_the_sensors_or_the_housings_in_g_too_and_studies_take_its_
 
 @pytest.mark.usefixtures("plain_report")
 def test_the_summary_holds_the_numbers_of_the_section(runs):
-    path = runs["outer"]
+    path = runs("outer")
     assert main([str(path), "--quiet"]) == 0
     folder = path.with_name("outer-residual")
     found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["vibration_y"]

@@ -137,6 +137,11 @@ def test_a_load_that_turns_is_a_duty_cycle():
     assert any("changes with time" in warning for warning in found.warnings)
 
 
+def test_a_load_that_turns_about_a_ring_that_stands_has_no_life():
+    found = rating(scene("model=lagrange", "operation.speed_rpm=0", "operation.unbalance_g_mm=20"))
+    assert found["P_N"] is None and "must turn" in found.answer("P_N").reason
+
+
 def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cycle.csv").write_text("load_N,speed_rpm,share\n1000,600,2\n2000,1200,1\n", encoding="utf-8")

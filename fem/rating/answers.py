@@ -228,9 +228,9 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         )
     if values["s0"] is not None and values["s0"] < 1.0:
         yield f"static safety {values['s0']:.2f} is below 1: the raceways keep dents"
-    if values["C_N"] is not None and values["P_N"] > 0.5 * values["C_N"]:
+    if values["C_N"] is not None and (values["P_N"] or 0.0) > 0.5 * values["C_N"]:
         yield "P is beyond C/2, where the life formula of ISO 281 does not hold"
-    if values["C_N"] is not None and 0.0 < values["P_N"] < 0.02 * values["C_N"]:
+    if values["C_N"] is not None and 0.0 < (values["P_N"] or 0.0) < 0.02 * values["C_N"]:
         yield "P is below 2 % of C: rollers may skid, and rating lives say little"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
@@ -245,7 +245,8 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
             f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "
             f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
         )
-    factor = max(map(abs, (*case.operation.ring_speeds, case.rpm * RPM))) / RPM * 2e3 * case.bearing.pitch_radius
+    rpm = max(*(abs(speed) / RPM for speed in case.operation.ring_speeds), values["speed_rpm"] or 0.0)
+    factor = rpm * 2e3 * case.bearing.pitch_radius
     if factor > FASTEST:
         yield (
             f"n d_m is {factor:.2g} mm/min, beyond {FASTEST:.2g}: catalogues' limiting speeds are lower, and friction "
@@ -253,8 +254,8 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         )
     if case.options.cycle is not None:
         yield (
-            f"stiffness, stresses and film are those of the scene, at {case.static_load:.4g} N, not of the duty cycle, "
-            f"whose largest load is {case.largest_load:.4g} N"
+            f"stiffness, stresses and film are those of the scene's load, {case.operation.radial_load:.4g} N, not of "
+            f"the duty cycle, whose largest load is {case.options.cycle.largest_load:.4g} N"
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: surfaces touch through the film (mixed lubrication); more viscosity lifts κ"

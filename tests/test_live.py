@@ -292,3 +292,4 @@ def test_a_scene_that_can_not_be_played_is_refused_by_name(setting, words, capsy
     assert live_main(["--set", setting]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ") and words in error
+    assert live_main(["--bearing", "6205"]) == 2 and 'bearing.type = "ball"' in capsys.readouterr().err

@@ -166,3 +166,9 @@ def test_strikes_with_sidebands_of_the_cage_alone_are_an_outer_rings():
     swell = 1.0 + 0.5 * np.cos(2.0 * np.pi * lines["FTF"] * time)
     values = rng.standard_normal(time.size) * (0.2 + 3.0 * swell * (np.mod(time * lines["BPFO"], 1.0) < 0.1))
     assert diagnose(signal(values), geometry, 45.0).verdict == "outer_ring"
+
+
+@pytest.mark.parametrize(("duration", "few"), [(0.25, True), (1.0, False)])
+def test_few_turns_of_the_shaft_are_noted_where_nothing_stands_out(duration, few):
+    found = diagnose(signal(noise(duration=duration)), SKF_6205, SHAFT)
+    assert found.verdict == "none" and any("turns of the shaft" in note for note in found.notes) == few

@@ -34,6 +34,7 @@ STANDS_OUT, FEWEST_LINES = 9.0, 2  # power over background of a harmonic, and ho
 COINCIDES = 0.4  # of the resolution, by which a comb and a multiple of the shaft or the mains are the same
 MAINS = (50.0, 60.0)  # Hz
 FEWEST_PASSES = 20  # of rolling elements over a point of the outer ring
+FEW_TURNS = 10.0  # of the shaft, in which a ring that turns brings its damage under the load that often
 SLOW = 2.0  # Hz: a shaft below may have been given in Hz where rpm are meant
 WIDEST = 0.1  # tolerance of speed: beyond, the ranges of all lines overlap
 UNMARKED = 1.0  # the same where there are none
@@ -181,6 +182,11 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
     doubts = _doubts(prominent, geometry, turning, spectrum, nominal, reach)
     verdict, reasons = _judge(prominent, doubts)
     notes = _unresolved(spectrum, nominal, reach)
+    if verdict in ("none", "uncertain") and signal.duration * shaft < FEW_TURNS:
+        notes.append(
+            f"The record holds {signal.duration * shaft:.2g} turns of the shaft: damage of a ring that turns may not "
+            "show in so few; take a longer one."
+        )
     notes += [
         f"A line at {each.beyond:.4g} Hz lies just beyond the tolerance of {each.name}." for each in findings
         if each.beyond is not None and each.clear >= CLEAR and verdict == "none"

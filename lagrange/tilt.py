@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.table import SpalledTable, TiltedContact, TiltedLaw, in_series
+from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
@@ -248,7 +248,7 @@ def met(law: TiltedLaw, approach, slope, surface: SurfaceDeviation | None):
     """`TiltedLaw.at` of contacts on a surface; None: a perfect circle."""
     if surface is None:
         return law.at(approach, slope)
-    if surface.part is not None and isinstance(law, SpalledTable):
+    if surface.part is not None and law.has_part:
         return law.at(approach, slope, surface.part.sinkage, surface.compliance, surface.part.compliance)
     return in_series(law.at, approach, slope, surface.compliance) if surface.soft else law.at(approach, slope)
 

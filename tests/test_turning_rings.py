@@ -95,7 +95,6 @@ def test_a_load_turns_with_either_ring():
             "not together with reduced.modes_up_to_kHz = 100",
         ),
         ({"model": "fem", "contact": {"model": "resolved"}}, 'only with contact.model = "subgrid"'),
-        ({"model": "fem", "axial": {}}, "not together with [axial] on meshes"),
     ],
 )
 def test_what_does_not_go_with_a_turning_outer_ring_is_refused_by_name(tables, words):

@@ -46,8 +46,7 @@ def tilted_tables(
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)
         curved = tuple(slice_law(law, widths) for law in laws)
-        coupled = [found - of_mesh for found, of_mesh in zip(couplings(bearing, axial), meshed, strict=True)]
-        tables = contact_tables(sound, axial, curved, force, slope, (coupled[0], coupled[1]))
+        tables = contact_tables(sound, axial, curved, force, slope, _below(couplings(bearing, axial), meshed))
         found = {}
         for side, table in zip(SIDES, tables, strict=True):
             grid = table.first_approach, table.approach_step, table.first_slope, table.slope_step
@@ -68,7 +67,7 @@ def tilted_tables(
         return inner, outer
 
     def make_rest() -> dict[str, np.ndarray]:
-        slices = tilted_slices(bearing, axial, laws)
+        slices = tilted_slices(bearing, axial, laws, meshed)
         return {
             side: without_part(each, table).coefficients
             for side, each, table in zip(SIDES, slices, found, strict=True)
@@ -97,28 +96,44 @@ def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, fl
 class MeshedContact:
     """A contact as a whole, with what a mesh has of its compliance: `lagrange.axial.table.TiltedLaw` for statics."""
 
-    table: ContactTable  # of the rest
+    table: ContactTable | SpalledTable  # of the rest
     meshed: float  # m/N
 
     @property
     def last_approach(self) -> float:
         """The largest, m, at which the table is known."""
-        return self.table.last_approach + self.meshed * float(self.table.at(self.table.last_approach, 0.0).force)
+        whole = self.table.whole if isinstance(self.table, SpalledTable) else self.table
+        return whole.last_approach + self.meshed * float(whole.at(whole.last_approach, 0.0).force)
 
-    def at(self, approach, slope) -> TiltedContact:
-        """See `ContactTable.at`."""
-        return in_series(self.table.at, approach, slope, self.meshed)
+    @property
+    def has_part(self) -> bool:
+        return self.table.has_part
+
+    def at(self, approach, slope, *spalls) -> TiltedContact:
+        """See `ContactTable.at` and `SpalledTable.at`."""
+        found = in_series(self.table.at, approach, slope, self.meshed, *spalls)
+        if not spalls:
+            return found
+        own = self.table.at(approach - self.meshed * found.force, slope, *spalls)
+        return found._replace(edges=own.edges, part_edges=own.part_edges)
 
 
 SIDES = "inner", "outer"
 GRID = "first_approach", "approach_step", "first_slope", "slope_step"
 
 
-def tilted_slices(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw]) -> tuple[Slices, Slices]:
-    """The slices that the tables stand for: forces along a roller by its approach and slope."""
+def tilted_slices(
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], meshed: tuple[float, float] = NOTHING
+) -> tuple[Slices, Slices]:
+    """The slices that the tables stand for: forces along a roller by its approach and slope; `meshed` as there."""
     width = coupled_width(bearing, axial)
     inner, outer = (slice_law(law, width) for law in laws)
-    return contact_slices(bearing, axial, (inner, outer), couplings(bearing, axial))
+    return contact_slices(bearing, axial, (inner, outer), _below(couplings(bearing, axial), meshed))
+
+
+def _below(coupled: tuple[np.ndarray, np.ndarray], meshed: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Coupling compliances less those of meshes, which know a contact's force as a whole."""
+    return coupled[0] - meshed[0], coupled[1] - meshed[1]
 
 
 def coupled_width(bearing: Bearing, axial: Axial) -> float | None:

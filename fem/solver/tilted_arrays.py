@@ -84,12 +84,17 @@ def tilted(
     compliance: Compliance, tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing
 ) -> Tilted:
     """Contacts of rollers that tilt, with the compliance of their tables, otherwise as those of parallel axes."""
-    length, rests, part = float(bearing.roller_length), (None, None), None
-    if any(isinstance(table, SpalledTable) for table in tables):  # both, so that they are of one type
-        rests = tuple(_rest(table) for table in tables)
-        part = part_profiles(bearing, compliance.apart.shape[1])
-    laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
+    length, (laws, rests) = float(bearing.roller_length), laws_of(tables)
+    part = None if rests[0] is None else part_profiles(bearing, compliance.apart.shape[1])
     return Tilted(*compliance, tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
+
+
+def laws_of(tables: tuple[ContactTable | SpalledTable, ...]) -> tuple[tuple[TiltedLaw, ...], tuple]:
+    """Laws of contacts by their tables, of all slices, and without those that spalls take; None: these take none."""
+    laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
+    if not any(isinstance(table, SpalledTable) for table in tables):
+        return laws, (None,) * len(tables)
+    return laws, tuple(map(_rest, tables))  # of all contacts, so that they are of one type
 
 
 def _rest(table: ContactTable | SpalledTable) -> SpalledRest:

@@ -8,17 +8,19 @@ import numpy as np
 from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
 from fem.errors import UsageError
-from fem.kernels.fields import filled
-from fem.kernels.state import INNER, Raceway
-from fem.kernels.tilted_contact import TiltedLaw
-from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw
+from fem.kernels.fields import at_line, filled
+from fem.kernels.state import INNER, Raceway, RingProfile, RollerProfiles
+from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
+from fem.kernels.tilted_surfaces import PartProfiles, SpalledRest
+from fem.solver.part_arrays import part_profiles
 from fem.solver.start import Start, Tilting
-from fem.solver.tilted_arrays import axes_at, beyond_tables
+from fem.solver.tilted_arrays import axes_at, beyond_tables, laws_of
 from fem.solver.tilted_start import MOVING, narrow_slices
 from fem.statics.reduced_bearing import kept_contacts
 from lagrange import Operation
 from lagrange.axial import Axial
 from lagrange.axial.tabulate import MORE, steepest_slope
+from lagrange.surface.deviation import profiles
 from lagrange.tilt import hub_tilt
 
 if TYPE_CHECKING:
@@ -76,12 +78,16 @@ def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilt
     bearing, rollers, start = plan.model.bearing, arrays.bodies.rollers, plan.start
     if start.tilts is None:
         raise ValueError("a start of parallel axes")
-    cage = plan.scene.ideal_cage()
+    cage, (laws, rests) = plan.scene.ideal_cage(), laws_of(tuple(each.table for each in tilting.laws))
+    part = None if rests[INNER] is None else part_profiles(bearing, rollers.columns)
+    uneven = profiles(bearing) is not None
+    absent = {} if uneven else {"edges": None}
+    absent |= {} if part is not None else {"sunken": None}
     axes = filled(
         Axes,
         {"columns": rollers.columns},
         tilts=axes_at(bearing, plan.operation, axial, cage, start.tilts, rollers.columns),
-        tilted=filled(PatchMoments, {"columns": rollers.columns}),
+        tilted=filled(PatchMoments, {"columns": rollers.columns}, **absent),
         n=rollers.n,
     )
     outer = next(pair for group in arrays.groups for pair in group if isinstance(pair, Raceway) and pair.row != INNER)
@@ -93,18 +99,41 @@ def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilt
         law = SlicedLaw(
             *pair.law,
             sign=pair.sign,
-            table=TiltedLaw.of(tilting.laws[pair.row].table),
+            table=laws[pair.row],
             axes=axes,
             length=float(bearing.roller_length),
             slope=axes.tilts.slope if of_hub else np.zeros(2),
             on_ring=axes.on_hub if of_hub else np.zeros(2),
             middle=outer.centre,
             back=outer.impulse,
+            surfaces=_surfaces(pair, rests[pair.row], part) if uneven else None,
         )
-        return pair._replace(law=law)
+        return pair._replace(law=law, **_without_edges(pair))
 
     return replace(
         arrays,
         bodies=arrays.bodies._replace(others=(*arrays.bodies.others, (axes,))),
         groups=tuple(tuple(sliced(pair) for pair in group) for group in arrays.groups),
     )
+
+
+def _surfaces(raceway: Raceway, rest: SpalledRest | None, part: PartProfiles | None) -> TiltedSurfaces:
+    """What contacts with a raceway meet; `rest` and `part` where spalls take a part of the length."""
+    of_part = None if part is None else (part.ring_profiles[raceway.row], part.roller_profiles[raceway.row])
+    return TiltedSurfaces(
+        rest=rest,
+        whole=(raceway.profile, raceway.roller_profiles),
+        part=of_part,
+        frame=raceway.frame,
+        moment=raceway.moment,
+    )
+
+
+def _without_edges(raceway: Raceway) -> dict[str, RingProfile | RollerProfiles]:
+    """A raceway's surfaces without edges, which tables take: for patches their compliances would be ripples."""
+    found = {"profile": raceway.profile, "roller_profiles": raceway.roller_profiles}
+    return {
+        name: each._replace(compliance=at_line(np.zeros_like(each.compliance)))
+        for name, each in found.items()
+        if each is not None
+    }

@@ -60,8 +60,9 @@ class TiltedBalance:
         laws = TiltedLaws(*self.laws)
         try:
             return tilted_equilibrium(
-                contacts.bearing, self.operation, laws, self.hub, theta, start, elastic=elastic, ring=self.ring
-            )
+                contacts.bearing, self.operation, laws, self.hub, theta, start,
+                elastic=elastic, ring=self.ring, turns=contacts.turns,
+            )  # fmt: skip
         except RuntimeError as error:
             raise NotFound(str(error)) from None
 

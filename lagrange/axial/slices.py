@@ -48,6 +48,7 @@ class Slices:
     part: np.ndarray | None = None  # (n,), bool, which of them spalls of part of the length let sink; None: none
 
     last_approach: ClassVar[float] = inf
+    has_part: ClassVar[bool] = False
 
     @property
     def count(self) -> int:

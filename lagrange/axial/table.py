@@ -6,7 +6,7 @@ costs the same at any number of slices, and conserves energy as the plane law do
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -47,6 +47,8 @@ class ContactTable:
     first_slope: float  # rad
     slope_step: float
     coefficients: np.ndarray  # (n_approaches, n_slopes), J^½
+
+    has_part: ClassVar[bool] = False
 
     @property
     def last_approach(self) -> float:
@@ -97,35 +99,40 @@ class TiltedLaw(Protocol):
     def last_approach(self) -> float:
         """The largest, m, that it knows."""
 
-    def at(self, approach, slope) -> TiltedContact:
-        """At approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any shape."""
+    @property
+    def has_part(self) -> bool:
+        """Whether `at` takes the spalls of a part of the length, as `SpalledTable.at` does."""
+
+    @property
+    def at(self) -> Callable[..., TiltedContact]:
+        """Of approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any shape."""
 
 
-def in_series(at: Callable[..., TiltedContact], approach, slope, compliance) -> TiltedContact:
+def in_series(at: Callable[..., TiltedContact], approach, slope, compliance, *spalls) -> TiltedContact:
     """A contact with a compliance s in series, which stores U(δ', ψ) + ½ s Q², δ' + s Q(δ', ψ) = δ.
 
     Parameters
     ----------
-    at : of the contact; approach, slope : m and rad, of any shape; compliance : m/N
+    at : of the contact; approach, slope : m and rad, of any shape; compliance : m/N; spalls : what `at` takes besides
 
     Errors
     ------
     Newton's method, to round-off.
     """
-    approach, slope, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), slope, compliance)
-    sound = at(approach, slope)
+    approach, slope, soft, *over = np.broadcast_arrays(np.asarray(approach, dtype=float), slope, compliance, *spalls)
+    sound = at(approach, slope, *over)
     found = TiltedContact(*(np.array(np.broadcast_to(each, soft.shape)) for each in sound))
     found.edges[...] = 0.5 * found.force**2
     near = (np.abs(soft) > FAINT) & (found.force > 0.0)
     if not near.any():
         return found
-    depth, turned, s = approach[near], slope[near], soft[near]
+    depth, turned, s, over = approach[near], slope[near], soft[near], [each[near] for each in over]
     own, here = depth, TiltedContact(*(each[near] for each in found))
     moves = np.ones(own.shape, dtype=bool)  # each until it has settled, whatever stands beside it
     for _ in range(NEWTON_STEPS):
         step = np.where(moves, (depth - own - s * here.force) / (1.0 + s * here.stiffness), 0.0)
         own = own + step
-        here = at(own, turned)
+        here = at(own, turned, *over)
         moves &= np.abs(step) > SETTLED * np.abs(s) * here.force
         if not moves.any():
             break
@@ -154,6 +161,8 @@ class SpalledTable:
     whole: TiltedLaw  # of all slices
     rest: TiltedLaw  # without those of the part
     share: float  # of the slices, that the part has
+
+    has_part: ClassVar[bool] = True
 
     @property
     def last_approach(self) -> float:

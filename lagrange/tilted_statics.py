@@ -23,6 +23,7 @@ NEARLY = 1e-4  # hardly touch keep steps from it, so much, which hardly moves an
 FAINTEST = 1e-4  # N, on rollers that only LOOSE holds: there the tables have kinks
 ROUND_OFF = 1e-7  # N
 FITTING = 1e-13  # m, of approaches
+CONTRACTING = 0.5  # of what contacts took too little a turn ago
 LOOSE = 1.0  # N/m, and N m/rad a metre squared, keeps in the middle what no force holds
 
 
@@ -113,7 +114,7 @@ def tilted_equilibrium(
     slope = np.array([hub.slope_x, hub.slope_y])
     radial = np.array([np.cos(theta), np.sin(theta)])
     moved = np.concatenate([start[0], slope, start[1], 0.5 * (slope @ radial)])
-    taken, steps = np.zeros(4 * bearing.n_rollers), 0
+    taken, steps, before = np.zeros(4 * bearing.n_rollers), 0, np.inf
     for _ in range(MOST_TURNS):
         here = system.at(moved, taken)
         while system.size_of(here) > 1.0:
@@ -126,10 +127,12 @@ def tilted_equilibrium(
                     "unbalanced at the hub; check load, operation.misalignment_mrad and profiles"
                 )
             moved, here = _descended(system, moved, taken, here)
-        now = system.compliance @ here.forces
-        if np.abs((now - taken) * system.arms).max() <= FITTING:
+        more = system.compliance @ here.forces - taken
+        left = np.abs(more * system.arms).max()
+        if left <= FITTING:
             return system.found(moved, here)
-        taken = now
+        # rings that bend more than their contacts need Newton's method, since their forces would swing
+        taken, before = taken + (more if left < CONTRACTING * before else system.settled(here, more)), left
     raise RuntimeError("no static equilibrium with tilt: contacts push one another in")
 
 
@@ -278,6 +281,13 @@ class _System:
             np.abs(step[:2]).max(), np.abs(step[4 : 4 + self.n]).max(), self.length * np.abs(step[4 + self.n :]).max()
         )
         return step * min(1.0, longest / max(float(furthest), 1e-30))
+
+    def settled(self, here: _Point, more: np.ndarray) -> np.ndarray:
+        """Change of `taken` that Newton's method finds, (4 n,); `more` : its error under the forces at hand."""
+        moves, stiff = self.moves, here.stiff
+        ways = here.ways[:, moves]
+        follow = np.linalg.solve(self._stiffness(here, stiff)[np.ix_(moves, moves)], ways.T @ stiff)
+        return np.linalg.solve(np.eye(4 * self.n) + self.compliance @ (stiff - stiff @ ways @ follow), more)
 
     def found(self, moved, here: _Point) -> TiltedStatics:
         n, forces = self.n, here.forces

@@ -85,7 +85,6 @@ EITHER = "; leave one of them out"
 SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
 COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
-HELD_AROUND = f"whose statics take an outer ring that is held all around{EITHER}"
 RINGS_ALONE = "whose modes are those of rings that contacts and load alone move"
 OTHER_MODES = f"{{given}}: not together with {{modes}}, {RINGS_ALONE}{EITHER}"
 AXIAL_MESH = '{given}: not together with [axial] on meshes; take model = "reduced", or leave one of them out'
@@ -129,8 +128,6 @@ REFUSED = (
     ("axial", "other contacts on meshes", f"{SUBGRID}, whose law is that of slices{EITHER}"),
     ("rigid body", "axial on meshes",
      f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
-    ("points", "axial on meshes", f"{{given}}: not together with [axial], {HELD_AROUND}"),
-    ("bore", "axial on meshes", f"{{given}}: not together with [axial], {HELD_AROUND}"),
     ("part of the length", "no axial",
      "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),

@@ -186,7 +186,7 @@ def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
 def test_the_checker_knows_springs_and_dashpots(choices):
     scene = read_scene(None, tuple(f"operation.{key}={value}" for key, value in SPRINGS.items()))
     bearing = scene.ideal_bearing()
-    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 1e-3, 1e-5, start="rest",
+    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 7.4e-4, 1e-5, start="rest",
                    load_ramp=4e-4, **choices)  # fmt: skip
     scene = scene.varied({"numerics.start": "rest", "numerics.load_ramp_ms": 0.4})
     if "damping" in choices:

@@ -173,7 +173,8 @@ def unbalanced_over_a_spall(model, body, duration, **numerics):
         "model": model, "spall": [spall], "damping": {"contact_time_us": 5.0},
         "numerics": {"duration_ms": duration, "output_interval_us": 5.0, **numerics},
     }  # fmt: skip
-    state = PLANS[model](parse_scene(tables, "")).first_state()
+    plan = PLANS[model](parse_scene(tables, ""))
+    state = (plan if model == "fem" else replace(plan, sections=None)).first_state()  # steps of one length
     found, exchanged = samples(state, round(200 * duration) + 1)
     return np.abs(found["imbalance"]).max() / exchanged, found["work_damping_contact"][-1] / exchanged
 
@@ -198,11 +199,27 @@ def test_finite_elements_lose_energy_by_the_square_of_the_step_there(turning):
     assert min(damped) > 0.1
 
 
+def test_energy_is_balanced_where_damped_rollers_strike_each_other():
+    """Without friction and cage the load pushes them out of its zone; both raceways and neighbours damp them at once.
+
+    By the two rollers' own kicks alone dampers' work is off by 3e-4 of the energy exchanged in 8 ms, whatever the step.
+    """
+    tables = {
+        "model": "reduced", "bearing": {"designation": "NU206"}, "damping": {"contact_time_us": 10.0},
+        "operation": {"speed_rpm": 600.0, "radial_load_N": 3000.0}, "contact": {"friction_coefficient": 0.0},
+        "numerics": {"duration_ms": 8.0, "output_interval_us": 20.0, "time_step_safety": 0.2},
+    }  # fmt: skip
+    found, exchanged = samples(reduced.make_plan(parse_scene(tables, "")).first_state(), 401)
+    assert found["roller_roller_force"].max() > 10.0
+    assert np.abs(found["imbalance"]).max() < 5e-6 * exchanged
+
+
 @pytest.mark.parametrize("model", ["fem", "reduced"])
 def test_the_statics_are_those_without_damping_and_a_hub_that_was_pushed_comes_back_there(model):
     damped, plain = plan_of(model, *STILL, "damping.contact_N_s_m=2000"), plan_of(model, *STILL)
     np.testing.assert_array_equal(damped.static_hub(), plain.static_hub())
-    assert damped.critical_time_step == plain.critical_time_step
+    if model == "reduced":  # damped meshes keep their lumped masses
+        assert damped.critical_time_step == plain.critical_time_step
     state = damped.first_state()
     push(state, np.zeros(damped.model.bearing.n_rollers))
     found, _ = samples(state, 601)

@@ -4,13 +4,14 @@ A damper's force is that at the middle of a kick, F = c·½ (δ̇ before + δ̇ 
 the hub: rollers are eliminated, two equations of the hub's velocity are left.
 """
 
+from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import logarithm, maximum, minimum
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, count_from, select, splat, total
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
-from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.reduced_surfaces import passing_rates, push_along
 from fem.kernels.sample_kernels import (
     DAMPED_BY_BODIES,
@@ -65,7 +66,6 @@ def damped_neighbours(dampers, law, at, Q, P, rate, mobility_dt):
     F = maximum(c * (rate - half * P) / (1.0 + c * half), -P)
     F = select(Q > 0.0, F, 0.0)
     store(dampers.force, at, F)
-    store(dampers.pair_work, 0, load(dampers.pair_work, 0) + F * (rate - half * (P + F)))
     return P + F
 
 
@@ -105,7 +105,23 @@ def _power(dampers, bodies, forces, drive, group, motion, after):
     inner, outer = _closing(bodies, forces, drive, group, motion)
     F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
     power = F_i * inner + F_o * outer
+    F = load(dampers.force, NEXT * bodies.columns + group)
+    if any_lane(F != 0.0):
+        power += select(F != 0.0, F * _closing_on_next(bodies, group, motion[1]), 0.0)
     return with_turning_power(dampers.tilted, bodies, forces, group, motion, after, power)
+
+
+@part
+def _closing_on_next(bodies, group, velocity):
+    """Rates at which eight rollers close on the next ones, m/s."""
+    i, columns, centre = next_rollers(group, bodies.n), bodies.columns, bodies.centre
+    x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
+    vx, vy = (
+        load(velocity, group) - gather(velocity, i),
+        load(velocity, columns + group) - gather(velocity, i + columns),
+    )
+    square = x * x + y * y
+    return (vx * x + vy * y) / square_root(select(square > 0.0, square, 1.0))
 
 
 @part
@@ -194,8 +210,7 @@ def note_damped(dampers, bodies, forces, before, drive):
 
 @part
 def _note_work(dampers, bodies, forces, before, drive):
-    work, first = load(dampers.pair_work, 0), splat(0.0)
-    store(dampers.pair_work, 0, splat(0.0))
+    work, first = splat(0.0), splat(0.0)
     was, now = _motions(bodies, before)
     for group in range(0, bodies.n, WIDTH):
         first += 0.5 * _power(dampers, bodies, forces, drive, group, was, False)

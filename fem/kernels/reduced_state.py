@@ -131,7 +131,6 @@ class ReducedDampers(NamedTuple):
     rate: room("2, columns")  # m/s, at which contacts close
     gain: room("1, columns")  # N s/m, of inner forces by the hub's velocity
     coefficient: room("2, columns")  # N s/m
-    pair_work: room("lanes")  # W, by lane, of rollers that touch
     work: state("2")  # J, dissipated up to the last kick; and after it in that step
     tilted: TiltedDampers | None = None  # None: axes stay parallel
 

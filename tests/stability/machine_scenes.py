@@ -277,7 +277,6 @@ def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
     """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
     if tables["model"] == "fem":
         return
-    _without(tables, "damping")
     bearing, operation = tables["bearing"], tables["operation"]
     d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
     coupled = tables["model"] == "reduced" and kinds.chance(0.7)

@@ -29,6 +29,8 @@ UNITS = {  # of columns: what a table may have in their place, and how much that
     "speed_rpm": {"rpm": 1.0, "1/min": 1.0, "rad/s": 30.0 / pi},
     "x_N": {"N": 1.0, "kN": 1e3},
     "y_N": {"N": 1.0, "kN": 1e3},
+    "load_N": {"N": 1.0, "kN": 1e3},
+    "share": {"%": 1.0, "s": 1.0, "min": 1.0, "h": 1.0},  # of time: its sum is the whole
 }
 FEWEST_POINTS = 2
 LATEST = 1e12  # ms, thirty years: powers of very long times are no numbers any more
@@ -181,14 +183,13 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
-    Headers may name other units, as in "time_s" or "speed [rad/s]": what is given back is in those of `names`.
+    Headers may name other units, as `columns_in_units` takes them.
 
     Errors
     ------
     ValueError, a sentence on the text.
     """
-    written = [_in_other_units(name, header_of(text)) for name in (TIME, *names)]
-    found = columns(text, tuple(header for header, _ in written), decimal) * [factor for _, factor in written]
+    found = columns_in_units(text, (TIME, *names), decimal)
     if len(found) < FEWEST_POINTS:
         raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
     if not np.all(np.isfinite(found)):
@@ -208,6 +209,19 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
     if time[0] > 0.0:
         raise ValueError(f"it begins at {TIME} = {time[0]:g}, after the run; at most 0")
     return time, values
+
+
+def columns_in_units(text: str, names: tuple[str, ...], decimal: str = ".") -> np.ndarray:
+    """The columns of a table's text, (n_rows, n_names), in the units of `names`, keys of UNITS.
+
+    Headers may name other units, as in "time_s" or "speed [rad/s]".
+
+    Errors
+    ------
+    ValueError, a sentence on the text.
+    """
+    written = [_in_other_units(name, header_of(text)) for name in names]
+    return columns(text, tuple(header for header, _ in written), decimal) * [factor for _, factor in written]
 
 
 def _in_other_units(name: str, headers: list[str]) -> tuple[str, float]:

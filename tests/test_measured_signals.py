@@ -71,6 +71,7 @@ READ = {  # name: content, options, factor from the file's numbers to m/s²
     "quoted.csv": (rows(head='"time","acc [g]"\n'), {}, G),
     "trailing.csv": (rows(head=HEAD).replace("\n", ",\n"), {}, G),
     "two_channels.csv": (rows(head="time,x [g],y [g]\n", columns=(TIME, 0 * WAVE, WAVE)), {"channel": "y"}, G),
+    "both_units.csv": (rows(head="time_s,y_m_s2,y_g\n", columns=(TIME, WAVE, TIME)), {"channel": "y"}, 1.0),
     "number_of_channel.csv": (rows(head="time,x [g],y [g]\n", columns=(TIME, TIME, WAVE)), {"channel": "2"}, G),
     "volts.csv": (rows(head="time,acc [V]\n"), {"sensitivity": "100 mV/g"}, 10.0 * G),
     "8.wav": (wav(8), {"unit": "g"}, 0.5 * G),

@@ -142,10 +142,12 @@ def test_a_load_that_turns_about_a_ring_that_stands_has_no_life():
     assert found["P_N"] is None and "must turn" in found.answer("P_N").reason
 
 
-def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
+def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "cycle.csv").write_text("load_N,speed_rpm,share\n1000,600,2\n2000,1200,1\n", encoding="utf-8")
-    assert rate_main(["--bearing", "NU206", "--cycle", "cycle.csv", "--quiet"]) == 0
+    text = "load_kN;speed [1/min];share [%]\n1,0;600;66,6\n2,0;1200;33,3\n"
+    (tmp_path / "cycle.csv").write_text(text, encoding="utf-8")
+    assert rate_main(["--bearing", "NU206", "--cycle", "cycle.csv", "--decimal", ","]) == 0
+    assert "equivalent dynamic load P  " in (printed := capsys.readouterr().out) and "weight included" not in printed
     told = json.loads((tmp_path / "NU206-rating.json").read_text(encoding="utf-8"))
     cycle = DutyCycle(loads=np.array([1e3, 2e3]), speeds=np.array([600.0, 1200.0]), shares=np.array([2.0, 1.0]))
     assert told["P_N"] == pytest.approx(cycle.load) and told["P0_N"] == 2000.0
@@ -160,6 +162,8 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
         ("load_N,speed_rpm\n1,2\n", "share is missing"),
         ("load_N,speed_rpm,share\n-1,2,1\n", "load"),
         ("load_N,speed_rpm,share\n1,0,1\n", "must turn"),
+        ("load_lbf,speed_rpm,share\n1,1,1\n", "must be one of N, kN"),
+        ("load_N;speed_rpm;share\n1,5;1;1\n", 'decimal = ","'),
         ("load_N,speed_rpm,share\n1,x,1\n", "row 1"),
     ],
 )

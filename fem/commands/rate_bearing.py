@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -42,8 +42,10 @@ def _rate(
     output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
     ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS, CSV")] = None,
     cycle: Annotated[
-        Path | None, Parameter(help=f"duty cycle, CSV with the columns {', '.join(CYCLE_COLUMNS)} of time")
+        Path | None,
+        Parameter(help=f"duty cycle, CSV with the columns {', '.join(CYCLE_COLUMNS)} of time; or load_kN, share [%]"),
     ] = None,
+    decimal: Annotated[Literal[".", ","], Parameter(help="decimal sign of numbers in --cycle")] = ".",
     viscosity: Annotated[
         float | None, Parameter(help="kinematic, of the oil in operation, mm²/s; default: the scene's [lubricant]")
     ] = None,
@@ -87,7 +89,7 @@ def _rate(
         reliability=reliability,
         roughness=roughness,
         width=width,
-        cycle=None if cycle is None else _cycle(cycle),
+        cycle=None if cycle is None else _cycle(cycle, decimal),
         run=run,
     )
     rated = rating(chosen, options)
@@ -130,13 +132,14 @@ def _run(path: Path):
     return scene, run_loads(bearing, scene.ideal_operation(), {name: values.column(name) for name in COLUMNS})
 
 
-def _cycle(path: Path):
+def _cycle(path: Path, decimal: str):
     """A duty cycle from a file."""
-    from lagrange.files.input import columns, plain_text
+    from lagrange.files.input import plain_text
+    from lagrange.load_history import columns_in_units
     from lagrange.rating.life import DutyCycle
 
     try:
-        loads, speeds, shares = columns(plain_text(path, LONGEST), CYCLE_COLUMNS).T
+        loads, speeds, shares = columns_in_units(plain_text(path, LONGEST), CYCLE_COLUMNS, decimal).T
         return DutyCycle(loads=loads, speeds=speeds, shares=shares)
     except ValueError as error:
         raise UsageError(f"--cycle {path}: {error}") from None

@@ -87,7 +87,7 @@ DECLARED: tuple[_Declared, ...] = (
     ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
     ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
     ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
-    ("P_N", "N", "equivalent dynamic load P, weight included", s.LOAD, lambda c: c.load),
+    ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
     ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
     ("s0", "1", "static safety factor", s.STATIC,
      lambda c: c.basic.static / positive(c.largest_load, "it is infinite")),
@@ -216,6 +216,8 @@ def _answer(case: Case, name: str, unit: str, meaning: str, source: Source, comp
         value = compute(case)
     except Unavailable as error:
         reason = str(error)
+    weight = "" if case.options.cycle is not None else ", weight included"  # loads of a file are taken as they stand
+    meaning = meaning.format(weight=weight)
     return Answer(name=name, value=value, unit=unit, meaning=meaning, source=source, reason=reason)
 
 

@@ -64,7 +64,7 @@ def read_signal(
     Parameters
     ----------
     rate : Hz, where the file has neither a rate nor a column of times
-    channel : its name, a part of it, or its number from 1; None: the only one
+    channel : its name, also without _m_s2, a part of it, or its number from 1; None: the only one
     unit : g, m/s2, mm/s or V; None: as the file says
     sensitivity : of a record in volts, as "100 mV/g"
 
@@ -126,8 +126,9 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
         if len(names) == 1:
             return names[0]
         raise InputError(f"{path}: holds {len(names)} channels; add --channel and one of: {listed}")
-    if wanted in names:
-        return wanted
+    for whole in (wanted, f"{wanted}_m_s2"):  # as exports of accelerations name them, beside the same in g
+        if whole in names:
+            return whole
     matches = [name for name in names if wanted.lower() in name.lower()]
     if len(matches) == 1:
         return matches[0]

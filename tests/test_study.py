@@ -20,7 +20,7 @@ from fem.study.folder import Folder
 from fem.study.sampling import design_of
 from fem.study.solving import checked_points
 from fem.study.study_file import read_study
-from lagrange.scene.scene import read_scene
+from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.small_study import BASE, GRID, many, same
 from tests.waiting import GIVE_UP, wait_until
 
@@ -281,6 +281,17 @@ def test_a_clearance_is_varied_as_it_is_written(here):
     assert high - low == pytest.approx(15e-6)
     grown = read_scene(None, ("bearing.clearance_um=20",)).varied({"bearing.clearance_um": 50.0, "spall.0.width_mm": 1})
     assert grown.ideal_bearing().radial_clearance == pytest.approx(25e-6)
+
+
+def test_the_base_may_lack_a_key_that_every_point_gives(here):
+    Path("base.toml").write_text('model = "reduced"\n[axial]\nroller_profile = "crowned"\n', encoding="utf-8")
+    Path("points.csv").write_text("axial.crown_um\n4.0\n8.0\n", encoding="utf-8")
+    for sampling in ('[parameters]\n"axial.crown_um" = [4.0, 8.0]\n', '[sampling]\nmethod="list"\nfile="points.csv"\n'):
+        points = points_of('scene = "base.toml"\n' + sampling)
+        assert [points.scene(i).axial.crown_um for i in range(2)] == [4.0, 8.0]
+    Path("points.csv").write_text("axial.crown_um,axial.slices\n4.0,5\n,7\n", encoding="utf-8")
+    with pytest.raises(SceneError, match="needs crown_um"):
+        points_of('scene = "base.toml"\n' + sampling)
 
 
 def test_a_folder_gives_the_scenes_that_were_studied(here):

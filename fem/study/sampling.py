@@ -4,15 +4,18 @@ import csv
 from dataclasses import dataclass
 from itertools import product
 from math import prod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.errors import UsageError
 from fem.study.parameters import Value, is_value
-from fem.study.study_file import Study
 from lagrange.scene.faults import quoted
 from lagrange.scene.files import load
 from lagrange.scene.scene import SceneError
+
+if TYPE_CHECKING:
+    from fem.study.study_file import Study
 
 MOST_POINTS = 1_000_000
 MOST_NUMBERS = 10 * MOST_POINTS  # in all points: some hundred bytes of memory each
@@ -49,6 +52,12 @@ class Design:
         """What point i changes of the scene: keys of cells left empty stay as they are."""
         return {key: value for key, value in zip(self.keys, self.points[i], strict=True) if value is not None}
 
+    @property
+    def always(self) -> dict[str, Value]:
+        """Keys that every point changes, with their values in the first."""
+        given = [all(value is not None for value in column) for column in zip(*self.points, strict=True)]
+        return {key: value for key, value in self.changes(0).items() if given[self.keys.index(key)]}
+
     def describe(self, i: int) -> str:
         """Point i in words."""
         values = ", ".join(f"{key} = {_short(value)}" for key, value in self.changes(i).items())
@@ -59,7 +68,7 @@ def _short(value: Value) -> str:
     return f"{value:.8g}" if isinstance(value, float) else repr(value)
 
 
-def design_of(study: Study) -> Design:
+def design_of(study: "Study") -> Design:
     """The points of a study; the same study gives the same points.
 
     Errors
@@ -93,7 +102,7 @@ def _check_count(count: int, parameters: int, what: str) -> None:
         )
 
 
-def _drawn(study: Study) -> Design:
+def _drawn(study: "Study") -> Design:
     """Points of a Latin hypercube or of a scrambled Sobol sequence."""
     from scipy.stats import qmc
 
@@ -125,7 +134,7 @@ def _matrices(shares: np.ndarray, d: int) -> np.ndarray:
     return np.concatenate([A, B, *mixed])
 
 
-def _listed(study: Study) -> Design:
+def _listed(study: "Study") -> Design:
     """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
     name, text = study.sampling.file, study.listed or ""
     try:

@@ -13,6 +13,7 @@ from fem.errors import UsageError
 from fem.interface import OF_CHECK
 from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
+from fem.study.sampling import design_of
 from lagrange.files.input import plain_text
 from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable
 from lagrange.scene.files import load
@@ -115,7 +116,7 @@ class Study:
 
 
 def read_study(path: Path) -> Study:
-    """The study of a TOML file; paths in it are from its own folder.
+    """The study of a TOML file; paths in it are from its own folder. Its scene may need keys that all points give.
 
     Errors
     ------
@@ -125,9 +126,13 @@ def read_study(path: Path) -> Study:
     table = _validated(path, text)
     found = study_of(path, text, None)
     listed = None if table.sampling.file is None else _text(path.parent / table.sampling.file)
-    scene = read_scene(None if table.scene is None else path.parent / table.scene)
+    found, base = replace(found, listed=listed), None if table.scene is None else path.parent / table.scene
     try:
-        return replace(found, scene=scene.varied(table.fixed), listed=listed)
+        scene = read_scene(base)
+    except SceneError:  # it may lack what all points have
+        scene = read_scene(base, changes=table.fixed | design_of(found).always)
+    try:
+        return replace(found, scene=scene.varied(table.fixed))
     except SceneError as error:
         raise UsageError(f"{path}: [fixed]: {error}") from None
 

@@ -164,8 +164,10 @@ def _at_hand(path: Path) -> str:
     return f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
 
 
-def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
-    """The scene of a TOML file (None: the paper's), with `table.key=value` overrides put on top.
+def read_scene(
+    path: str | Path | None = None, overrides: tuple[str, ...] = (), changes: Mapping[str, Any] | None = None
+) -> Scene:
+    """The scene of a TOML file (None: the paper's), with `table.key=value` overrides and values by key put on top.
 
     Errors
     ------
@@ -185,6 +187,8 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
         data = load(text, name)
     for override in overrides:
         apply_override(data, override)
+    for key, value in (changes or {}).items():
+        set_key(data, key, value, key)
     with _refused(name):
         content_in_place(data, Path() if path is None else Path(path).parent)
     return parse_scene(data, name)

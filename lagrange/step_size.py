@@ -13,6 +13,8 @@ from lagrange.surface.faults import Waviness, own_radius
 
 INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
 SAMPLES_OF_ROLLERS = 3.0  # a period: more than Nyquist's two, because their stiffness is estimated
+SAMPLES_OF_GRADUAL = 2.0  # a period of rollers without clearance: those that fold are followed as if struck
+LIGHT = 0.05  # of the largest load: rollers without clearance vibrate where they take up theirs
 SAMPLES_OF_THE_HUB = 5.0  # a period: a stencil of order 6 then reads 4 % of its acceleration too low
 CLEARANCE = 1e-9  # of a roller's radius: less is the rounding of diameters
 
@@ -21,7 +23,8 @@ def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> 
     """Interval between samples, s, at which neither the hub nor struck rollers vibrate beyond the Nyquist frequency.
 
     Rollers are struck that come through a clearance or a fault of a surface, and then vibrate between their two
-    contacts. In a perfect bearing without clearance they touch as they come into the load zone, and hardly vibrate.
+    contacts. In a perfect bearing without clearance they take up their load gradually and vibrate less, which shows
+    where it is folded: where the longest interval has no two samples a period of a lightly loaded roller.
 
     Parameters
     ----------
@@ -34,7 +37,8 @@ def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> 
     rings' own modes, at 150 kHz and more, are not followed.
     """
     rate = SAMPLES_OF_THE_HUB * hub_frequency(bearing, operation)
-    if bearing.faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius:
+    struck = bearing.faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius
+    if struck or SAMPLES_OF_GRADUAL * INTERVALS[0] * roller_frequency(bearing, operation, LIGHT) > 1.0:
         rate = max(rate, SAMPLES_OF_ROLLERS * roller_frequency(bearing, operation))
     fitting = (interval for interval in INTERVALS if interval * rate <= 1.0 and interval <= longest)
     return next(fitting, INTERVALS[-1])
@@ -47,9 +51,9 @@ def wave_interval(bearing: Bearing, operation: Operation) -> float:
     return min(waves) / speed if waves and speed > 0.0 else inf
 
 
-def roller_frequency(bearing: Bearing, operation: Operation) -> float:
-    """Of a roller between its two contacts where the load is largest, Hz."""
-    return sqrt(sum(_stiffness(bearing, operation)) / bearing.roller_mass) / (2.0 * pi)
+def roller_frequency(bearing: Bearing, operation: Operation, share: float = 1.0) -> float:
+    """Of a roller between its two contacts, Hz, where it bears this share of the largest load."""
+    return sqrt(sum(_stiffness(bearing, operation, share)) / bearing.roller_mass) / (2.0 * pi)
 
 
 def hub_frequency(bearing: Bearing, operation: Operation) -> float:
@@ -61,10 +65,10 @@ def hub_frequency(bearing: Bearing, operation: Operation) -> float:
     return sqrt(share * bearing.n_rollers * in_series / operation.inner_mass) / (2.0 * pi)
 
 
-def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:
-    """Of the inner and the outer contact of the roller with the largest load, about five times the mean one, N/m."""
+def _stiffness(bearing: Bearing, operation: Operation, share: float = 1.0) -> tuple[float, float]:
+    """Of the inner and the outer contact under this share of the largest load, about five times the mean one, N/m."""
     cage = np.abs(kinematics_met(bearing, operation).cage).max()
-    force = 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
+    force = share * 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
     force += bearing.roller_mass * (bearing.pitch_radius * cage**2 + operation.gravity)
     laws = contact_laws("hertz" if isinstance(bearing, BallBearing) else "johnson", bearing)
     inner, outer = (float(law.slope(law.approach(force))) for law in laws)

@@ -48,6 +48,7 @@ from residual.tilt import TiltErrors, has_tilts, tilt_errors
 from residual.vibration import Vibration, measured, vibration
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
+FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
 SOUND = 0.01  # of the reference force: what the momentum balance of sound trajectories may leave, rms
 
 
@@ -264,7 +265,8 @@ def evaluate(
     notes += [] if settled is None or settled.note is None else [settled.note]
     floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
     reference = reference_force(used.load, budget.law_force if used.inner_force is None else used.inner_force)
-    coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, noise, SOUND * reference[0])
+    least = max(noise, FOLDED_SHARE * reference[0])
+    coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, least, SOUND * reference[0])
     notes += [coarse.note] if coarse is not None and coarse.seldom else []
     found = Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,

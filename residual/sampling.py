@@ -95,7 +95,7 @@ def too_coarse(
     ----------
     balances : of the momentum balance in x and y, N
     floors : expected errors of differentiation, N rms
-    least, most : N rms; balances below are round-off, and above fail
+    least, most : N rms; balances below are of no account, and above fail
 
     Returns
     -------

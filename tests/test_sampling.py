@@ -13,6 +13,9 @@ from residual.tables import floor_newtons
 
 NU206 = 'bearing={designation="NU206"}'
 SPALL = "spall.0.angle_deg=14"
+QUIET = {"bearing.clearance_um": 0.0, "operation.radial_load_N": 50.0}
+STRUCK = [("bearing.clearance_um=1",), (SPALL,), (NU206,)]
+FOLDED = [(NU206, "bearing.clearance_um=0"), (NU206, "bearing.clearance_um=-5")]
 
 
 def interval(*settings):
@@ -24,8 +27,8 @@ def test_the_papers_scene_keeps_its_ten_microseconds():
     assert interval("bearing.clearance_um=-5") == 10.0
 
 
-@pytest.mark.parametrize("struck", [("bearing.clearance_um=1",), (SPALL,), (NU206,)])
-def test_rollers_that_are_struck_are_followed(struck):
+@pytest.mark.parametrize("struck", STRUCK + FOLDED)
+def test_rollers_that_are_struck_or_would_be_folded_are_followed(struck):
     scene = read_scene(None, struck)
     found = 1e-6 * scene.numerics.output_interval_us
     frequency = roller_frequency(scene.perfect_bearing(), scene.ideal_operation())
@@ -47,7 +50,7 @@ def test_the_scene_in_a_result_spells_it_out_and_a_varied_one_gets_its_own():
     scene = read_scene(None, (NU206,))
     again = parse_scene_text(scene.to_toml(), "again")
     assert again == scene and "output_interval_us = 5.0" in scene.to_toml()
-    assert scene.varied({"bearing.clearance_um": 0.0}).numerics.output_interval_us == 10.0
+    assert scene.varied(QUIET).numerics.output_interval_us == 10.0
 
 
 def test_a_table_that_is_not_at_hand_leaves_the_default(tmp_path):
@@ -69,6 +72,15 @@ def test_frequencies_are_those_of_palmgrens_contacts():
     wanted = np.sqrt(2.0 * stiffness / bearing.roller_mass) / (2.0 * np.pi)
     assert roller_frequency(bearing, operation) == pytest.approx(wanted, rel=0.1)
     assert hub_frequency(bearing, operation) == pytest.approx(13.7e3, rel=0.1)
+
+
+def test_without_clearance_defaults_are_not_said_to_fold(tmp_path):
+    slow = "--set operation.speed_rpm=1500 --set operation.radial_load_N=3000 --set bearing.clearance_um=0".split()
+    options = ["--bearing", "NU2206", "--model", "reduced", "--duration", "30", *slow, "--quiet"]
+    for name, given in (("default", []), ("coarse", ["--set", "numerics.output_interval_us=10"])):
+        assert run_main([*options, *given, "--output", str(tmp_path / f"{name}.nc")]) == 0
+        notes = evaluate(read_result(tmp_path / f"{name}.nc")).notes
+        assert any("false frequencies" in note for note in notes) == bool(given)
 
 
 def test_an_nu_206_by_defaults_is_within_what_differentiation_errs_by(tmp_path):

@@ -160,3 +160,5 @@ def test_a_run_that_restarts_halves_both_lengths():
     assert state.drives[FAR].dt == pytest.approx(plan.long_step / 32)
     found = state.advance(3).samples
     np.testing.assert_allclose(np.diff(found["time"]), 5e-6)
+    more = replace(plan.sections, count=3, near=34)  # than a hundred steps between two looks at the energy
+    assert replace(plan, sections=more, stride=102 * plan.looks).halved(0).sections == more

@@ -82,7 +82,7 @@ class ReducedPlan(RigidPlan):
         """The same with a step halved so many times, and looks that are frequent enough."""
         finer, looks, sections = 2**times, self.looks, self.sections
         stride = self.stride * finer
-        while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
+        while stride > looks * LONGEST_UNWATCHED and finer > 1:  # and divide the stride all the way
             looks, finer = 2 * looks, finer // 2
         return replace(self, stride=stride, looks=looks, sections=sections and sections.finer(finer))
 

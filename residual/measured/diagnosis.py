@@ -276,7 +276,7 @@ def _finding(
     side = sides * comb.frequency / expected
     scale = comb.frequency / expected
     modulators = rest.modulators(comb.frequency, side, *(scale * speed for speed in turns_of(nominal)))
-    masked = rest.without(comb.frequency, *modulators)
+    masked = rest.beside(comb.frequency, *modulators)
     slower, faster = sorted((nominal["BPFO"], nominal["BPFI"]))
     low = max(2.2 * nominal["FTF"], 10.0 * whole.resolution, 0.3 * slower)
     decoys = np.exp(rng.uniform(np.log(low), np.log(max(1.6 * faster, 1.1 * low)), DECOYS))

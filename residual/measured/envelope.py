@@ -9,7 +9,7 @@ diagnosis of bearing faults under variable speed conditions, Mech. Syst. Signal 
 Randall, J. Antoni, Rolling element bearing diagnostics - a tutorial, ibid. 25 (2011) 485-520.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,7 +59,22 @@ class EnvelopeSpectrum:
 
     def without(self, frequency: float, *sides: float) -> "EnvelopeSpectrum":
         """This spectrum with a comb and its sidebands, spaced by each of `sides`, Hz, lowered to the background."""
-        ratio = self.ratio.copy()
+        taken, ratio = self._around(frequency, sides), self.ratio.copy()
+        ratio[taken] = np.minimum(ratio[taken], np.log(2.0))
+        return replace(self, ratio=ratio)
+
+    def beside(self, frequency: float, *sides: float) -> "EnvelopeSpectrum":
+        """This spectrum with what is beside a comb and its sidebands in their place too, as if they were not there.
+
+        Lowered to the background, what a short record leaves between them would be a calmer spectrum than its own.
+        """
+        taken, ratio = self._around(frequency, sides), self.ratio.copy()
+        ratio[taken] = np.resize(ratio[~taken], np.count_nonzero(taken))
+        return replace(self, ratio=ratio)
+
+    def _around(self, frequency: float, sides: tuple[float, ...]) -> np.ndarray:
+        """Which bins belong to a comb and its sidebands, (n_frequencies,)."""
+        taken = np.zeros(self.ratio.size, dtype=bool)
         harmonics = np.arange(1, int(self.frequency[-1] / frequency) + 1) * frequency
         shifts = np.append(
             np.multiply.outer([k for k in range(-MASKED_SIDEBANDS, MASKED_SIDEBANDS + 1) if k], sides), 0.0
@@ -67,8 +82,8 @@ class EnvelopeSpectrum:
         reach = MASK * self.resolution
         for centre in np.add.outer(harmonics, shifts).ravel():
             low, high = int(max(0.0, centre - reach) / self.step), int(max(0.0, centre + reach) / self.step) + 1
-            np.minimum(ratio[low:high], np.log(2.0), out=ratio[low:high])
-        return EnvelopeSpectrum(frequency=self.frequency, depth=self.depth, ratio=ratio, resolution=self.resolution)
+            taken[low:high] = True
+        return taken
 
 
 def prewhitened(values: np.ndarray) -> np.ndarray:

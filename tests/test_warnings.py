@@ -9,6 +9,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
+from fem.solver.warnings import of_scene
 from lagrange.scene.scene import SceneError, read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result
@@ -109,6 +110,23 @@ def test_samples_that_miss_waves_are_warned_of():
         "waviness.0.order=400", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
     ).warnings  # fmt: skip
     assert "[[waviness]]" in found[0] and "at most 27.4" in found[0]
+
+
+@pytest.mark.parametrize(
+    ("value", "sound", "words"),
+    [
+        ("bearing.clearance_um=1500", "bearing.clearance_um=90", "clearance, 1500 µm in operation, is 17 %"),
+        ("operation.radial_load_N=3", "operation.radial_load_N=0", "radial_load_N = 3: below a thousandth"),
+        ("operation.speed_rpm=60000", "operation.speed_rpm=20000", "n d_m is 2.8e+06"),  # 46.5 mm
+    ],
+)
+def test_values_in_other_units_are_warned_of(value, sound, words):
+    """C0 of NU 206 is 36.5 kN by ISO 76, C5 by ISO 5753-1 65 to 90 µm."""
+    found = {}
+    for setting in (value, sound):
+        scene = read_scene(None, ('bearing={designation="NU206"}', setting))
+        found[setting] = of_scene(scene, scene.perfect_bearing(), scene.ideal_operation(), 1e-6)
+    assert len(found[value]) == 1 and words in found[value][0] and not found[sound]
 
 
 FAULTS = (

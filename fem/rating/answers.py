@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
 from lagrange.rating import sources
+from lagrange.rating.capacity import speed_warning
 from lagrange.rating.contact_stress import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
 from lagrange.rating.life import (
     in_hours,
@@ -19,7 +20,6 @@ from lagrange.rating.sources import Source, Unavailable
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 
-FASTEST = 1e6  # mm/min, speed times pitch diameter: above limiting speeds of roller bearings in catalogues
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 
 
@@ -248,12 +248,8 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
             f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
         )
     rpm = max(*(abs(speed) / RPM for speed in case.operation.ring_speeds), values["speed_rpm"] or 0.0)
-    factor = rpm * 2e3 * case.bearing.pitch_radius
-    if factor > FASTEST:
-        yield (
-            f"n d_m is {factor:.2g} mm/min, beyond {FASTEST:.2g}: catalogues' limiting speeds are lower, and friction "
-            "and temperature are extrapolated"
-        )
+    if fast := speed_warning(case.bearing, rpm):
+        yield f"{fast}, and friction and temperature are extrapolated"
     if case.options.cycle is not None:
         yield (
             f"stiffness, stresses and film are those of the scene's load, {case.operation.radial_load:.4g} N, not of "

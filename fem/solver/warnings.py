@@ -9,6 +9,9 @@ import numpy as np
 from lagrange import Bearing, Operation, contact_laws
 from lagrange.bearing import CORE
 from lagrange.kinematics import kinematics_met, roller_angles
+from lagrange.rating.capacity import Basic, speed_warning
+from lagrange.rating.sources import Unavailable
+from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 from lagrange.step_size import wave_interval
 from lagrange.surface.faults import Spall
@@ -24,6 +27,8 @@ RIGID_CORE = (
     f"bearing.bore_diameter_mm = 0: meshes take the core of the solid shaft, {CORE:g} of its radius, as rigid: "
     'the hub\'s displacement is off by up to 1 % and loads by up to 3 %; model = "reduced" has the whole shaft, exactly'
 )
+WIDEST_CLEARANCE = 0.05  # of a roller's diameter: beyond C5 of ISO 5753-1, which is up to 0.04 (needles)
+LIGHTEST = 1e-3  # of the static load rating: loads below are hardly meant, but for none at all
 FEWEST_PASSAGES = 2.0  # of rollers, in a default duration
 USUAL_TIME_US = 12.5  # of a contact's damping over its stiffness, as ROSS takes it; Krämer: 2.5 to 25 (docs/damping.md)
 
@@ -48,8 +53,39 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
         _waves(bearing, operation, interval),
         _undamped(scene, operation),
         _brief(scene, bearing, operation),
+        _clearance(bearing),
+        _light(scene, bearing, operation),
+        speed_warning(bearing, operation.fastest / RPM),
     )
     return tuple(sentence for sentence in found if sentence)
+
+
+def _clearance(bearing: Bearing) -> str | None:
+    """A clearance that no group of the standard has, as of one in other units."""
+    clearance, diameter = 2.0 * bearing.radial_clearance, 2.0 * bearing.element_radius
+    if clearance <= WIDEST_CLEARANCE * diameter:
+        return None
+    return (
+        f"the clearance, {1e6 * clearance:.4g} µm in operation, is {100.0 * clearance / diameter:.2g} % of a roller's "
+        "diameter, and ISO 5753-1's group C5 has at most 4 %; is bearing.clearance_um meant in µm?"
+    )
+
+
+def _light(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
+    """A steady load that is, with the weight, next to nothing of what the bearing carries."""
+    load, mass = scene.operation.radial_load_N, scene.operation.inner_ring_and_shaft_kg
+    if load == 0.0 or bearing.radial_clearance < 0.0 or operation.history is not None:
+        return None
+    try:
+        rating = Basic.of(scene.unmounted_bearing()).static
+    except Unavailable:
+        return None
+    if load + mass * scene.operation.gravity_m_s2 >= LIGHTEST * rating:
+        return None
+    return (
+        f"operation.radial_load_N = {load:g}: below a thousandth of the static load rating, C0 = {1e-3 * rating:.3g} "
+        "kN, rollers hardly touch; is it meant in N?"
+    )
 
 
 def _brief(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:

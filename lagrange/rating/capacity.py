@@ -8,6 +8,7 @@ from lagrange.rating.sources import Unavailable
 
 OF_CAGED = 1.1  # b_m of cylindrical, tapered and machined needle roller bearings, ISO 281 table 6
 REDUCTION = 0.83  # λ, of radial roller bearings: pressures along real contact lines are uneven
+FASTEST = 1e6  # mm/min, speed times pitch diameter: above limiting speeds of rolling bearings in catalogues
 MEDIUM = 100.0  # mm, D_pw beyond which the fatigue load limit falls
 
 
@@ -52,6 +53,14 @@ def complete_and_of_steel(bearing: Bearing) -> None:
             raise Unavailable(
                 f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa"
             )
+
+
+def speed_warning(bearing: Bearing, rpm: float) -> str | None:
+    """A sentence where a ring's speed, 1/min, is beyond those of catalogues, n d_m up to FASTEST."""
+    factor = rpm * 2e3 * bearing.pitch_radius
+    if factor <= FASTEST:
+        return None
+    return f"n d_m is {factor:.2g} mm/min, beyond {FASTEST:.2g}: catalogues' limiting speeds are lower"
 
 
 def capacity_factor(gamma: float) -> float:

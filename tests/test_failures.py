@@ -83,6 +83,7 @@ def test_a_failed_run_keeps_its_good_samples_and_says_what_to_do(tmp_path, monke
 def test_how_samples_are_cut_into_blocks_changes_no_bit_of_them():
     """Blocks are cut by the wall clock; angles wrap and sums run on across them."""
     plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=1", "operation.speed_rpm=60000",
+                                       "numerics.output_interval_us=10",
                                        "operation.first_roller_deg=91")))  # fmt: skip
     rows, *_ = plan.first_state().take_steps(plan.looks * 101)
     whole = SampleReader(plan).read(rows)

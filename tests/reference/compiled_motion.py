@@ -27,12 +27,14 @@ class Motion:
     def __init__(self, problem: Problem, interval: float = 1e-5, time_step: float | None = None):
         stride = ceil(interval / (longest_step(problem) if time_step is None else time_step) * (1.0 - 1e-12))
         kind = "ball" if isinstance(problem.bearing, BallBearing) else "roller"
+        tilted = () if problem.axial is None else ("axial", *(("damping of tilt",) if problem.damping.acts else ()))
         scene = SimpleNamespace(
             cage=problem.cage,
             ideal_cage=lambda: problem.cage,
             model="lagrange",
             bearing=SimpleNamespace(type=kind),
             axial=problem.axial,
+            parts_of_tilt=tilted,
             numerics=SimpleNamespace(output_interval_us=1e6 * interval),
         )
         plan = LagrangianPlan(

@@ -237,7 +237,8 @@ def _sinkage(surfaces: Profiles, body: Body, roller: int | None, angle: np.ndarr
     profile = own.get(body, surfaces.rollers_outside)
     every = np.repeat(angle[:, None], profile.row.size, axis=1)
     met = profile.at(every)
-    return (met.sinkage + met.part_sinkage)[:, roller or 0]
+    sunk = met.sinkage if met.part is None else met.sinkage + met.part.sinkage
+    return sunk[:, roller or 0]
 
 
 def _wave_name(wave: Waviness | MeasuredSurface) -> str:

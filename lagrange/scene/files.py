@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
+from lagrange.messages import shown
 from lagrange.scene.axial import SHAPES, SURFACES
 from lagrange.scene.faults import SceneError
 
@@ -123,10 +124,10 @@ def load(text: str, name: str) -> dict[str, Any]:
 def _hint(text: str, reason: str) -> str:
     """The line at which TOML can't be read, and what is often wrong with such a one; empty where it is not known."""
     number = re.search(r"line (\d+)", reason)
-    lines = text.splitlines()
+    lines = text.split("\n")
     if number is None or int(number[1]) > len(lines):
         return ""
-    line = lines[int(number[1]) - 1].strip()
+    line = shown(lines[int(number[1]) - 1].strip())
     value = line.partition("=")[2].strip()
     if re.match(r"[-+]?\d+,\d", value):
         return f": {line}: decimals take a point"

@@ -13,22 +13,13 @@ from lagrange.scene.scene import SceneError
 from residual.evaluation import evaluate
 from residual.sources import read_result
 from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.tilted_runs import missed, moved, scene
+from tests.reference.tilted_runs import defects, missed, moved, scene
 
 MISALIGNED = {"operation__misalignment_mrad": 1.0, "numerics__mesh_size_mm": 2.0}
 PROFILED = {"roller_profile": "logarithmic", "coupling": False}
 MESHED = 6e-10  # m/N, about that of the paper's bearing
 HALF = {"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}
-SURFACES = {
-    "spall": [
-        {"body": "inner_ring", "angle_deg": -3.0, **HALF},
-        {"body": "roller", "roller": 1, "angle_deg": 20.0, **HALF},
-        {"body": "outer_ring", "angle_deg": 10.0, **HALF},
-        {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3},
-    ],
-    "waviness": [{"order": 11}],
-    "unequal_roller": [{"roller": 2}],
-}
+SURFACES = defects(HALF)
 
 
 def test_a_table_below_the_grid_is_the_plane_law_less_the_meshes_compliance():

@@ -17,7 +17,7 @@ from residual.evaluation import evaluate
 from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
 from residual.tilt import largest_pressures
-from tests.reference.tilted_runs import missed, moved, scene
+from tests.reference.tilted_runs import defects, missed, moved, scene
 
 
 @pytest.mark.slow  # compiles a loop
@@ -162,16 +162,7 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
 
 
 HALF = {"width_mm": 0.4, "length_mm": 5.0, "z_mm": 2.5}
-SURFACES = {
-    "spall": [
-        {"body": "inner_ring", "angle_deg": -3.0, **HALF},
-        {"body": "roller", "roller": 1, "angle_deg": 20.0, **HALF},
-        {"body": "outer_ring", "angle_deg": 10.0, **HALF},
-        {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3},
-    ],
-    "waviness": [{"order": 11}],
-    "unequal_roller": [{"roller": 2}],
-}
+SURFACES = defects(HALF)
 
 
 @pytest.mark.slow

@@ -27,3 +27,17 @@ def missed(samples):
     energy = energy + sum(samples[name] for name in ENERGIES if name in samples)
     energy = energy - samples["work_external"] + samples["work_dissipated"]
     return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
+
+
+def defects(half):
+    """Tables of spalls of part of the length, `half` its keys, of one of the whole length, waves and a larger roller."""
+    return {
+        "spall": [
+            {"body": "inner_ring", "angle_deg": -3.0, **half},
+            {"body": "roller", "roller": 1, "angle_deg": 20.0, **half},
+            {"body": "outer_ring", "angle_deg": 10.0, **half},
+            {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3},
+        ],
+        "waviness": [{"order": 11}],
+        "unequal_roller": [{"roller": 2}],
+    }

@@ -30,7 +30,7 @@ def missed(samples):
 
 
 def defects(half):
-    """Tables of spalls of part of the length, `half` its keys, of one of the whole length, waves and a larger roller."""
+    """Tables of spalls of part of the length by its keys `half`, of one of all of it, of waves and a larger roller."""
     return {
         "spall": [
             {"body": "inner_ring", "angle_deg": -3.0, **half},

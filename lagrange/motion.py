@@ -7,6 +7,7 @@ the shaft's speed, and stands in no equation of motion.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,15 +66,24 @@ class ContactState(PolarOverlaps):
         return SoftenedLaws(inner=inner, outer=outer)
 
 
+class StatedDampers(NamedTuple):
+    """Dampers of contacts that have been found before, in place of those that rates give; (..., n_rollers)."""
+
+    inner_force: np.ndarray  # N, at least as much as lets springs push
+    outer_force: np.ndarray
+    inner_moment: np.ndarray | float = 0.0  # N m, of contacts that tilt
+    outer_moment: np.ndarray | float = 0.0
+
+
 def contact_state(
-    bearing: Bearing, laws: ContactLaws | TiltedLaws, state: State, damping: ContactDamping = UNDAMPED
+    bearing: Bearing, laws: ContactLaws | TiltedLaws, state: State, damping: ContactDamping | StatedDampers = UNDAMPED
 ) -> ContactState:
     """Geometry and forces of every contact.
 
     Parameters
     ----------
     laws : of tilted contacts where the state has tilts
-    damping : of each closed contact; it never makes a contact pull
+    damping : of each closed contact, or what it has given; it never makes a contact pull
 
     Errors
     ------
@@ -115,7 +125,12 @@ def contact_state(
     apart = state.rho_rate - (vx * cos + vy * sin), state.rho * state.theta_rate - (vy * cos - vx * sin)
     inner_closing = -(found.radial * apart[0] + found.tangential * apart[1]) + passing_in
     outer_closing = state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing_out
-    if damping.acts and tilted is not None and state.tilts is not None:
+    if isinstance(damping, StatedDampers):
+        inner_damper = damper_force(inner_force, damping.inner_force, 1.0)
+        outer_damper = damper_force(outer_force, damping.outer_force, 1.0)
+        tilted = None if tilted is None else tilted.with_moments(damping.inner_moment, damping.outer_moment)
+        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
+    elif damping.acts and tilted is not None and state.tilts is not None:
         turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
         tilted, inner_damper, outer_damper = tilted.damped(
             damping, (inner_closing, outer_closing), turning, bearing.roller_length

@@ -174,11 +174,17 @@ class TiltedContacts:
             tilted_damper(met, damping, closes, turns, length)
             for met, closes, turns in zip(self.met, closing, turning, strict=True)
         )
-        found = replace(
-            self, inner_moment=self.inner_moment + inner_moment, outer_moment=self.outer_moment + outer_moment,
-            dampers=(inner_moment, outer_moment), lost=-(inner_moment * turning[0] + outer_moment * turning[1]),
-        )  # fmt: skip
-        return found, inner, outer
+        found = self.with_moments(inner_moment, outer_moment)
+        return replace(found, lost=-(inner_moment * turning[0] + outer_moment * turning[1])), inner, outer
+
+    def with_moments(self, inner, outer) -> "TiltedContacts":
+        """The contacts with these moments of their dampers, N m."""
+        return replace(
+            self,
+            inner_moment=self.inner_moment + inner,
+            outer_moment=self.outer_moment + outer,
+            dampers=(inner, outer),
+        )
 
     def turned(self, found: PolarOverlaps, inner_force, outer_force, rho) -> PolarOverlaps:
         """Overlaps with the directions that moments give contacts' forces, N."""

@@ -68,6 +68,8 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
     run_scene(found, tmp_path / "damped.nc", RunOptions(quiet=True))
     checked = evaluate(read_result(tmp_path / "damped.nc"))  # by slices, whose stiffness jumps as each one touches
     damped = np.abs(checked.record.inner_damping_force).sum(axis=1).max()
+    for direction in checked.directions:  # moments of dampers push the hub too
+        assert np.abs(direction.budget.terms["ring_flexibility"]).max() < 1e-9 * checked.force.max()
     assert 0.0 < max(np.abs(each.budget.terms["damping"]).max() for each in checked.directions) < 0.1 * damped
     assert np.abs(checked.tilt.contact_law[3:-3]).max() < 2e-3 * np.abs(checked.record.inner_moment).max()
     monkeypatch.setattr(first_state, "sliced_laws", lambda *of: tables)

@@ -1,6 +1,5 @@
 """A run of the Lagrangian model: its steps, its samples, and how it restarts."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from fem.solver.solver import Block, Numbers, Samples
 from lagrange.equations import THROUGH
 from lagrange.first_state import Problem
 from lagrange.kinematics import turned
-from lagrange.motion import State, contact_state, hub_equations, rotation_energy
+from lagrange.motion import State, StatedDampers, contact_state, hub_equations, rotation_energy
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import Turns
 from lagrange.tilt import Tilts
@@ -149,21 +148,14 @@ class LagrangianState(RigidState):
             y_rate=samples["inner_vy"], rho_rate=nothing, theta_rate=nothing, ring_x=ring_x, ring_y=ring_y,
             turns=Turns.rolling(bearing, operation, time[:, None]), tilts=_tilts(problem, samples),
         )  # fmt: skip
-        touch = contact_state(bearing, problem.contacts, state)
+        names = [f"{side}_damping_{kind}" for kind in ("force", "moment") for side in ("inner", "outer")]
+        given = StatedDampers(*(samples[name] for name in names if name in samples.values))
+        touch = contact_state(bearing, problem.contacts, state, given)
+        samples["inner_damping_force"][:], samples["outer_damping_force"][:] = touch.inner_damper, touch.outer_damper
+        samples["inner_force"][:], samples["outer_force"][:] = touch.inner_force, touch.outer_force
         if touch.tilted is not None:
-            for side, moment in (("inner", touch.tilted.inner_moment), ("outer", touch.tilted.outer_moment)):
-                damping = samples[f"{side}_damping_moment"] if problem.damping.acts else 0.0
-                samples[f"{side}_moment"][:] = moment + damping
-        inner, outer = touch.inner_force > 0.0, touch.outer_force > 0.0
-        samples["inner_damping_force"][:] = np.where(
-            inner, np.maximum(samples["inner_damping_force"], -touch.inner_force), 0.0
-        )
-        samples["outer_damping_force"][:] = np.where(
-            outer, np.maximum(samples["outer_damping_force"], -touch.outer_force), 0.0
-        )
-        samples["inner_force"][:] = touch.inner_force + samples["inner_damping_force"]
-        samples["outer_force"][:] = touch.outer_force + samples["outer_damping_force"]
-        touch = replace(touch, inner_force=samples["inner_force"])
+            samples["inner_moment"][:] = touch.tilted.inner_moment
+            samples["outer_moment"][:] = touch.tilted.outer_moment
         left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
             of_cage: Any = 0.0

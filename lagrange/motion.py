@@ -128,8 +128,12 @@ def contact_state(
     if isinstance(damping, StatedDampers):
         inner_damper = damper_force(inner_force, damping.inner_force, 1.0)
         outer_damper = damper_force(outer_force, damping.outer_force, 1.0)
-        tilted = None if tilted is None else tilted.with_moments(damping.inner_moment, damping.outer_moment)
         inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
+        if tilted is not None:  # without a force there is no moment
+            tilted = tilted.with_moments(
+                np.where(inner_force > 0.0, damping.inner_moment, -tilted.inner_moment),
+                np.where(outer_force > 0.0, damping.outer_moment, -tilted.outer_moment),
+            )
     elif damping.acts and tilted is not None and state.tilts is not None:
         turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
         tilted, inner_damper, outer_damper = tilted.damped(

@@ -156,6 +156,9 @@ class LagrangianState(RigidState):
         if touch.tilted is not None:
             samples["inner_moment"][:] = touch.tilted.inner_moment
             samples["outer_moment"][:] = touch.tilted.outer_moment
+            for name, moment in zip(names[2:], touch.tilted.dampers, strict=True):
+                if name in samples.values:
+                    samples[name][:] = moment
         left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
             of_cage: Any = 0.0

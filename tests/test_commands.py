@@ -153,9 +153,9 @@ def test_names_of_files_are_told_printable_and_not_endless(name, text, tmp_path)
 def test_values_of_a_scene_are_told_printable_and_not_endless(scene, tmp_path, capsys):
     (tmp_path / "scene.toml").write_text(scene)
     assert run_main([str(tmp_path / "scene.toml")]) == 2
-    told = capsys.readouterr().err
-    assert 0 < len(told) < 4000
-    assert all(c.isprintable() or c == "\n" for c in told) and "Traceback" not in told
+    message = capsys.readouterr().err
+    assert 0 < len(message) < 4000
+    assert all(c.isprintable() or c == "\n" for c in message) and "Traceback" not in message
 
 
 @pytest.mark.slow

@@ -162,8 +162,8 @@ def test_ratings_of_a_contact_angle():
 def test_a_radial_load_makes_an_axial_force():
     """Harris, table 7.4: F_r tan α/F_a = 0.7939 of rollers whose half is loaded."""
     found = rating(scene(ZA_2115 | {"rows": 1, "clearance_um": 0.0}))
-    told = next(warning for warning in found.warnings if "axial force" in warning)
-    force = float(re.search(r"axial force of (\S+) N", told)[1])
+    warning = next(each for each in found.warnings if "axial force" in each)
+    force = float(re.search(r"axial force of (\S+) N", warning)[1])
     assert force == pytest.approx(13345.0 * tan(radians(15.17)) / 0.7939, rel=5e-3)
 
 

@@ -116,10 +116,8 @@ def _closing_on_next(bodies, group, velocity):
     """Rates at which eight rollers close on the next ones, m/s."""
     i, columns, centre = next_rollers(group, bodies.n), bodies.columns, bodies.centre
     x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
-    vx, vy = (
-        load(velocity, group) - gather(velocity, i),
-        load(velocity, columns + group) - gather(velocity, i + columns),
-    )
+    vx = load(velocity, group) - gather(velocity, i)
+    vy = load(velocity, columns + group) - gather(velocity, i + columns)
     square = x * x + y * y
     return (vx * x + vy * y) / square_root(select(square > 0.0, square, 1.0))
 
@@ -137,10 +135,8 @@ def _find(dampers, bodies, compliance, forces, before, drive):
         c_i, c_o = damping_coefficients(compliance, dampers, forces, columns, group, there)
         find_levers(dampers.tilted, forces, columns, group, c_i, c_o)
         motions = _motions(bodies, before)
-        was, now = (
-            _closing(bodies, forces, drive, group, motions[0]),
-            _closing(bodies, forces, drive, group, motions[1]),
-        )
+        was = _closing(bodies, forces, drive, group, motions[0])
+        now = _closing(bodies, forces, drive, group, motions[1])
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
         rates = 0.5 * (was[0] + now[0]), 0.5 * (was[1] + now[1])
         rate_i, rate_o = with_turning(dampers.tilted, bodies, forces, drive, group, motions, facing, rates)
@@ -182,8 +178,8 @@ def _give(dampers, bodies, forces, before, drive, hub_x, hub_y):
         store(dampers.force, group, F_i)
         store(dampers.force, at, F_o)
         T_i, T_o = push_along(forces.slope, bodies, forces, drive, group, (F_i, F_o), (splat(0.0), splat(0.0)))
-        motions, given = _motions(bodies, before), (F_i, F_o)
-        T_i = turn_back(dampers.tilted, bodies, forces, drive, group, motions, facing, given, T_i)
+        motions, given = _motions(bodies, before), (F_i, F_o, T_i)
+        T_i = turn_back(dampers.tilted, bodies, forces, drive, group, motions, facing, given)
         by_hub_x, by_hub_y = F_i * ix - T_i * iy, F_i * iy + T_i * ix
         by_ring_x, by_ring_y = F_o * ox + T_o * oy, F_o * oy - T_o * ox
         push_x -= by_hub_x

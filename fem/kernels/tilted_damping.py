@@ -96,14 +96,16 @@ def _gone(tilted, bodies, forces, group, motion, slope_rate):
 
 
 @part
-def turn_back(tilted, bodies, forces, drive, group, motions, facing, given, along):
-    """Kick eight rollers' tilts by the moments of their dampers, whose forces of approach are `given`, N.
+def turn_back(tilted, bodies, forces, drive, group, motions, facing, given):
+    """Kick eight rollers' tilts by the moments of their dampers.
 
-    Returns `along`, forces on rollers along the inner raceway, N, with those of slopes across normals.
+    `given` : N, the dampers' forces of approach, inner and outer, and forces on rollers along the inner raceway.
+    Returns the last with those of slopes across normals.
     """
+    F_i, F_o, along = given
     if tilted is None:
         return along
-    columns, tilts, (F_i, F_o) = bodies.columns, bodies.tilts, given
+    columns, tilts = bodies.columns, bodies.tilts
     near, far = load(tilted.lever, group) * F_i, load(tilted.lever, columns + group) * F_o
     turned, gone = _mean_turning(tilted, bodies, forces, drive, group, motions, facing, far - near * facing)
     M_i = _moment(tilted, forces, group, F_i, near, turned * facing - gone)

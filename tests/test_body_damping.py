@@ -75,7 +75,7 @@ def shaken(ring, size):
 
 def test_a_ring_goes_with_its_housing_undamped_and_gives_it_what_its_own_motion_loses():
     outer = Outer(HELD)
-    (housing,) = (body for (body,) in outer.arrays.bodies.others if isinstance(body, Housing))
+    (housing,) = (body for body in outer.arrays.bodies.others if isinstance(body, Housing))
     housing.velocity[:] = 0.3, -0.2
     whole = np.full(outer.mass.shape, 0.3 - 0.2j)
     outer.move(whole)
@@ -118,7 +118,7 @@ def test_a_housing_rings_down_as_if_bodies_were_not_damped():
     plan = make_plan(parse_scene(tables, ""))
     state, bearing = plan.first_state(), plan.model.bearing
     bodies = state.arrays.bodies
-    (housing,) = (body for (body,) in bodies.others if isinstance(body, Housing))
+    (housing,) = (body for body in bodies.others if isinstance(body, Housing))
     for ring in (bodies.inner, bodies.outer):
         ring.w[:, 0, :] += 1e-3 * ring.sines
         ring.w[:, 1, :] += 1e-3 * ring.cosines

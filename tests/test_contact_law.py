@@ -123,15 +123,16 @@ def bounce(law, mass, speed, dt, gap, force_of_a_kick):
     before, Q_before, P, owed = np.nan, 0.0, 0.0, 0.0
     while position > -2.0 * gap or velocity > 0.0:
         Q = law.force(position)
-        P, owed = force_of_a_kick(before, Q_before, law.B, P, owed, position, Q, law.B, law.A, law.Q_line)
+        last, now = (before, Q_before, law.B, P, owed), (position, Q, law.B)
+        P, owed = force_of_a_kick((law.A, law.Q_line), last, now)
         velocity -= dt / mass * P
         before, Q_before = position, Q
         position += dt * velocity
     return -velocity
 
 
-def plain(before, Q_before, B_before, P_before, owed, now, Q, B, A, Q_line):
-    return Q, 0.0
+def plain(law, last, now):
+    return now[1], 0.0
 
 
 def test_a_mass_bounces_off_with_nearly_the_speed_it_came_with():
@@ -160,7 +161,7 @@ def test_at_constant_speed_kicks_add_up_to_the_true_impulse(inwards, dt):
     kicks = []
     for i in range(1, len(approach)):
         last = approach[i - 1], force[i - 1], law.B, force[i - 1], 0.0  # nothing owed, so nothing is given back
-        kicks.append(kick_force(*last, approach[i], force[i], law.B, law.A, law.Q_line)[0])
+        kicks.append(kick_force((law.A, law.Q_line), last, (approach[i], force[i], law.B))[0])
     kicks = np.array(kicks)
     impulse = dt * (0.5 * force[0] + np.sum(kicks) - 0.5 * force[-1])
     assert impulse == pytest.approx(stored_energy(force.max(), law.A, law.B, law.Q_line) / speed, rel=1e-9)

@@ -35,7 +35,7 @@ def problem(guide, mounting=HELD, damping=0.0, operation=None, **cage):
 
 def momentum(going):
     """Of all that moves, half a step before, N s, x + iy"""
-    bodies = going.state.steps.machine.bodies
+    bodies = going.state.bodies
     moving = (
         (bodies.hub_mass, bodies.hub_velocity), (bodies.housing.mass, bodies.housing.velocity),
         (bodies.cage.cage.mass, bodies.cage.cage.motion[1]), (bodies.mass, bodies.velocity[:, : bodies.n].sum(axis=1)),
@@ -65,7 +65,7 @@ def test_angular_momentum_of_a_free_cage_and_elements_is_conserved():
                    friction_coefficient=0.0)  # fmt: skip
     what = replace(what, bearing=replace(what.bearing, outer_raceway_radius=0.029))
     going = simulation(what)
-    bodies = going.state.steps.machine.bodies
+    bodies = going.state.bodies
     centre, velocity, motion = bodies.centre[:, :8], bodies.velocity[:, :8], bodies.cage.cage.motion
     velocity += 0.5 * np.array([np.cos(2.5 * np.arange(8)), np.sin(2.5 * np.arange(8))])  # m/s, this way and that
 

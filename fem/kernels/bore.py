@@ -111,9 +111,8 @@ def _pushed(bore, i, depth):
     before = load(bore.depth, i)
     last = select(before > 0.0, bore.stiffness * before, 0.0)
     force = select(depth > 0.0, bore.stiffness * depth, 0.0)
-    kick, residual = kick_force(
-        before, last, 0.0, load(bore.kick, i), load(bore.residual, i), depth, force, 0.0, 1.0, 0.0
-    )  # fmt: skip
+    state = before, last, 0.0, load(bore.kick, i), load(bore.residual, i)
+    kick, residual = kick_force((1.0, 0.0), state, (depth, force, 0.0))
     store(bore.depth, i, depth)
     store(bore.kick, i, kick)
     store(bore.residual, i, residual)

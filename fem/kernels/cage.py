@@ -110,9 +110,8 @@ def spring_kick(contacts, j, approach, stiffness, dt):
     energy too.
     """
     force, last, before = stiffness * max(approach, 0.0), contacts.kick[j], contacts.approach[j]
-    kick, residual = kick_force(
-        before, contacts.force[j], 0.0, last, contacts.residual[j], approach, force, 0.0, 1.0, 0.0
-    )
+    state = before, contacts.force[j], 0.0, last, contacts.residual[j]
+    kick, residual = kick_force((1.0, 0.0), state, (approach, force, 0.0))
     if before == before:
         step, coming = approach - before, contacts.rates[0, j]
         residual -= 0.5 * ((dt * contacts.closing[j] - step) * last + (dt * coming - step) * kick)

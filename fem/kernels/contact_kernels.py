@@ -216,10 +216,8 @@ def press(law, rollers, forces, at, normal, met, level, dt):
     before, approach_before = load(forces.force, row), load(forces.approach, row)
     level_before = load(forces.bracket, row)
     Q = next_force(inside, law.A, level, law.Q_line, before, approach_before, level_before)
-    P, residual = kick_force(
-        approach_before, before, level_before, load(forces.kick, row),
-        load(forces.residual, row), inside, Q, level, law.A, law.Q_line,
-    )  # fmt: skip
+    last = approach_before, before, level_before, load(forces.kick, row), load(forces.residual, row)
+    P, residual = kick_force((law.A, law.Q_line), last, (inside, Q, level))
     P = select(near, P, 0.0)
     store(forces.force, row, Q)
     store(forces.bracket, row, level)

@@ -23,6 +23,7 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
+from numba.core.types import BaseNamedTuple, BaseTuple
 
 from fem.kernels.fields_used import forget, shifted
 from fem.kernels.kernel_folder import cache_folder, notices
@@ -168,37 +169,45 @@ def verb(function):
         return codes[known.get(getattr(first, "instance_class", None), function)]
 
     register(function, choose, lambda: list(codes))
-    function.of = of
+    function.of, function.known = of, known
     return function
 
 
 def every(one, *kinds):
-    """The part that calls `one(pair, *arguments)` for every pair of groups of pairs, in order; of some kinds alone.
+    """The part that calls `one(body, *arguments)` for every body of a tuple whose type has code of its own, in order.
 
-    The pairs of a group are of one type and share their code: two copies would crowd the instruction cache. Bodies in
-    groups of one type are called in the same way.
+    Of groups of pairs in place of bodies it is every pair of them, of some kinds alone. The pairs of a group are of one
+    type and share their code: two copies would crowd the instruction cache.
     """
     codes = {}
 
-    def on_every(groups, *arguments):
+    def on_every(bodies, *arguments):
         raise NotImplementedError("a part of kernels")
 
-    def choose(groups, *arguments):
-        called = tuple(i for i, group in enumerate(groups) if not kinds or group.dtype.instance_class in kinds)
-        if called not in codes:
-            # written out: a function more, or arguments packed into a tuple, would take a second to compile
-            names = ", ".join(f"a{i}" for i in range(len(arguments)))
-            loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in called]
+    def choose(bodies, *arguments):
+        names = ", ".join(f"a{i}" for i in range(len(arguments)))
+        calls = [_calls(one, kinds, body, i, names) for i, body in enumerate(bodies)]
+        # written out: a function more, or arguments packed into a tuple, would take a second to compile
+        text = f"def code(bodies, {names}):\n    pass\n" + "".join(calls)
+        if text not in codes:
             found = {"one": one, "__name__": one.__module__}  # a kept function is of a module that can be found
-            text = f"def code(groups, {names}):\n    pass\n" + "".join(loops)
             exec(compile(text, GENERATED, "exec"), found)
             code = found["code"]
             code.__doc__ = text
-            code.__qualname__ = ".".join(["every", one.__module__, one.__qualname__, *map(str, called)])
+            code.__qualname__ = ".".join(["every", one.__module__, one.__qualname__])
             shifted[code] = one
-            codes[called] = Code(code, INLINED, _keep_part)
-        return codes[called]
+            codes[text] = Code(code, INLINED, _keep_part)
+        return codes[text]
 
     shifted[on_every] = one
     register(on_every, choose, lambda: [on_every])
     return on_every
+
+
+def _calls(one, kinds: tuple, body, i: int, names: str) -> str:
+    """Lines that call `one` for entry i of a tuple: a body, nothing, or a group of pairs."""
+    if isinstance(body, BaseTuple) and not isinstance(body, BaseNamedTuple):
+        if kinds and body.dtype.instance_class not in kinds:
+            return ""
+        return f"    for pair in bodies[{i}]:\n        one(pair, {names})\n"
+    return f"    one(bodies[{i}], {names})\n" if getattr(body, "instance_class", None) in one.known else ""

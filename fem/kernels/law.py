@@ -126,7 +126,7 @@ def _slope_of_line(B, Q_line):
 
 
 @part
-def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_line):
+def kick_force(law, last, now):
     """The force a leapfrog kick gives, N, so that the contact stores what its forces take, `Q` + O(dt²).
 
     Each half of a kick works in the step on its side. The half that looks ahead is half of `Q`; the half that looks
@@ -136,13 +136,12 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
     would still add up, to 3 % of the exchanged energy in half a second: this residual energy is recorded and repaid in
     small parts while the contact moves.
 
-    Ten arguments, scalars or lanes of one contact: they are the law's state at two instants, held in registers.
-
     Parameters
     ----------
-    before, now : m, approaches at this kick and the one before; negative: apart, NaN: not known
-    Q_before, Q : N; B_before, B : the law's level then and now; A, Q_line : the law
-    P_before : N, what the last kick gave; residual : J, so far stored beyond what kicks have taken
+    law : its A and Q_line
+    last : of the last kick the approach, m, the law's force, N, its level B, what the kick gave, N, and the energy, J,
+        so far stored beyond what kicks have taken
+    now : approach, force and level; scalars or lanes. An approach is negative: apart, or NaN: not known
 
     Returns
     -------
@@ -150,9 +149,10 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
 
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
-    work = stored_energy(Q, now, A, Q_line) - stored_energy(Q_before, before, A, Q_line)
+    (A, Q_line), (before, Q_before, B_before, P_before, residual), (approach, Q, B) = law, last, now
+    work = stored_energy(Q, approach, A, Q_line) - stored_energy(Q_before, before, A, Q_line)
     level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
-    return kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level)
+    return kick_by_energy(before, Q_before, P_before, residual, approach, Q, work, level)
 
 
 @part

@@ -17,6 +17,7 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, splat, total
 from fem.kernels.reduced_housing import ring_place, ring_rates
+from fem.kernels.rigid_parts import begin, change_step, kick_part, note_work, write_part
 from fem.kernels.sample_kernels import WORK_DRIVE
 
 
@@ -33,18 +34,18 @@ class Prescribed(NamedTuple):
     column: int  # of a sample's row, the cage's first; < 0: no cage is reported
 
 
-@part
-def prescribe(prescribed, bodies, before, drive, time):
-    """Turn the rollers as they roll, at the beginning of a step."""
-    if prescribed is not None:
-        outer, more = outer_of(drive.history), prescribed.spin_by_outer
-        turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.history, drive, time), more, TURN))
-        spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.history, drive), more, SPEED))
-        for group in range(0, bodies.n, WIDTH):
-            store(bodies.turn, group, turn)
-            store(bodies.spin, group, spin)
-            store(before.spin, group, spin)
-            store(prescribed.force, group, splat(0.0))
+@begin.of(Prescribed)
+def _begin(prescribed, step):
+    """Turn the rollers as they roll."""
+    bodies, drive = step.bodies, step.drive
+    outer, more = outer_of(drive.history), prescribed.spin_by_outer
+    turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.history, drive, step.time), more, TURN))
+    spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.history, drive), more, SPEED))
+    for group in range(0, bodies.n, WIDTH):
+        store(bodies.turn, group, turn)
+        store(bodies.spin, group, spin)
+        store(step.before.spin, group, spin)
+        store(prescribed.force, group, splat(0.0))
 
 
 @part
@@ -70,6 +71,11 @@ def _along(first, ox, oy, ax, ay):
         return ax, ay
     out = ax * ox + ay * oy
     return out * ox, out * oy
+
+
+@kick_part.of(Prescribed)
+def _kick(prescribed, step, push):
+    _hold(prescribed.first, prescribed, step.bodies, step.drive, step.time)
 
 
 @part
@@ -103,15 +109,14 @@ def _hold(first, prescribed, bodies, drive, time):
         store(prescribed.force, group, load(prescribed.force, group) + gained * (bodies.mass / dt))
 
 
-@part
-def note_held(prescribed, bodies, forces, before, drive):
+@note_work.of(Prescribed)
+def _note(prescribed, step):
     """Add the work of the rays at the velocities before and after the whole kick."""
-    if prescribed is not None:
-        _note(prescribed.first, prescribed, bodies, forces, before, drive)
+    _note_rays(prescribed.first, prescribed, step.bodies, step.forces, step.before, step.drive)
 
 
 @part
-def _note(first, prescribed, bodies, forces, before, drive):
+def _note_rays(first, prescribed, bodies, forces, before, drive):
     if first is None:
         return
     half = 0.5 * drive.dt
@@ -130,11 +135,9 @@ def _power(prescribed, bodies, forces, velocity):
     return total(found)
 
 
-@part
-def hold_anew(prescribed, bodies, forces, drive, time):
-    """Hold rollers whose next step has become longer or shorter than that of the kick behind: `drive` has it."""
-    if prescribed is not None:
-        _hold_anew(prescribed.first, prescribed, bodies, forces, drive, time)
+@change_step.of(Prescribed)
+def _change(prescribed, step, change):
+    _hold_anew(prescribed.first, prescribed, step.bodies, step.forces, change.drive, step.time)
 
 
 @part
@@ -145,17 +148,16 @@ def _hold_anew(first, prescribed, bodies, forces, drive, time):
         prescribed.work[1] = 0.5 * drive.dt * _power(prescribed, bodies, forces, bodies.velocity)
 
 
-@part
-def write_held(prescribed, bodies, drive, time, out):
+@write_part.of(Prescribed)
+def _write(prescribed, step, out):
     """The rays' work, and a cage that they stand for: its place, turn, speed and forces."""
-    if prescribed is None:
-        return
+    drive = step.drive
     out[WORK_DRIVE] += prescribed.work[0]
     if prescribed.column >= 0:
         at = prescribed.column
-        out[at], out[at + 1] = ring_place(bodies.housing)
+        out[at], out[at + 1] = ring_place(step.bodies.housing)
         outer, more = outer_of(drive.history), prescribed.cage_by_outer
-        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, time), more, TURN)
+        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, step.time), more, TURN)
         out[at + 3] = with_outer(outer, prescribed.cage * speed_of(drive.history, drive), more, SPEED)
-        for j in range(bodies.n):
+        for j in range(step.bodies.n):
             out[at + N_CAGE_SCALARS + j] = prescribed.force[j]

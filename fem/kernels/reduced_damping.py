@@ -10,11 +10,12 @@ from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import STEEPEST
+from fem.kernels.prescribed_rollers import hold
 from fem.kernels.reduced_housing import push_ring, ring_rates
-from fem.kernels.reduced_state import INNER, NEXT, OUTER
+from fem.kernels.reduced_state import INNER, NEXT, OUTER, ReducedDampers
 from fem.kernels.reduced_surfaces import passing_rates, push_along
+from fem.kernels.rigid_parts import change_step, kick_part, note_work, write_part
 from fem.kernels.sample_kernels import (
-    DAMPED_BY_BODIES,
     DAMPED_BY_CONTACTS,
     DAMPER_FORCE,
     DISSIPATED,
@@ -69,13 +70,14 @@ def damped_neighbours(dampers, law, at, Q, P, rate, mobility_dt):
     return P + F
 
 
-@part
-def damp_contacts(dampers, bodies, compliance, forces, before, drive):
-    """Forces of all dampers of raceways' contacts and their kicks; None: there are none."""
-    if dampers is not None:
-        dampers.work[0] += dampers.work[1]
-        x, y = _find(dampers, bodies, compliance, forces, before, drive)
-        _give(dampers, bodies, forces, before, drive, x, y)
+@kick_part.of(ReducedDampers)
+def _kick(dampers, step, push):
+    """Forces of all dampers of raceways' contacts and their kicks, after which rays hold rollers once more."""
+    bodies, forces, before, drive = step.bodies, step.forces, step.before, step.drive
+    dampers.work[0] += dampers.work[1]
+    x, y = _find(dampers, bodies, step.compliance, forces, before, drive)
+    _give(dampers, bodies, forces, before, drive, x, y)
+    hold(bodies.prescribed, bodies, drive, step.time)
 
 
 @part
@@ -197,41 +199,36 @@ def _give(dampers, bodies, forces, before, drive, hub_x, hub_y):
     turn_hub_back(dampers.tilted, bodies, forces, drive)
 
 
-@part
-def note_damped(dampers, bodies, forces, before, drive):
+@note_work.of(ReducedDampers)
+def _note(dampers, step):
     """Add the work of the dampers: their forces along the approach, at the mean of the velocities before and after."""
-    if dampers is not None:
-        _note_work(dampers, bodies, forces, before, drive)
-
-
-@part
-def _note_work(dampers, bodies, forces, before, drive):
-    work, first = splat(0.0), splat(0.0)
-    was, now = _motions(bodies, before)
+    bodies, first = step.bodies, splat(0.0)
+    was, now = _motions(bodies, step.before)
     for group in range(0, bodies.n, WIDTH):
-        first += 0.5 * _power(dampers, bodies, forces, drive, group, was, False)
+        first += 0.5 * _power(dampers, bodies, step.forces, step.drive, group, was, False)
+    dampers.work[0] += step.drive.dt * total(first)
+    dampers.work[1] = _work_ahead(dampers, bodies, step.forces, step.drive, now)
+
+
+@part
+def _work_ahead(dampers, bodies, forces, drive, now):
+    """What dampers take in the half step ahead, J."""
+    work = splat(0.0)
+    for group in range(0, bodies.n, WIDTH):
         work += 0.5 * _power(dampers, bodies, forces, drive, group, now, True)
-    dampers.work[0] += drive.dt * total(first)
-    dampers.work[1] = drive.dt * total(work)
+    return drive.dt * total(work)
 
 
-@part
-def damping_power(dampers, bodies, forces, drive):
-    """What a second's dampers, under the velocities after a kick, take in the half step ahead, J; see `_note_work`."""
-    found = splat(0.0)
-    if dampers is not None:
-        for group in range(0, bodies.n, WIDTH):
-            motion = bodies.hub_velocity, bodies.velocity, bodies.spin, ring_rates(bodies.housing)[1]
-            found += 0.5 * _power(dampers, bodies, forces, drive, group, motion, True)
-    return total(found)
+@change_step.of(ReducedDampers)
+def _change(dampers, step, change):
+    now = _motions(step.bodies, step.before)[1]
+    dampers.work[1] = _work_ahead(dampers, step.bodies, step.forces, change.drive, now)
 
 
-@part
-def write_damping(dampers, n, out):
+@write_part.of(ReducedDampers)
+def _write(dampers, step, out):
     """What contacts have damped, J, and the dampers' forces, N: see `sample_kernels.add_damper_forces`."""
-    out[DAMPED_BY_CONTACTS] = out[DAMPED_BY_BODIES] = 0.0
-    if dampers is None:
-        return
+    n = step.bodies.n
     out[DAMPED_BY_CONTACTS] = dampers.work[0]
     out[DISSIPATED] += dampers.work[0]
     for j in range(n):
@@ -240,9 +237,4 @@ def write_damping(dampers, n, out):
             out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
         for row in (INNER, OUTER):
             out[at + (DAMPER_FORCE + row) * n] = dampers.force[row, j]
-
-
-@part
-def write_damped_moments(dampers, bodies, out):
-    if dampers is not None:
-        write_turning(dampers.tilted, bodies, out)
+    write_turning(dampers.tilted, step.bodies, out)

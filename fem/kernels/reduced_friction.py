@@ -28,28 +28,28 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     """
     columns, hub_x, hub_y = bodies.columns, before.hub_velocity[0], before.hub_velocity[1]
     vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
-    spin = load(before.spin, group)
+    spin, soft = load(before.spin, group), compliance.tangential
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
     slip -= spin * bodies.radius + speed_of(drive.history, drive) * drive.inner_radius
     rolling = absolute(spin - along * (1.0 / compliance.reach)) * bodies.radius
-    T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
+    T_i = creep(compliance.inner, soft[INNER], forces, drive, columns * INNER + group, Q_i, slip, rolling)
     ring_x, ring_y = ring_velocity(bodies.housing)
     along = (vy - ring_y) * ox - (vx - ring_x) * oy
     rolling = absolute(spin - along * (1.0 / compliance.track)) * bodies.radius
     slip = less_outer(outer_of(drive.history), along + spin * bodies.radius)
-    T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
+    T_o = creep(compliance.outer, soft[OUTER], forces, drive, columns * OUTER + group, Q_o, slip, rolling)
     drive.sums[1] += speed_of(drive.history, drive) * drive.inner_radius * drive.dt * total(T_i)
     drive_outer(outer_of(drive.history), drive, T_o)
     return T_i, T_o
 
 
 @part
-def creep(law, compliance, forces, drive, row, at, Q, slip, rolling):
-    """Tractions of eight contacts, N, and what they dissipate. Nine arguments: registers of one contact."""
-    last, soft, dt = load(forces.traction, at), compliance.tangential[row], drive.dt
+def creep(law, soft, forces, drive, at, Q, slip, rolling):
+    """Tractions of eight contacts, N, and what they dissipate; `soft` : m/N, of contacts that stick."""
+    last, dt = load(forces.traction, at), drive.dt
     full_slip = maximum(drive.friction * law.curvature * square_root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
     free = slip - last * (soft / dt)
     T, left = creep_traction(free, drive.friction * Q, full_slip, soft / dt)
@@ -80,17 +80,21 @@ def press_neighbours(bodies, compliance, forces, drive, before):
         nx, ny = x / distance, y / distance
         approach = select(near, 2.0 * bodies.radius - distance, -1.0)
         Q = contact_force(approach, law.A, law.B, law.Q_line, load(forces.force, at))
-        P, residual = kick_force(
-            load(forces.approach, at), load(forces.force, at), law.B, load(forces.kick, at), load(forces.residual, at),
-            approach, Q, law.B, law.A, law.Q_line,
-        )  # fmt: skip
+        last = (
+            load(forces.approach, at),
+            load(forces.force, at),
+            law.B,
+            load(forces.kick, at),
+            load(forces.residual, at),
+        )
+        P, residual = kick_force((law.A, law.Q_line), last, (approach, Q, law.B))
         P = select(near, P, 0.0)
         T = splat(0.0)
         if drive.friction > 0.0:
             slip = (gather(before.velocity, i + columns) - load(before.velocity, columns + group)) * nx
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
-            T = creep(law, compliance, forces, drive, NEXT, at, Q, slip, splat(0.0))
+            T = creep(law, compliance.tangential[NEXT], forces, drive, at, Q, slip, splat(0.0))
         store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - load(forces.force, at))))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))

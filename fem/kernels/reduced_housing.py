@@ -4,12 +4,11 @@ Where the ground holds the ring the housing is None: its place and motion are 0,
 """
 
 from fem.kernels.bodies import add_motion, drift_body, kick_body
-from fem.kernels.housing_kernels import PLACE_X, PLACE_Y, STORED, Housing
+from fem.kernels.housing_kernels import PLACE_X, PLACE_Y, STORED, Housing, Resonator
 from fem.kernels.jit import verb
+from fem.kernels.rigid_parts import TWELFTH, accelerate, change_step, drift_part, kick_part, rescale_kick, write_part
 from fem.kernels.sample_kernels import CONTACT, KINETIC
-from fem.kernels.shaft import give_way, mobility, settle
-
-TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
+from fem.kernels.shaft import give_way, mobility
 
 
 @verb
@@ -56,28 +55,21 @@ def _ring_acceleration(housing, before):
     return before.ring_acceleration[0], before.ring_acceleration[1]
 
 
-@verb
-def accelerate_ring(housing, before, x, y, gravity):
-    """Find that of a housing whose ring the contacts push by x and y, N."""
+@accelerate.of(Housing)
+def _accelerate(housing, step, push):
+    before = step.before
+    before.ring_acceleration[0] = (push[2] - housing.stiffness * housing.place[0]) / housing.mass
+    before.ring_acceleration[1] = (push[3] - housing.stiffness * housing.place[1]) / housing.mass - step.drive.gravity
 
 
-@accelerate_ring.of(Housing)
-def _accelerate_ring(housing, before, x, y, gravity):
-    before.ring_acceleration[0] = (x - housing.stiffness * housing.place[0]) / housing.mass
-    before.ring_acceleration[1] = (y - housing.stiffness * housing.place[1]) / housing.mass - gravity
-
-
-@verb
-def kick_ring(housing, before, drive, x, y):
-    """The kick of a housing whose ring the contacts push by x and y, N; springs ahead as the contacts' forces are."""
-
-
-@kick_ring.of(Housing)
-def _kick_ring(housing, before, drive, x, y):
-    ahead = TWELFTH * drive.dt * drive.dt * housing.stiffness
-    housing.impulse[0] += drive.dt * (x - ahead * before.ring_acceleration[0])
-    housing.impulse[1] += drive.dt * (y - ahead * before.ring_acceleration[1])
-    kick_body(housing, drive)
+@kick_part.of(Housing)
+def _kick(housing, step, push):
+    """The kick by contacts on the ring, by springs that are taken ahead as the contacts' forces are, and by weight."""
+    before, dt = step.before, step.drive.dt
+    ahead = TWELFTH * dt * dt * housing.stiffness
+    housing.impulse[0] += dt * (push[2] - ahead * before.ring_acceleration[0])
+    housing.impulse[1] += dt * (push[3] - ahead * before.ring_acceleration[1])
+    kick_body(housing, step.drive)
 
 
 @verb
@@ -94,40 +86,49 @@ def _push_ring(housing, x, y, dt):
         give_way(housing, k, gained[k])
 
 
-@verb
-def settle_ring(housing, dt):
-    """Let its dashpots take their share of what a cage has given it since its kick."""
+@drift_part.of(Housing)
+def _drift(housing, step):
+    drift_body(housing, step.drive)
 
 
-@settle_ring.of(Housing)
-def _settle_ring(housing, dt):
-    settle(housing, dt)
-
-
-@verb
-def drift_ring(housing, drive):
-    """Move the housing on."""
-
-
-@drift_ring.of(Housing)
-def _drift_ring(housing, drive):
-    drift_body(housing, drive)
-
-
-@verb
-def write_ring(housing, before, drive, out):
-    """Add the housing to a sample, at the place that its springs' force is taken at, and what steps conserve beside.
-
-    See `reduced_samples`.
-    """
-
-
-@write_ring.of(Housing)
-def _write_ring(housing, before, drive, out):
+@write_part.of(Housing)
+def _write(housing, step, out):
+    """The place that its springs' force is taken at, and what steps conserve beside: see `reduced_samples`."""
+    drive = step.drive
     add_motion(housing, drive, out, KINETIC)
-    a, square = before.ring_acceleration, drive.dt * drive.dt
+    a, square = step.before.ring_acceleration, drive.dt * drive.dt
     out[CONTACT] += square / 24.0 * housing.mass * (a[0] * a[0] + a[1] * a[1] + 2.0 * drive.gravity * a[1])
     ahead = TWELFTH * square
     x, y = housing.place[0] + ahead * a[0], housing.place[1] + ahead * a[1]
     out[housing.column + PLACE_X], out[housing.column + PLACE_Y] = x, y
     out[housing.column + STORED] = 0.5 * housing.stiffness * (x * x + y * y)
+
+
+@change_step.of(Housing)
+def _change(housing, step, change):
+    """The housing's motion, as the hub's, and then that of a sensor on it."""
+    dt, next_ = step.drive.dt, change.drive.dt
+    for k in range(2):
+        housing.place[k] += change.shift * step.before.ring_acceleration[k]
+        moved = dt * housing.before[k]
+        rescale_kick(housing.before, housing.velocity, k, change.back)
+        housing.dissipated[0] -= 0.5 * housing.drag[k] * (moved - next_ * housing.before[k])
+    _sense_anew(housing.sensor, change, (housing.velocity[1] - housing.before[1]) / next_)
+
+
+@verb
+def _sense_anew(sensor, change, pushed):
+    """From half an old step before to half a new one before: there and back under the acceleration `pushed`, m/s²."""
+
+
+@_sense_anew.of(Resonator)
+def _sense_by(sensor, change, pushed):
+    motion, half, whole = sensor.motion, sensor.half_step, change.half_step
+    x = half[0, 0] * motion[0] + half[0, 1] * motion[1] + (half[0, 2] - whole[0, 2]) * pushed
+    y = half[1, 0] * motion[0] + half[1, 1] * motion[1] + (half[1, 2] - whole[1, 2]) * pushed
+    size = whole[0, 0] * whole[1, 1] - whole[0, 1] * whole[1, 0]
+    motion[0] = (whole[1, 1] * x - whole[0, 1] * y) / size
+    motion[1] = (whole[0, 0] * y - whole[1, 0] * x) / size
+    for i in range(2):
+        for k in range(3):
+            sensor.step[i, k], sensor.half_step[i, k] = change.step[i, k], change.half_step[i, k]

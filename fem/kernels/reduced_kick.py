@@ -11,11 +11,12 @@ from fem.kernels.law import kick_force
 from fem.kernels.prescribed_rollers import along_ray
 from fem.kernels.reduced_contacts import both_forces, coupled_approach, level, store_pair, take_more, wrap
 from fem.kernels.reduced_friction import tractions
-from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
+from fem.kernels.reduced_housing import ring_acceleration
 from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_radiation import note_strikes
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.reduced_surfaces import push_along
+from fem.kernels.rigid_parts import TWELFTH
 from fem.kernels.state import LoadHistory
 
 # share of the residual energy that contacts of vibrating surfaces release as they open: kicks drive their fastest
@@ -89,7 +90,7 @@ def kick(bodies, compliance, forces, drive, before):
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
         T_i, T_o = T_i - P_i * load(forces.tilt, group), T_o - P_o * load(forces.tilt, columns + group)
-        T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
+        T_i, T_o = push_modes(bodies.vibrations, bodies, forces, group, (P_i, P_o), (T_i, T_o))
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
@@ -188,10 +189,8 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     approach = select(Q > 0.0, maximum(approach, 1e-30), select(approach > 0.0, 0.0, approach))
     note_strikes(forces.radiation, load(forces.approach, at), approach, at, there, dt)
     B_before, B = level(law, forces.bracket, at), level(law, forces.bracket_now, at)
-    P, residual = kick_force(
-        load(forces.approach, at), load(forces.force, at), B_before, load(forces.kick, at), load(forces.residual, at),
-        approach, Q, B, law.A, law.Q_line,
-    )  # fmt: skip
+    last = load(forces.approach, at), load(forces.force, at), B_before, load(forces.kick, at), load(forces.residual, at)
+    P, residual = kick_force((law.A, law.Q_line), last, (approach, Q, B))
     P = select(there, P, 0.0)
     P, residual, grown = _bounded(forces, forces.taken, at, approach, P, Q, residual)
     residual = residual + cut_off(forces.cut, forces, at, free - approach, P)

@@ -1,8 +1,8 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
-from fem.kernels.bodies import DONE, NOT_FINITE, add_motion, drift_body, kick_body, lost
-from fem.kernels.cage import push_ring_as_a_whole
-from fem.kernels.cage_kernels import meet, rub
+# modules of parts, which give their code by being imported: see `rigid_parts`
+from fem.kernels import reduced_cage  # noqa: F401
+from fem.kernels.bodies import DONE, NOT_FINITE, lost
 from fem.kernels.drive import (
     FORCE_X,
     FORCE_Y,
@@ -12,121 +12,73 @@ from fem.kernels.drive import (
     load_at,
     radial_load_at,
     share_at,
-    speed_of,
     turn_at,
     with_side_load,
 )
 from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damping, kick_isolated
 from fem.kernels.jit import kernel, part, verb
-from fem.kernels.prescribed_rollers import hold, note_held, prescribe, write_held
 from fem.kernels.reduced_contacts import corrected_forces, estimate_forces, gauss_seidel_sweeps
-from fem.kernels.reduced_damping import (
-    damp_contacts,
-    damping_coefficients,
-    note_damped,
-    write_damped_moments,
-    write_damping,
-)
+from fem.kernels.reduced_damping import damping_coefficients
 from fem.kernels.reduced_friction import press_neighbours
-from fem.kernels.reduced_housing import (
-    TWELFTH,
-    accelerate_ring,
-    drift_ring,
-    kick_ring,
-    settle_ring,
-    write_ring,
-)
 from fem.kernels.reduced_kick import kick
-from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings
+from fem.kernels.reduced_modes import carried_by
 from fem.kernels.reduced_paces import drive_of, sections_of, short_steps, steps_of, take_pace
-from fem.kernels.reduced_radiation import note_radiated, radiate, write_radiation
-from fem.kernels.reduced_samples import note_beyond, write_energies, write_motion
+from fem.kernels.reduced_samples import note_beyond, write_energies, write_motion, write_works
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles
-from fem.kernels.sample_kernels import (
-    DISSIPATED,
-    KINETIC,
-    WORK_DRIVE,
-    WORK_LOAD,
+from fem.kernels.rigid_parts import (
+    Step,
+    accelerate_all,
+    begin_all,
+    drift_all,
+    kick_all,
+    note_all,
+    parts_of,
+    write_all,
 )
-from fem.kernels.shaft import pull, settle
 from fem.kernels.state import LoadHistory
 from fem.kernels.tilted_contacts import Tilted, find_tilted, kick_tilted
-from fem.kernels.tilts import drift_tilts, write_tilts
 
 
 @kernel(nogil=True)
-def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row, stride, samples):
+def advance_reduced(moving, drives, paces, first_row, stride, samples):
     """Fill `samples`, one row each `stride` steps, starting with the state as it is; leaves the state after them.
 
-    Rows are those of the finite elements, `sample_kernels.write_sample`. `drives`, `paces`: of steps of two lengths,
-    see `reduced_paces`; else one drive, and None.
+    Rows are those of the finite elements, `sample_kernels.write_sample`. `moving`: bodies, compliance, forces and
+    velocities before kicks. `drives`, `paces`: of steps of two lengths, see `reduced_paces`; else one drive, and None.
 
     Returns (status, step, body): DONE, or NOT_FINITE with the step and the body (roller j, or −1 the hub).
     """
-    in_row = sections_of(paces)
+    bodies, compliance, forces, before = moving
+    in_row, parts = sections_of(paces), parts_of(bodies, forces)
     for place in range(samples.shape[0] * in_row):
         section, drive, inside, count = first_row * in_row + place, drive_of(paces, drives), 0, steps_of(paces, stride)
         while inside < count:
-            time = (section * count + inside) * drive.dt
-            _remember(bodies, before)
-            follow(drive.history, time, drive.dt)
-            prescribe(bodies.prescribed, bodies, before, drive, time)
-            _meet_cage(bodies.cage, drive)
-            hub_x, hub_y, ring_x, ring_y = _find_forces(compliance, bodies, forces, drive, time, inside)
-            side_load, radial_load = load_at(drive.history, drive, time)
-            before.hub_acceleration[0] = with_side_load(drive.history, hub_x, side_load) / bodies.hub_mass
-            before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
-            _hold_hub(bodies.shaft, before.hub_acceleration)
-            accelerate_ring(bodies.housing, before, ring_x, ring_y, drive.gravity)
-            given = drive.sums[1]
-            hub_x, hub_y, ring_x, ring_y = _kick_rollers(compliance, bodies, forces, drive, before)
-            kick_rings(bodies.vibrations, drive, side_load, radial_load)
-            over = drive.dt / bodies.hub_mass
-            bodies.hub_velocity[0] += over * with_side_load(drive.history, hub_x, side_load)
-            bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
-            _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
-            kick_ring(bodies.housing, before, drive, ring_x, ring_y)
-            _push_cage(bodies.cage, bodies, drive)
-            radiate(forces.radiation, bodies, compliance, forces, before, drive)
-            hold(bodies.prescribed, bodies, drive, time)
-            _damp(forces.dampers, bodies, compliance, forces, before, drive, time)
-            note_held(bodies.prescribed, bodies, forces, before, drive)
-            note_radiated(forces.radiation, bodies, forces, before, drive)
+            step = Step(bodies, compliance, forces, before, drive, (section * count + inside) * drive.dt)
+            _remember(step)
+            follow(drive.history, step.time, drive.dt)
+            begin_all(parts, step)
+            push = _find_forces(compliance, bodies, forces, drive, step.time, inside)
+            load = load_at(drive.history, drive, step.time)
+            _accelerate_hub(step, push, load)
+            accelerate_all(parts, step, push)
+            push = _kick_rollers(compliance, bodies, forces, drive, before)
+            _kick_hub(step, push, load)
+            kick_all(parts, step, push)
+            note_all(parts, step)
             if inside == 0 and section % in_row == 0:
                 out = samples[place // in_row]
-                write_motion(bodies, forces, drive, before, out, time)
-                write_energies(bodies, compliance, forces, drive, before, out, (side_load, radial_load))
-                half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
-                work = drive.sums[0] - half * radial_load * (before.hub_velocity[1] + carried[1])
-                out[WORK_LOAD] = with_side_load(
-                    drive.history, work, half * side_load * (before.hub_velocity[0] + carried[0])
-                )
-                out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
-                out[DISSIPATED] = drive.sums[2]
-                write_damping(forces.dampers, bodies.n, out)
-                write_radiation(forces.radiation, bodies.n, out)
+                write_motion(bodies, forces, drive, before, out, step.time)
+                write_energies(bodies, compliance, forces, drive, before, out)
+                write_works(bodies, drive, before, out)
                 note_beyond(bodies, forces)
-                _write_cage(bodies.cage, drive, out)
-                _write_shaft(bodies.shaft, drive, out)
-                write_ring(bodies.housing, before, drive, out)
-                write_held(bodies.prescribed, bodies, drive, time, out)
-                write_tilts(bodies.tilts, bodies, forces, drive, out)
-                write_damped_moments(forces.dampers, bodies, out)
+                write_all(parts, step, out)
             if inside == 0:
-                take_pace(paces, bodies, compliance, forces, drives, before, time, (side_load, radial_load), given)
+                take_pace(paces, step, drives)
                 drive, count = drive_of(paces, drives), steps_of(paces, stride)
-            past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
-            work = before.hub_velocity[1] + bodies.hub_velocity[1]
-            work += past[1] + next_[1]
-            drive.sums[0] -= 0.5 * drive.dt * radial_load * work
-            work = before.hub_velocity[0] + bodies.hub_velocity[0] + past[0] + next_[0]
-            drive.sums[0] = with_side_load(drive.history, drive.sums[0], 0.5 * drive.dt * side_load * work)
-            _change_ahead(drive.history, drive, before, time, radial_load)
+            _work_load(bodies, before, drive, load)
+            _change_ahead(drive.history, drive, before, step.time, load[1])
             _drift(bodies, drive.dt)
-            drift_tilts(bodies.tilts, bodies, drive)
-            _drift_cage(bodies.cage, drive)
-            _drift_shaft(bodies.shaft, drive)
-            drift_ring(bodies.housing, drive)
+            drift_all(parts, Step(bodies, compliance, forces, before, drive, step.time))
             inside += 1
             body = lost(bodies.hub_velocity, bodies)
             if body != -2:
@@ -159,12 +111,43 @@ damping_coefficients.of(Isolated)(isolated_damping)
 
 
 @part
-def _damp(dampers, bodies, compliance, forces, before, drive, time):
-    """The contacts' dampers, after which rays hold rollers once more."""
-    if dampers is not None:
-        damp_contacts(dampers, bodies, compliance, forces, before, drive)
-        hold(bodies.prescribed, bodies, drive, time)
-        note_damped(dampers, bodies, forces, before, drive)
+def _remember(step):
+    """Keep the velocities before a kick, of which a sample needs those of both half steps, and the drive's work."""
+    bodies, before = step.bodies, step.before
+    for component in range(2):
+        before.hub_velocity[component] = bodies.hub_velocity[component]
+        for j in range(bodies.columns):
+            before.velocity[component, j] = bodies.velocity[component, j]
+    for j in range(bodies.columns):
+        before.spin[j] = bodies.spin[j]
+
+
+@part
+def _accelerate_hub(step, push, load):
+    """The hub's acceleration by contacts and load, which `before` keeps for others."""
+    before, drive, mass = step.before, step.drive, step.bodies.hub_mass
+    before.load[0], before.load[1], before.driven[0] = load[0], load[1], drive.sums[1]
+    before.hub_acceleration[0] = with_side_load(drive.history, push[0], load[0]) / mass
+    before.hub_acceleration[1] = (push[1] - load[1]) / mass - drive.gravity
+
+
+@part
+def _kick_hub(step, push, load):
+    bodies, drive = step.bodies, step.drive
+    over = drive.dt / bodies.hub_mass
+    bodies.hub_velocity[0] += over * with_side_load(drive.history, push[0], load[0])
+    bodies.hub_velocity[1] += over * (push[1] - load[1]) - drive.gravity * drive.dt
+
+
+@part
+def _work_load(bodies, before, drive, load):
+    """Count the work of the load, by the velocities before and after the whole kick."""
+    past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
+    work = before.hub_velocity[1] + bodies.hub_velocity[1]
+    work += past[1] + next_[1]
+    drive.sums[0] -= 0.5 * drive.dt * load[1] * work
+    work = before.hub_velocity[0] + bodies.hub_velocity[0] + past[0] + next_[0]
+    drive.sums[0] = with_side_load(drive.history, drive.sums[0], 0.5 * drive.dt * load[0] * work)
 
 
 @verb
@@ -186,102 +169,6 @@ def _change_all_ahead(history, drive, before, time, radial_load):
 
 
 @part
-def _hold_hub(shaft, acceleration):
-    """The shaft's springs accelerate the hub."""
-    if shaft is not None:
-        for k in range(2):
-            acceleration[k] -= shaft.stiffness / shaft.mass * shaft.place[k]
-
-
-@part
-def _pull_hub(shaft, acceleration, dt):
-    """The shaft's kick, its springs ahead as the contacts' forces are: see `reduced_contacts.kick`."""
-    if shaft is not None:
-        ahead, place = TWELFTH * dt * dt, shaft.place
-        pull(shaft, dt, place[0] + ahead * acceleration[0], place[1] + ahead * acceleration[1])
-
-
-@part
-def _write_shaft(shaft, drive, out):
-    if shaft is not None:
-        add_motion(shaft, drive, out, KINETIC)
-
-
-@part
-def _drift_shaft(shaft, drive):
-    if shaft is not None:
-        drift_body(shaft, drive)
-
-
-@part
-def _meet_cage(cage, drive):
-    if cage is not None:
-        meet(cage, speed_of(drive.history, drive), drive.dt)
-
-
-@part
-def _push_cage(cage, bodies, drive):
-    """The cage's kick, and its forces on rollers and hub."""
-    if cage is None:
-        return
-    riders, over = cage.riders, 1.0 / bodies.mass
-    for component in range(2):
-        for j in range(bodies.n):
-            bodies.velocity[component, j] += riders.body_impulse[component, j] * over
-            riders.body_impulse[component, j] = 0.0
-    push_ring_as_a_whole(cage.ring)
-    kick_body(cage.cage, drive)
-    rub(cage, drive.dt)
-    for j in range(bodies.n):
-        bodies.spin[j] += riders.turn_kick[j]
-        riders.turn_kick[j] = 0.0
-    _turn_rollers(bodies.prescribed, cage, drive)
-    _turn_drive(cage.ring, drive)
-    if cage.ring is not None:
-        settle(bodies.shaft, drive.dt)
-        settle_ring(bodies.housing, drive.dt)
-
-
-@part
-def _turn_rollers(prescribed, pair, drive):
-    """The work of what keeps the rollers' spin against what rubs on them in the pockets."""
-    if prescribed is not None:
-        riders, pockets = pair.riders, pair.cage.pockets
-        for j in range(riders.n):
-            drive.sums[1] += drive.dt * pockets.given[1, j] * riders.radius * riders.spin[j]
-
-
-@part
-def _turn_drive(ring, drive):
-    """The drive's work against what rubs on the inner ring."""
-    if ring is not None:
-        drive.sums[1] -= ring.speed[0] * ring.rubbed[2]
-
-
-@part
-def _write_cage(cage, drive, out):
-    if cage is not None:
-        add_motion(cage.cage, drive, out, KINETIC)
-
-
-@part
-def _drift_cage(cage, drive):
-    if cage is not None:
-        drift_body(cage.cage, drive)
-
-
-@part
-def _remember(bodies, before):
-    """Keep the velocities before a kick: a sample needs those of both half steps."""
-    for component in range(2):
-        before.hub_velocity[component] = bodies.hub_velocity[component]
-        for j in range(bodies.columns):
-            before.velocity[component, j] = bodies.velocity[component, j]
-    for j in range(bodies.columns):
-        before.spin[j] = bodies.spin[j]
-
-
-@part
 def _drift(bodies, dt):
     for component in range(2):
         bodies.hub[component] += dt * bodies.hub_velocity[component]
@@ -289,4 +176,3 @@ def _drift(bodies, dt):
             bodies.centre[component, j] += dt * bodies.velocity[component, j]
     for j in range(bodies.columns):
         bodies.turn[j] += dt * bodies.spin[j]
-    drift_modes(bodies.vibrations, dt)

@@ -8,6 +8,8 @@ from fem.kernels.drive import with_side_load
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store, sums_of_rows
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
+from fem.kernels.reduced_state import Vibrations
+from fem.kernels.rigid_parts import drift_part, kick_part
 
 
 @part
@@ -71,14 +73,14 @@ def _roller_wave(roller, columns, group, c, s):
 
 
 @part
-def push_modes(vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o):
+def push_modes(vibrations, bodies, forces, group, P, T):
     """Give eight rollers' contact forces to the modes; forces along +θ, N, with what the surfaces' slopes add to them.
 
-    Nine arguments: registers of both contacts.
+    P, T : N, of the inner and the outer contact
     """
     if vibrations is None:
-        return T_i, T_o
-    columns = bodies.columns
+        return T
+    columns, (P_i, P_o), (T_i, T_o) = bodies.columns, P, T
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     _push_ring(vibrations.inner, P_i, ix, iy)
@@ -122,11 +124,10 @@ def _kick_rollers(roller, columns, group, pushes):
         c, d = co * c - so * d, so * c + co * d
 
 
-@part
-def kick_rings(vibrations, drive, side_load, radial_load):
-    """Kick the rings' modes by all forces on them and by the load at the hub, along x and against y."""
-    if vibrations is None:
-        return
+@kick_part.of(Vibrations)
+def _kick(vibrations, step, push):
+    """Kick the rings' modes by all forces on them and by the load at the hub."""
+    history, (side_load, radial_load) = step.drive.history, step.before.load
     for ring in (vibrations.inner, vibrations.outer):
         layers, room = ring.shape.shape
         for twin in range(2):
@@ -138,16 +139,15 @@ def kick_rings(vibrations, drive, side_load, radial_load):
                     if twin == 1:
                         gained -= load(ring.carried, of) * radial_load
                     else:
-                        gained = with_side_load(drive.history, gained, load(ring.carried, of) * side_load)
+                        gained = with_side_load(history, gained, load(ring.carried, of) * side_load)
                     rate = load(ring.rate, at)
                     store(ring.before, at, rate)
                     store(ring.rate, at, rate + load(ring.kick, of) * gained)
 
 
-@part
-def drift_modes(vibrations, dt):
-    if vibrations is None:
-        return
+@drift_part.of(Vibrations)
+def _drift(vibrations, step):
+    dt = step.drive.dt
     roller, inner, outer = vibrations.roller, vibrations.inner, vibrations.outer
     arrays = (roller.amplitude, roller.rate), (inner.amplitude, inner.rate), (outer.amplitude, outer.rate)
     for amplitude, rate in arrays:

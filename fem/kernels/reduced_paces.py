@@ -16,16 +16,15 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.drive import TURN, outer_of, turn_at, with_outer, with_side_load
-from fem.kernels.housing_kernels import Housing, Resonator
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.isolated_contacts import Isolated
 from fem.kernels.jit import part, verb
 from fem.kernels.lanes import WIDTH
-from fem.kernels.prescribed_rollers import hold_anew
 from fem.kernels.reduced_contacts import wrap
-from fem.kernels.reduced_damping import damping_power
-from fem.kernels.reduced_housing import TWELFTH, ring_rates
-from fem.kernels.reduced_radiation import QUIET, radiated_power
+from fem.kernels.reduced_housing import ring_rates
+from fem.kernels.reduced_radiation import QUIET
 from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.rigid_parts import TWELFTH, Change, change_all, parts_of, rescale_kick
 from fem.kernels.tilted_contacts import Tilted
 from fem.kernels.tilts import unrest_of_tilts
 
@@ -77,35 +76,32 @@ def short_steps(paces, stride, section, inside):
 
 
 @part
-def take_pace(paces, bodies, compliance, forces, drives, before, time, acting, given):
-    """Choose the pace of a section whose first kick has just been made, and change to it.
-
-    `acting` : load along x and against y, N; `given` : J, the drive's work before the kick.
-    """
+def take_pace(paces, step, drives):
+    """Choose the pace of a section whose first kick has just been made, and change to it."""
     if paces is not None:
-        if time > 0.0:
+        if step.time > 0.0:
             paces.made[paces.now[0]] += paces.counts[paces.now[0]]
-        _take(paces, bodies, compliance, forces, drives, before, (time, acting, given))
+        _take(paces, step, drives)
 
 
 @part(inlined=False)
-def _take(paces, bodies, compliance, forces, drives, before, instant):
-    now, time = paces.now[0], instant[0]
-    drive = drives[now]
-    pace = FAR
+def _take(paces, step, drives):
+    bodies, forces, drive = step.bodies, step.forces, step.drive
+    now, pace = paces.now[0], FAR
     outer_turn = with_outer(outer_of(drive.history), 0.0, 1.0, TURN)
-    if _near_edges(paces, bodies, forces, turn_at(drive.history, drive, time), outer_turn):
+    if _near_edges(paces, bodies, forces, turn_at(drive.history, drive, step.time), outer_turn):
         pace = NEAR
     elif now == NEAR and _struck(forces.radiation):
         pace = NEAR
-    elif now == NEAR and not _unrest(paces, bodies, compliance, forces, before, drive.dt) < paces.calm:
+    elif now == NEAR and not _unrest(paces, bodies, step.compliance, forces, step.before, drive.dt) < paces.calm:
         pace = NEAR
     if pace != now:
-        _change(bodies, compliance, forces, before, drive, drives[pace], instant)
-        _change_sensor(bodies.housing, paces, pace, drives[pace].dt)
+        new, dt = drives[pace], drives[pace].dt
+        shift, back = TWELFTH * (drive.dt * drive.dt - dt * dt), 0.5 * (1.0 - dt / drive.dt)
+        _change(step, Change(new, shift, back, paces.step[pace], paces.half_step[pace]))
         paces.now[0] = pace
         if pace == FAR and paces.smooth:
-            _smooth(compliance, bodies, forces)
+            _smooth(step.compliance, bodies, forces)
 
 
 @part
@@ -193,48 +189,30 @@ def _mass_of_housing(housing):
 
 
 @part
-def _change(bodies, compliance, forces, before, old, new, instant):
-    """Change from one step to another at the instant of a kick that the old one has made: time, load, drive's work."""
-    dt, next_, sums, (time, acting, given) = old.dt, new.dt, old.sums, instant
-    ratio = next_ / dt
-    back, shift = 0.5 * (1.0 - ratio), TWELFTH * (dt * dt - next_ * next_)
-    damped = damping_power(forces.dampers, bodies, forces, old)
-    radiated = radiated_power(forces.radiation, bodies, forces)
+def _change(step, change):
+    bodies, forces, before, old, new = step.bodies, step.forces, step.before, step.drive, change.drive
+    sums = old.sums
     for k in range(2):
-        moved = shift * before.hub_acceleration[k]
+        moved = change.shift * before.hub_acceleration[k]
         bodies.hub[k] += moved
-        moved += 0.5 * dt * before.hub_velocity[k]
-        _turn_back(before.hub_velocity, bodies.hub_velocity, k, back)
-        moved -= 0.5 * next_ * before.hub_velocity[k]  # what the new step's half will count beside
+        moved += 0.5 * old.dt * before.hub_velocity[k]
+        rescale_kick(before.hub_velocity, bodies.hub_velocity, k, change.back)
+        moved -= 0.5 * new.dt * before.hub_velocity[k]  # what the new step's half will count beside
         if k == 0:
-            sums[0] = with_side_load(old.history, sums[0], acting[0] * moved)
+            sums[0] = with_side_load(old.history, sums[0], before.load[0] * moved)
         else:
-            sums[0] -= acting[1] * moved
+            sums[0] -= before.load[1] * moved
     for k in range(2):
         for j in range(bodies.n):
-            bodies.centre[k, j] += shift * before.acceleration[k, j]
-            _turn_back(before.velocity[k], bodies.velocity[k], j, back)
+            bodies.centre[k, j] += change.shift * before.acceleration[k, j]
+            rescale_kick(before.velocity[k], bodies.velocity[k], j, change.back)
     for j in range(bodies.n):
-        _turn_back(before.spin, bodies.spin, j, back)
-    _change_tilts(bodies.tilts, bodies.n, shift, back)
-    hold_anew(bodies.prescribed, bodies, forces, new, time)
-    sums[1] -= back * (sums[1] - given)
-    _change_shaft(bodies.shaft, dt, next_, before.hub_velocity)
-    _change_housing(bodies.housing, before, dt, next_, shift)
-    _change_cage(bodies.cage, back, ratio)
-    _change_forces(compliance, forces, bodies.n, ratio)
+        rescale_kick(before.spin, bodies.spin, j, change.back)
+    sums[1] -= change.back * (sums[1] - before.driven[0])
+    ratio = new.dt / old.dt
+    _change_forces(step.compliance, forces, bodies.n, ratio)
     _change_ahead(forces.ahead, bodies.n, ratio)
-    damped = next_ * damping_power(forces.dampers, bodies, forces, new) - dt * damped
-    _change_damping(forces.dampers, damped)
-    radiated = next_ * radiated_power(forces.radiation, bodies, forces) - dt * radiated
-    _change_radiation(forces.radiation, radiated)
-
-
-@part
-def _turn_back(before, after, k, back):
-    gained = after[k] - before[k]
-    before[k] += back * gained
-    after[k] -= back * gained
+    change_all(parts_of(bodies, forces), step, change)
 
 
 @verb
@@ -276,96 +254,11 @@ def _change_expected(between, forces, n, ratio):
 
 
 @part
-def _change_tilts(tilts, n, shift, back):
-    """Slopes of the axes of guided rollers and hub, as all other motions."""
-    if tilts is not None:
-        for j in range(n):
-            tilts.tilt[j] += shift * tilts.pushed[j]
-            _turn_back(tilts.before, tilts.rate, j, back)
-        for k in range(2):
-            tilts.slope[k] += shift * tilts.slope_pushed[k]
-            _turn_back(tilts.slope_before, tilts.slope_rate, k, back)
-
-
-@part
 def _change_ahead(ahead, n, ratio):
     if ahead is not None:
         for row in range(2):
             for j in range(n):
                 ahead[0, row, j] *= ratio * ratio
-
-
-@part
-def _change_damping(dampers, more):
-    if dampers is not None:
-        dampers.work[1] += more
-
-
-@part
-def _change_radiation(radiation, more):
-    if radiation is not None:
-        radiation.work[1] += more
-
-
-@part
-def _change_cage(pair, back, ratio):
-    """Works of its contacts' last step end by its next velocities, and so does its drag's."""
-    if pair is not None:
-        motion = pair.cage.motion
-        for i in range(3):
-            motion[1, i] -= back * (motion[1, i] - motion[2, i])
-        pair.cage.drag[0] *= ratio
-
-
-@part
-def _change_shaft(shaft, dt, next_, velocity):
-    """`velocity` : the hub's half a new step before."""
-    if shaft is not None:
-        for k in range(2):
-            shaft.dissipated[0] -= 0.5 * shaft.drag[k] * (dt * shaft.before[k] - next_ * velocity[k])
-            shaft.before[k] = velocity[k]
-
-
-@verb
-def _change_housing(housing, before, dt, next_, shift):
-    """The housing's motion, as the hub's."""
-
-
-@_change_housing.of(Housing)
-def _change_of_housing(housing, before, dt, next_, shift):
-    for k in range(2):
-        housing.place[k] += shift * before.ring_acceleration[k]
-        moved = dt * housing.before[k]
-        _turn_back(housing.before, housing.velocity, k, 0.5 * (1.0 - next_ / dt))
-        housing.dissipated[0] -= 0.5 * housing.drag[k] * (moved - next_ * housing.before[k])
-
-
-@verb
-def _change_sensor(housing, paces, pace, dt):
-    """That of a sensor on it, once the housing's has changed."""
-
-
-@_change_sensor.of(Housing)
-def _change_sensor_on(housing, paces, pace, dt):
-    _sense_anew(housing.sensor, paces, pace, (housing.velocity[1] - housing.before[1]) / dt)
-
-
-@verb
-def _sense_anew(sensor, paces, pace, pushed):
-    """From half an old step before to half a new one before: there and back under the acceleration `pushed`, m/s²."""
-
-
-@_sense_anew.of(Resonator)
-def _sense_by(sensor, paces, pace, pushed):
-    motion, half, whole = sensor.motion, sensor.half_step, paces.half_step[pace]
-    x = half[0, 0] * motion[0] + half[0, 1] * motion[1] + (half[0, 2] - whole[0, 2]) * pushed
-    y = half[1, 0] * motion[0] + half[1, 1] * motion[1] + (half[1, 2] - whole[1, 2]) * pushed
-    size = whole[0, 0] * whole[1, 1] - whole[0, 1] * whole[1, 0]
-    motion[0] = (whole[1, 1] * x - whole[0, 1] * y) / size
-    motion[1] = (whole[0, 0] * y - whole[1, 0] * x) / size
-    for i in range(2):
-        for k in range(3):
-            sensor.step[i, k], sensor.half_step[i, k] = paces.step[pace, i, k], paces.half_step[pace, i, k]
 
 
 @verb

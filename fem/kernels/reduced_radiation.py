@@ -16,7 +16,8 @@ from fem.kernels.lane_memory import store
 from fem.kernels.lanes import any_lane, select
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
-from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.reduced_state import INNER, OUTER, Radiation
+from fem.kernels.rigid_parts import change_step, kick_part, note_work, write_part
 from fem.kernels.sample_kernels import DISSIPATED, FORCE, N_SCALARS
 from fem.kernels.shaft import give_way, mobility
 
@@ -34,18 +35,17 @@ def note_strikes(radiation, before, now, at, there, dt):
     store(radiation.speed, at, select(closes | opens, speed, 0.0))
 
 
-@part
-def radiate(radiation, bodies, compliance, forces, before, drive):
+@kick_part.of(Radiation)
+def _kick(radiation, step, push):
     """Take from bodies what contacts that have closed in this step give to waves, or have given as they opened."""
-    if radiation is not None:
-        radiation.work[0] += radiation.work[1]
-        radiation.work[1] = 0.0
-        if radiation.state[0] != QUIET:
-            _radiate(radiation, bodies, compliance, forces, before, drive)
+    radiation.work[0] += radiation.work[1]
+    radiation.work[1] = 0.0
+    if radiation.state[0] != QUIET:
+        _radiate(radiation, step.bodies, step.compliance, step.forces, step.drive)
 
 
 @part(inlined=False)
-def _radiate(radiation, bodies, compliance, forces, before, drive):
+def _radiate(radiation, bodies, compliance, forces, drive):
     any_kick = False
     for row in range(2):
         law = compliance.inner if row == INNER else compliance.outer
@@ -97,12 +97,10 @@ def _push(bodies, forces, drive, row, j, impulse):
         push_ring(bodies.housing, x / drive.dt, y / drive.dt, drive.dt)
 
 
-@part
-def note_radiated(radiation, bodies, forces, before, drive):
-    """Note what the impulses of a kick have taken, once all of it is known."""
-    if radiation is not None:
-        if radiation.state[0] == KICKED:
-            _note_work(radiation, bodies, forces, before, drive)
+@note_work.of(Radiation)
+def _note(radiation, step):
+    if radiation.state[0] == KICKED:
+        _note_work(radiation, step.bodies, step.forces, step.before, step.drive)
 
 
 @part(inlined=False)
@@ -124,13 +122,10 @@ def _note_work(radiation, bodies, forces, before, drive):
 
 
 @part
-def radiated_power(radiation, bodies, forces):
+def _power_ahead(radiation, bodies, forces):
     """What the impulses of the last kick take in the half step ahead, over the step, W."""
-    found = 0.0
-    if radiation is None:
-        return found
+    found, next_ = 0.0, ring_rates(bodies.housing)[1]
     if radiation.state[0] == KICKED:
-        next_ = ring_rates(bodies.housing)[1]
         for j in range(bodies.n):
             vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
             rate = (bodies.hub_velocity[0] - vx) * forces.normal[INNER, 0, j]
@@ -141,11 +136,15 @@ def radiated_power(radiation, bodies, forces):
     return found
 
 
-@part
-def write_radiation(radiation, n, out):
+@change_step.of(Radiation)
+def _change(radiation, step, change):
+    radiation.work[1] = change.drive.dt * _power_ahead(radiation, step.bodies, step.forces)
+
+
+@write_part.of(Radiation)
+def _write(radiation, step, out):
     """Add what waves have been given, J, and the impulses over the step to the forces, N."""
-    if radiation is None:
-        return
+    n = step.bodies.n
     out[DISSIPATED] += radiation.work[0]
     if radiation.state[0] == KICKED:
         for j in range(n):

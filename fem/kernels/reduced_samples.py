@@ -14,11 +14,15 @@ from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import stored_energy
 from fem.kernels.reduced_contacts import coupled_approach, wrap
-from fem.kernels.reduced_housing import TWELFTH, ring_place, ring_rates
+from fem.kernels.reduced_housing import ring_place, ring_rates
 from fem.kernels.reduced_modes import carried_by, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
+from fem.kernels.rigid_parts import TWELFTH
 from fem.kernels.sample_kernels import (
     CONTACT,
+    DAMPED_BY_BODIES,
+    DAMPED_BY_CONTACTS,
+    DISSIPATED,
     ELASTIC,
     FORCE,
     HUB_AX,
@@ -33,7 +37,9 @@ from fem.kernels.sample_kernels import (
     TIME,
     TRACTION,
     TURN,
+    WORK_DRIVE,
     WORK_GRAVITY,
+    WORK_LOAD,
     X,
     Y,
 )
@@ -68,6 +74,18 @@ def write_motion(bodies, forces, drive, before, out, time):
             out[at + (FORCE + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (TRACTION + row) * n] = forces.traction[row, j]
+
+
+@part
+def write_works(bodies, drive, before, out):
+    """Works of load and drive up to the instant of the kick, and what friction has dissipated."""
+    half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
+    work = drive.sums[0] - half * before.load[1] * (before.hub_velocity[1] + carried[1])
+    more = half * before.load[0] * (before.hub_velocity[0] + carried[0])
+    out[WORK_LOAD] = with_side_load(drive.history, work, more)
+    out[WORK_DRIVE] = 0.5 * (before.driven[0] + drive.sums[1])
+    out[DISSIPATED] = drive.sums[2]
+    out[DAMPED_BY_CONTACTS] = out[DAMPED_BY_BODIES] = 0.0
 
 
 @part
@@ -137,12 +155,9 @@ def _normals(forces, row, columns, group):
 
 
 @part
-def write_energies(bodies, compliance, forces, drive, before, out, acting):
-    """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'.
-
-    `acting`: load along x and against y, N.
-    """
-    side_load, radial_load = acting
+def write_energies(bodies, compliance, forces, drive, before, out):
+    """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'."""
+    side_load, radial_load = before.load
     hub, n, columns = bodies.hub_velocity, bodies.n, bodies.columns
     moving, spinning, pushed, lifted, stored = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     _repeat_forces(compliance, forces, n, columns)

@@ -204,7 +204,7 @@ class ReducedDrive(NamedTuple):
 
 
 class Before(NamedTuple):
-    """Velocities before a kick, and accelerations by conservative forces in it: what a sample needs of a step."""
+    """Velocities before a kick, accelerations by conservative forces and what acts in it: what parts need of a step."""
 
     hub_velocity: state("2")
     velocity: state("2, columns")
@@ -212,3 +212,5 @@ class Before(NamedTuple):
     acceleration: state("2, columns")  # m/s²
     hub_acceleration: state("2")
     ring_acceleration: state("2")  # of the outer ring in a housing
+    load: state("2")  # N, along x and against y
+    driven: state("1")  # J, work of the drive before the kick

@@ -14,8 +14,8 @@ from fem.kernels.lane_functions import cosine_and_sine, maximum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, absolute, count_from, select, splat, total, with_sign
 from fem.kernels.law import kick_by_energy, released
+from fem.kernels.rigid_parts import TWELFTH
 
-TWELFTH = 1.0 / 12.0
 SHORTEST = 1e-13  # rad, of a skew's change, by which work is divided
 
 

@@ -384,7 +384,7 @@ class Bodies(NamedTuple):
     surface: DiscSurface | RigidDisc  # of the rollers
     inner: Ring
     outer: Ring
-    others: tuple = ()  # further bodies in groups of one type; see `bodies`
+    others: tuple = ()  # further bodies; see `bodies`
     damping: BodyDamping | None = None  # of rollers and rings; None: they have none
 
 

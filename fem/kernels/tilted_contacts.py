@@ -31,10 +31,11 @@ from fem.kernels.reduced_contacts import (
 )
 from fem.kernels.reduced_damping import damping_coefficients
 from fem.kernels.reduced_friction import press_neighbours, tractions
-from fem.kernels.reduced_housing import TWELFTH, ring_acceleration, ring_place
+from fem.kernels.reduced_housing import ring_acceleration, ring_place
 from fem.kernels.reduced_kick import expect, grow, shift
 from fem.kernels.reduced_state import INNER, OUTER, Compliance
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles, push_along
+from fem.kernels.rigid_parts import TWELFTH
 from fem.kernels.sliced_friction import sliced_tractions
 from fem.kernels.tilted_contact import SHORTEST, kick_by_work
 from fem.kernels.tilted_surfaces import fallen, keep_slopes, own_approach, sunk, surfaces_met, table_at
@@ -102,7 +103,7 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
         Q_i, M_i = _look((laws[0], rests[0]), forces, INNER, columns, group, deep_i, slope_i + more_i)
         Q_o, M_o = _look((laws[1], rests[1]), forces, OUTER, columns, group, deep_o, slope_o + more_o)
         keep_slopes(forces.slope, forces, columns, group, met)
-        _tell(compliance.between, compliance, forces, group, width, (Q_i, Q_o), (M_i, M_o), guess, given)
+        _tell(compliance.between, compliance, forces, group, (Q_i, Q_o), (M_i, M_o), guess, given)
     _correct(compliance.between, bodies, compliance, forces)
     return _sums(bodies, forces, drive)
 
@@ -164,11 +165,11 @@ def _look(laws, forces, row, columns, group, deep, slope):
 
 
 @part
-def _tell(between, compliance, forces, group, width, Q, M, guess, given):
+def _tell(between, compliance, forces, group, Q, M, guess, given):
     """What forces and moments turn out beyond the guesses, with a roller's other contact, for all others."""
     if between is None:
         return
-    at, factor = forces.halo + group, compliance.relaxation_factor
+    at, width, factor = forces.halo + group, forces.gained.shape[1], compliance.relaxation_factor
     more_i, more_o, turn_i, turn_o = _pair(compliance, forces, group, Q, M, guess)
     store_pair(forces.gained, at, width, factor * (more_i - guess[0]), factor * (more_o - guess[1]))
     store_pair(forces.tilted.gained, at, width, factor * (turn_i - given[0]), factor * (turn_o - given[1]))
@@ -275,11 +276,12 @@ def kick_tilted(compliance, bodies, forces, drive, before):
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         ahead_i, ahead_o, turn_i, turn_o = _ahead(bodies, forces, drive, before, group)
         _move_both(compliance.between, compliance, forces, columns, group, (ahead_i, ahead_o), (turn_i, turn_o))
-        P_i, M_i = _kicked(compliance.tables[0], compliance, forces, tilts, INNER, columns, group, ahead_i, there)
-        P_o, M_o = _kicked(compliance.tables[1], compliance, forces, tilts, OUTER, columns, group, ahead_o, there)
+        P_i, M_i = _kicked(compliance.tables[0], bodies, compliance, forces, INNER, group, ahead_i, there)
+        P_o, M_o = _kicked(compliance.tables[1], bodies, compliance, forces, OUTER, group, ahead_o, there)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, at)
         grow(drive.history, drive, P_i, P_o)
-        T_i, T_o = _rubbed(compliance.between, bodies, compliance, forces, drive, before, group, (Q_i, Q_o), (P_i, P_o))
+        pushes = (Q_i, Q_o), (P_i, P_o)
+        T_i, T_o = _rubbed(compliance.between, bodies, compliance, forces, drive, before, group, pushes)
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
         # where slopes have a part across the normal, moments push aside
@@ -378,9 +380,10 @@ def _would(forces, row, columns, group, further, turned):
 
 
 @part
-def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there):
+def _kicked(table, bodies, compliance, forces, row, group, ahead, there):
     """What a kick gives of eight contacts' forces, N, and their moments, N m."""
-    met, own, at = forces.tilted.met, forces.tilted, row * columns + group
+    met, own, columns = forces.tilted.met, forces.tilted, bodies.columns
+    at = row * columns + group
     Q, approach = load(forces.estimate, at), load(forces.first, at)
     M, slope = load(met, _at(row, MOMENT, columns, group)), load(met, _at(row, SLOPE, columns, group))
     most = Q * compliance.length  # slices lie no further out than half of that, which tables overshoot
@@ -404,7 +407,7 @@ def _kicked(table, compliance, forces, tilts, row, columns, group, ahead, there)
     store(forces.residual, at, residual)
     deepest = own_approach(own.edges, at, approach, Q)
     reached = there & (deepest > table.first_approach)
-    note_furthest(tilts, row, select(reached, deepest, 0.0), select(reached, absolute(slope), 0.0))
+    note_furthest(bodies.tilts, row, select(reached, deepest, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
 
 
@@ -422,12 +425,15 @@ def note_furthest(tilts, row, approach, slope):
 
 
 @part
-def _rubbed(between, bodies, compliance, forces, drive, before, group, Q, P):
-    """Tractions of eight rollers, N, and what the raceways' tilt under contacts adds."""
+def _rubbed(between, bodies, compliance, forces, drive, before, group, pushes):
+    """Tractions of eight rollers, N, and what the raceways' tilt under contacts adds.
+
+    pushes : N, forces of the inner and the outer contact, and their kicks
+    """
     if between is None:
         return splat(0.0), splat(0.0)
     T_i, T_o, spinning, there = splat(0.0), splat(0.0), splat(0.0), count_from(group) < bodies.n
-    columns, width = bodies.columns, bodies.columns + 2 * forces.halo
+    columns, width, (Q, P) = bodies.columns, bodies.columns + 2 * forces.halo, pushes
     if drive.friction > 0.0:
         T_i, T_o, spinning = _tractions(bodies.tilts.skews, bodies, compliance, forces, drive, before, group, Q)
         pulled = select(there, T_i, 0.0), select(there, T_o, 0.0)

@@ -27,7 +27,7 @@ from fem.kernels.surfaces import lowered_ring, lowered_rollers
 from fem.kernels.tilted_contact import TiltedLaw, kick_by_work
 from fem.kernels.tilted_contacts import note_furthest
 from fem.kernels.tilted_surfaces import FALL, NOW, PART_EDGES, SUNK, SpalledRest, fallen, own_approach, table_at
-from fem.kernels.tilts import Tilts, drift_tilts, kick_axes, kick_hub_axis, write_tilts
+from fem.kernels.tilts import Tilts, kick_axes, kick_hub_axis, turn_axes, write_axes
 
 FAINTEST = 1e-300  # N, of which a logarithm is a number
 
@@ -250,9 +250,9 @@ def _kick_axes(axes, drive):
 
 @drift_body.of(Axes)
 def _drift_axes(axes, drive):
-    drift_tilts(axes.tilts, axes, drive)
+    turn_axes(axes.tilts, axes, drive)
 
 
 @add_motion.of(Axes)
 def _add_motion(axes, drive, out, kinetic):
-    write_tilts(axes.tilts, axes, axes, drive, out)
+    write_axes(axes.tilts, axes, axes, drive, out)

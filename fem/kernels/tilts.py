@@ -14,10 +14,11 @@ from fem.kernels.fields import room, state
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
+from fem.kernels.rigid_parts import TWELFTH, change_step, drift_part, rescale_kick, write_part
 from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
 from fem.kernels.skews import Skews, drift_skews, kick_skews, push_skews, write_skews
 
-INNER, OUTER, TWELFTH = 0, 1, 1.0 / 12.0
+INNER, OUTER = 0, 1
 
 
 class Tilts(NamedTuple):
@@ -60,22 +61,26 @@ class TiltedForces(NamedTuple):
     sunken: state("8, 2, columns")  # of the part of the length that spalls take; None: they take none
 
 
+@drift_part.of(Tilts)
+def _drift(tilts, step):
+    turn_axes(tilts, step.bodies, step.drive)
+
+
 @part
-def drift_tilts(tilts, bodies, drive):
-    """Turn the axes; None: they stay parallel. A hub that spins turns its slope's rate round (gyroscopic moment)."""
-    if tilts is not None:
-        dt = drive.dt
-        for group in range(0, tilts.tilt.size, WIDTH):
-            store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
-        drift_skews(tilts.skews, bodies, drive)
-        if tilts.hub_over > 0.0:
-            angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
-            c, s, half = cos(angle), sin(angle), 0.5 * dt
-            x, y = tilts.slope_rate[0], tilts.slope_rate[1]
-            u, v = c * x - s * y, c * y + s * x
-            tilts.slope[0] += half * (x + u)
-            tilts.slope[1] += half * (y + v)
-            tilts.slope_rate[0], tilts.slope_rate[1] = u, v
+def turn_axes(tilts, bodies, drive):
+    """Turn the axes by a step. A hub that spins turns its slope's rate round (gyroscopic moment)."""
+    dt = drive.dt
+    for group in range(0, tilts.tilt.size, WIDTH):
+        store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
+    drift_skews(tilts.skews, bodies, drive)
+    if tilts.hub_over > 0.0:
+        angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
+        c, s, half = cos(angle), sin(angle), 0.5 * dt
+        x, y = tilts.slope_rate[0], tilts.slope_rate[1]
+        u, v = c * x - s * y, c * y + s * x
+        tilts.slope[0] += half * (x + u)
+        tilts.slope[1] += half * (y + v)
+        tilts.slope_rate[0], tilts.slope_rate[1] = u, v
 
 
 @part
@@ -183,15 +188,25 @@ def unrest_of_tilts(tilts, forces, n):
     return found
 
 
+@change_step.of(Tilts)
+def _change(tilts, step, change):
+    """Slopes of the axes of guided rollers and hub, as all other motions."""
+    for j in range(step.bodies.n):
+        tilts.tilt[j] += change.shift * tilts.pushed[j]
+        rescale_kick(tilts.before, tilts.rate, j, change.back)
+    for k in range(2):
+        tilts.slope[k] += change.shift * tilts.slope_pushed[k]
+        rescale_kick(tilts.slope_before, tilts.slope_rate, k, change.back)
+
+
+@write_part.of(Tilts)
+def _write(tilts, step, out):
+    write_axes(tilts, step.bodies, step.forces, step.drive, out)
+
+
 @part
-def write_tilts(tilts, bodies, forces, drive, out):
+def write_axes(tilts, bodies, forces, drive, out):
     """A sample's columns, and what tilts add to energies and to the drive's work, J."""
-    if tilts is not None:
-        _write(tilts, bodies, forces, drive, out)
-
-
-@part
-def _write(tilts, bodies, forces, drive, out):
     n, at, ahead = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt
     for j in range(n):
         out[at + 2 * n + j], out[at + 3 * n + j] = forces.tilted.moment[INNER, j], forces.tilted.moment[OUTER, j]

@@ -79,14 +79,14 @@ def make_arrays(
     shaft = shaft_springs(operation.mounting, drive, rollers.n)
     of_bore = column + len(replace(operation.mounting, bore=None).columns)
     bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
-    others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
+    others = tuple(body for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if housing is not None and housing.ring is not None:
         housing.velocity[:] -= held_velocity(model.outer_ring, outer_momenta, slowing, housing.mass)
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         place = outer.u[outer.held][:, HALO + held].copy()
         moved = {"u": outer.u, "w": outer.w, "calmed": outer.calmed}
-        others = (*others, (HeldNodes(**moved, sectors=held, place=place, row=outer.held),))
+        others = (*others, HeldNodes(**moved, sectors=held, place=place, row=outer.held))
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),

@@ -92,7 +92,7 @@ def with_cage(
     pair = CagePair(cage=body, riders=_riders(rollers), ring=_guiding(cage, _hub(drive), outer))
     return replace(
         arrays,
-        bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, (body,))),
+        bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, body)),
         groups=((pair,), *arrays.groups),  # before impulses through nodes, which it would take for its rollers' own
     )
 
@@ -178,7 +178,7 @@ def _hub(drive: Drive) -> GuidingRing:
 
 
 def _housing(arrays: Arrays) -> Housing | None:
-    return next((body for (body,) in arrays.bodies.others if isinstance(body, Housing)), None)
+    return next((body for body in arrays.bodies.others if isinstance(body, Housing)), None)
 
 
 def _ring(

@@ -38,7 +38,7 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
         inner = arrays.bodies.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
     if not outer.material.rigid:
-        carried = [body.place for group in arrays.bodies.others for body in group if isinstance(body, Housing)]
+        carried = [body.place for body in arrays.bodies.others if isinstance(body, Housing)]
         outside = arrays.bodies.outer.u[:, :, HALO:-HALO].copy()
         for place in carried:
             outside -= outer.polar(np.broadcast_to(place, (len(outer.points), 2)))

@@ -195,7 +195,7 @@ def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:
         contacts = contacts._replace(dampers=_dampers(table.contacts, levels, shape))
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
-        around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
+        around = [body for body in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
         turning = None if arrays.drive.history is None else arrays.drive.history.outer
         damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else turning)
         bodies = bodies._replace(damping=damping)

@@ -63,8 +63,8 @@ class RigidState(RowState):
         return Block(samples=samples, restarts=f"{reason}; the run restarts with half of it")
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
-        moving = self.bodies, self.compliance, self.forces, self.drives, self._before
-        return advance_reduced(*moving, self.paces, first // stride, stride, rows)
+        moving = self.bodies, self.compliance, self.forces, self._before
+        return advance_reduced(moving, self.drives, self.paces, first // stride, stride, rows)
 
     @property
     def progress(self) -> Progress:

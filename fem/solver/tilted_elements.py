@@ -112,7 +112,7 @@ def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilt
 
     return replace(
         arrays,
-        bodies=arrays.bodies._replace(others=(*arrays.bodies.others, (axes,))),
+        bodies=arrays.bodies._replace(others=(*arrays.bodies.others, axes)),
         groups=tuple(tuple(sliced(pair) for pair in group) for group in arrays.groups),
     )
 

@@ -18,7 +18,6 @@ from benchmarks.measuring import new_table, timed
 from fem.commands.run_fem import run_main
 from fem.solver.lagrangian import LagrangianPlan, make_plan
 from lagrange import simulate
-from lagrange.first_state import Problem
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
 from tests.measurements import publish
@@ -62,8 +61,7 @@ def solutions() -> Table:
     for name, keys in CASES.items():
         sampled = f"numerics.output_interval_us={1e6 * INTERVAL:g}", f"numerics.duration_ms={1e3 * DURATION:g}"
         plan = make_plan(read_scene(None, ("model=lagrange", *sampled, *keys)))
-        given = {name: value for name, value in vars(plan.problem).items() if name in Problem.__dataclass_fields__}
-        exact = simulate(duration=JUDGED * INTERVAL, interval=INTERVAL, **given)
+        exact = simulate(plan.problem, JUDGED * INTERVAL, INTERVAL)
         plan.prepare()
         fast, (run, error) = min((timed(solve, plan, SAMPLES) for _ in range(REPEATS)), key=lambda found: found[0])
         off = [

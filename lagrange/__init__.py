@@ -12,18 +12,19 @@ files, messages                 files that commands read and write; what they pr
 
 Example, 5 ms of the paper's bearing:
 
-    from lagrange import contact_laws, simulate
+    from lagrange import Problem, contact_laws, simulate
     from lagrange.scene import read_scene
 
     scene = read_scene()
     bearing = scene.ideal_bearing()
-    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 5e-3, 1e-5)
+    run = simulate(Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing)), 5e-3, 1e-5)
 
 Everything but `scene` (which validates with pydantic) and `files.pages` (jinja) needs numpy and scipy only.
 """
 
 from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.first_state import Problem
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.simulate import simulate
 from lagrange.statics import Statics, static_equilibrium
@@ -36,6 +37,7 @@ __all__ = [
     "Kinematics",
     "Material",
     "Operation",
+    "Problem",
     "Statics",
     "Trajectory",
     "contact_laws",

@@ -5,7 +5,7 @@ in clearance one roller alone may carry the hub, which is balanced on it (the st
 without load is not held at all. Along such directions the hub starts without velocity.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -21,7 +21,7 @@ from lagrange.mounting import ring_place
 from lagrange.statics import Statics, held_hub, static_equilibrium
 from lagrange.surface.deviation import Turns
 from lagrange.tilt import HubTilt, TiltedLaws, Tilts, hub_tilt, sliced_laws
-from lagrange.tilted_statics import TiltedStatics, tilted_equilibrium
+from lagrange.tilted_statics import Placement, TiltedStatics, tilted_equilibrium
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter
@@ -113,8 +113,8 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         acting = operation.at(shift)
         plane = static_equilibrium(bearing, acting, laws, angles=theta, ring=place)
         start = np.array([plane.x, plane.y]), plane.rho
-        turns = Turns.rolling(bearing, operation, shift)
-        return tilted_equilibrium(bearing, acting, contacts, hub, theta, start, ring=place, turns=turns)
+        placement = Placement(theta, place, Turns.rolling(bearing, operation, shift))
+        return tilted_equilibrium(bearing, acting, contacts, hub, placement, start)
 
     def force_at(place):
         still = equilibrium_at(0.0, place)
@@ -195,9 +195,20 @@ def weight_on_springs(bearing: Bearing, operation: Operation) -> float:
     return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Problem:
-    """One motion to be found; the parameters are those of `lagrange.simulate`.
+    """One motion to be found.
+
+    Parameters
+    ----------
+    start : "equilibrium": on the statics at the start, with the velocities of the equilibrium as it moves on;
+        "rest": rings centred, contacts undeformed, elements at cage speed
+    angles : "kinematic": θ̇ is the cage's, and the work of what holds it is accounted for; "free": no friction, nothing
+        but a cage keeps the elements apart
+    damping : of every closed contact; never makes it pull
+    load_ramp : float, s, over which the load grows from nothing, by half a cosine
+    cage : with free angles a body of its own; else what holds the angles
+    axial : profiles and slices of rollers that tilt, guided against skew; None: axes stay parallel
 
     Errors
     ------
@@ -207,12 +218,13 @@ class Problem:
     bearing: Bearing
     operation: Operation
     laws: ContactLaws
+    _: KW_ONLY
     start: Literal["equilibrium", "rest"] = "equilibrium"
     angles: Literal["kinematic", "free"] = "kinematic"
-    damping: ContactDamping = UNDAMPED  # of every closed contact
-    load_ramp: float = 0.0  # s
-    cage: Cage | None = None  # free angles: a body of its own; else what holds the angles
-    axial: Axial | None = None  # None: axes stay parallel
+    damping: ContactDamping = UNDAMPED
+    load_ramp: float = 0.0
+    cage: Cage | None = None
+    axial: Axial | None = None
 
     def __post_init__(self):
         if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):

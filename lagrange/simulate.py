@@ -5,14 +5,8 @@ account of energy. Beside hub, outer ring and rolling elements the unknowns are 
 dampers, and a sensor's motion, so that the energy balances to the tolerance.
 """
 
-from typing import Literal
-
 import numpy as np
 
-from lagrange.axial.facts import Axial
-from lagrange.bearing import Bearing, Cage, Operation
-from lagrange.contact.damping import UNDAMPED, ContactDamping
-from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State, accelerations, contact_state, housing_accelerations
@@ -126,35 +120,13 @@ class Motion:
         return found
 
 
-def simulate(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    duration: float,
-    interval: float,
-    *,
-    start: Literal["equilibrium", "rest"] = "equilibrium",
-    angles: Literal["kinematic", "free"] = "kinematic",
-    damping: ContactDamping = UNDAMPED,
-    load_ramp: float = 0.0,
-    time_step: float | None = None,
-    cage: Cage | None = None,
-    axial: Axial | None = None,
-) -> Trajectory:
+def simulate(problem: Problem, duration: float, interval: float, *, time_step: float = LONGEST) -> Trajectory:
     """Integrate (21)-(23), with the angles from kinematics (20) or free (the θ equation).
 
     Parameters
     ----------
     duration, interval : float, s; samples at 0, interval, … up to the duration
-    start : "equilibrium": on the statics at the start, with the velocities of the equilibrium as it moves on;
-        "rest": rings centred, contacts undeformed, elements at cage speed
-    angles : "kinematic": θ̇ is the cage's, and the work of what holds it is accounted for; "free": no cage, no friction,
-        nothing keeps the elements apart
-    damping : of every closed contact; never makes it pull
-    load_ramp : float, s, over which the load grows from nothing, by half a cosine
-    time_step : float, s, at most; default 10 µs
-    cage : what holds the angles
-    axial : profiles and slices of rollers that tilt, guided against skew; None: axes stay parallel
+    time_step : float, s, the longest; beyond LONGEST it is LONGEST
 
     Returns
     -------
@@ -172,19 +144,16 @@ def simulate(
 
     if not (duration >= 0.0 and interval > 0.0):
         raise ValueError(f"duration = {duration}, interval = {interval}: at least 0, and positive")
-    problem = Problem(
-        bearing=bearing, operation=operation, laws=laws, start=start, angles=angles, damping=damping,
-        load_ramp=load_ramp, cage=cage, axial=axial,
-    )  # fmt: skip
     if problem.free_cage is not None:
         raise ValueError('cage with angles = "free": its friction jumps with the slip; run-fem\'s model has it')
+    bearing, operation, laws = problem.bearing, problem.operation, problem.laws
     motion, time = Motion(problem), interval * np.arange(int(duration / interval + 1e-9) + 1)
     mounting = operation.mounting
     dashpots = [0.0 if part is None else part.damping for part in (mounting.shaft, mounting.housing)]
     stiff = max(dashpots) > STIFF * operation.inner_mass
     found = solve_ivp(
         motion.rate, (0.0, time[-1]), motion.start, "Radau" if stiff else "DOP853", dense_output=True, rtol=RELATIVE,
-        atol=motion.tolerance, max_step=min(LONGEST, time_step or LONGEST),
+        atol=motion.tolerance, max_step=min(LONGEST, time_step),
     )  # fmt: skip
     if not found.success:
         raise RuntimeError(found.message)

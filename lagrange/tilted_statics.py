@@ -35,6 +35,15 @@ class Elastic(NamedTuple):
     closing: np.ndarray  # (2 n_rollers,), m
 
 
+@dataclass(frozen=True)
+class Placement:
+    """Where rollers and the outer ring stand."""
+
+    theta: np.ndarray  # (n_rollers,), rad
+    ring: np.ndarray | tuple[float, float] = (0.0, 0.0)  # the outer ring's centre, m, from which all places are
+    turns: Turns = UNTURNED  # of ring and rollers, which matter where their surfaces are not perfect
+
+
 @dataclass(frozen=True, kw_only=True)
 class TiltedStatics:
     """An equilibrium; SI, arrays (n_rollers,)."""
@@ -88,29 +97,23 @@ def tilted_equilibrium(
     operation: Operation,
     laws: TiltedLaws,
     hub: HubTilt,
-    theta: np.ndarray,
+    placement: Placement,
     start: tuple[np.ndarray, np.ndarray],
-    *,
     elastic: Elastic | None = None,
-    ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
-    turns: Turns = UNTURNED,
 ) -> TiltedStatics:
     """Equilibrium under load, weights and centrifugal forces at cage speed.
 
     Parameters
     ----------
     laws : of the inner and the outer contact
-    theta : (n_rollers,), rad
     start : hub's place, (2,), and rollers' radii, (n_rollers,), m, to begin from
     elastic : None: bodies are rigid but for their contacts
-    ring : where the outer ring's centre is, m, from which all places are
-    turns : of ring and rollers, which matter where their surfaces are not perfect
 
     Errors
     ------
     RuntimeError: no equilibrium found.
     """
-    system = _System(bearing, operation, laws, hub, theta, elastic, np.asarray(ring, dtype=float), turns)
+    system, theta = _System(bearing, operation, laws, hub, placement, elastic), placement.theta
     slope = np.array([hub.slope_x, hub.slope_y])
     radial = np.array([np.cos(theta), np.sin(theta)])
     moved = np.concatenate([start[0], slope, start[1], 0.5 * (slope @ radial)])
@@ -153,18 +156,11 @@ def _descended(system: "_System", moved, taken, here: _Point) -> tuple[np.ndarra
 class _System:
     """Balance of hub, rollers and contacts."""
 
-    def __init__(self, bearing, operation, laws, hub, theta, elastic, ring, turns):
+    def __init__(self, bearing, operation, laws, hub, placement, elastic):
         n = self.n = bearing.n_rollers
-        self.surfaces, self.turns = profiles(bearing), turns
-        self.bearing, self.operation, self.laws, self.hub, self.theta, self.ring = (
-            bearing,
-            operation,
-            laws,
-            hub,
-            theta,
-            ring,
-        )
-        self.cos, self.sin = np.cos(theta), np.sin(theta)
+        self.bearing, self.laws, self.hub, self.surfaces = bearing, laws, hub, profiles(bearing)
+        self.theta, self.turns = placement.theta, placement.turns
+        self.cos, self.sin = np.cos(self.theta), np.sin(self.theta)
         nothing = np.zeros((2 * n, 2 * n))
         elastic = elastic or Elastic(nothing, nothing, np.zeros(2 * n))
         self.compliance = np.block([[elastic.compliance, nothing], [nothing, elastic.tilt_compliance]])
@@ -183,7 +179,7 @@ class _System:
         self.springs[2:4] = hub.stiffness if hub.is_free else np.inf
         self.springs[4 + n :] = LOOSE * self.length**2
         if shaft is not None:
-            self.springs[:2], slack[:2] = shaft.stiffness, -ring
+            self.springs[:2], slack[:2] = shaft.stiffness, -np.asarray(placement.ring)
         self.slack, self.moves = slack, np.isfinite(self.springs)
         self.arms = np.repeat([1.0, self.length], 2 * n)
         self.precession = precession_stiffness(bearing, operation.ring_speeds)

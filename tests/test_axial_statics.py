@@ -15,7 +15,7 @@ from lagrange.rating.capacity import Dimensions
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.tilt import HubTilt, sliced_laws
-from lagrange.tilted_statics import TiltedStatics, tilted_equilibrium
+from lagrange.tilted_statics import Placement, TiltedStatics, tilted_equilibrium
 from tests.reference.bearings import LOAD, ON_A_ROLLER, operation, paper
 
 PAPER = paper()
@@ -94,7 +94,7 @@ def rigid_rings(profile: str, mrad: float, **free: float) -> TiltedStatics:
         HubTilt(slope_x=0.0, slope_y=-1e-3 * mrad, **free),
     )
     start = np.array([0.0, -1e-5]), np.full(PAPER.n_rollers, PAPER.pitch_radius)
-    return tilted_equilibrium(PAPER, acting, laws, hub, roller_angles(PAPER, ON_A_ROLLER), start)
+    return tilted_equilibrium(PAPER, acting, laws, hub, Placement(roller_angles(PAPER, ON_A_ROLLER)), start)
 
 
 @pytest.mark.parametrize("profile", ["none", "logarithmic"])

@@ -8,6 +8,7 @@ import numpy as np
 
 from lagrange import contact_laws, kinematics
 from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium
 from lagrange.surface.faults import Spall
@@ -36,7 +37,7 @@ def crossing(place: float) -> tuple[float, float]:
     there = place - 0.5 * pi
     operation = replace(SLOW, first_roller_angle=there - ideal.cage * exit_time)
     bearing = replace(PAPER, faults=(replace(spall, angle=there + exit_angle - ideal.shaft * exit_time),))
-    run = solved(bearing, operation, HARRIS, exit_time + BESIDE / speed, exit_time / 80, damping=DAMPING)
+    run = solved(Problem(bearing, operation, HARRIS, damping=DAMPING), exit_time + BESIDE / speed, exit_time / 80)
     force = run.inner_force[:, 0]
     released = int(np.argmin(force))
     at = released + int(np.argmax(force[released:]))

@@ -8,12 +8,12 @@ import pytest
 from fem.interface import simulate
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
+from lagrange import simulate as reference
 from lagrange.cage_motion import CageRows, free_cage
 from lagrange.first_state import Problem
 from lagrange.motion import State
 from lagrange.scene.scene import Scene, parse_scene
 from tests.accuracy.cage import caged
-from tests.reference.compiled_motion import reference
 from tests.reference.going_on import assert_same_bits, rest_of_run
 
 FREE = {"angles": "free"}
@@ -29,7 +29,7 @@ def test_the_kinematic_cage_gives_what_the_angles_need():
         bearing=bearing, operation=operation, laws=contact_laws("harris", bearing), cage=scene.ideal_cage(),
         start="rest",
     )  # fmt: skip
-    run = reference(problem, 40)
+    run = reference(problem, 39e-5, 1e-5)
     far = run.inner_force == 0.0
     expected = bearing.roller_mass * (
         9.81 * np.cos(run.roller_theta) + 2.0 * run.roller_rho_rate * run.roller_theta_rate
@@ -44,7 +44,7 @@ def test_without_the_table_nothing_is_told_of_a_cage():
     scene = Scene()
     bearing = scene.ideal_bearing()
     problem = Problem(bearing=bearing, operation=scene.ideal_operation(), laws=contact_laws("harris", bearing))
-    assert reference(problem, 2).cage is None
+    assert reference(problem, 1e-5, 1e-5).cage is None
 
 
 @pytest.mark.parametrize("guidance", [{}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.05}])

@@ -15,6 +15,7 @@ from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, simulate
 from lagrange.columns import columns_of
+from lagrange.first_state import Problem
 from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
@@ -47,7 +48,7 @@ def short(tmp_path_factory):
 def test_the_file_holds_the_solution_in_every_variable(short):
     scene = read_scene(None, ("model=lagrange", "numerics.duration_ms=10.0"))
     bearing = scene.ideal_bearing()
-    found = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 10e-3, 1e-5)
+    found = simulate(Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing)), 10e-3, 1e-5)
     with h5py.File(short) as file:
         assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 1001
         assert file.attrs["scene"] == scene.to_toml()

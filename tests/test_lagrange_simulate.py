@@ -51,7 +51,7 @@ def own_errors(run, ax, ay):
 def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, angles):
     """Load, weight, held angles, a drive over slopes, dampers and dashpots; contacts rattle and a roller is struck."""
     duration = 2.5e-4 if operation is RUNNING and faults else 4e-4
-    run = simulate(replace(PAPER, faults=faults), operation, HARRIS, duration, 1e-5, angles=angles, **choices)
+    run = simulate(Problem(replace(PAPER, faults=faults), operation, HARRIS, angles=angles, **choices), duration, 1e-5)
     exchanged = max(np.ptp(run.energy_contact), np.ptp(run.work_external))
     assert np.abs(run.energy_error).max() < (1e-4 if faults else 1e-6) * exchanged  # splines have jumps of third order
     assert np.all(np.diff(run.work_dissipated) >= 0.0) and np.all(np.diff(run.work_damping) >= 0.0)
@@ -70,20 +70,20 @@ def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, a
     ],
 )
 def test_energy_is_kept_while_elements_pass_through_the_load_zone(bearing, operation, law, largest):
-    run = simulate(bearing, operation, contact_laws(law, bearing), 1e-3, 1e-5)
+    run = simulate(Problem(bearing, operation, contact_laws(law, bearing)), 1e-3, 1e-5)
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()
     assert run.inner_force.max() == pytest.approx(largest, rel=0.02)
 
 
 def test_own_residual_is_round_off_with_own_accelerations():
-    run = simulate(PAPER, RUNNING, HARRIS, 5e-4, 1e-5)
+    run = simulate(Problem(PAPER, RUNNING, HARRIS), 5e-4, 1e-5)
     assert np.max(np.abs(own_errors(run, run.inner_ax, run.inner_ay))) < 1e-7  # 3e-18 m of 0.5 GN/m
 
 
 def test_accelerations_are_those_of_the_path():
     """Second differences of eighth order; 13.2 kHz and 54 kHz, where no contact opens or closes."""
     weights = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
-    run = simulate(PRELOADED, RUNNING, contact_laws("harris", PRELOADED), 2e-4, 2e-6, start="rest")
+    run = simulate(Problem(PRELOADED, RUNNING, contact_laws("harris", PRELOADED), start="rest"), 2e-4, 2e-6)
     assert run.inner_force.min() > 0.0
     for place, acceleration in ((run.inner_x, run.inner_ax), (run.inner_y, run.inner_ay)):
         found = np.convolve(place, weights, mode="valid") / 4e-12
@@ -93,12 +93,12 @@ def test_accelerations_are_those_of_the_path():
 @pytest.mark.slow
 def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeypatch):
     choices = {"start": "rest", "load_ramp": 2e-4}
-    run = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-5, **choices)
-    shorter = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-4, time_step=2e-6, **choices)
+    run = simulate(Problem(PAPER, RUNNING, HARRIS, **choices), 4e-4, 1e-5)
+    shorter = simulate(Problem(PAPER, RUNNING, HARRIS, **choices), 4e-4, 1e-4, time_step=2e-6)
     assert shorter.time_step < 2.0001e-6 and shorter.steps > run.steps
     for name in ("RELATIVE", "PLACE", "RATE", "WORK"):
         monkeypatch.setattr(module, name, 0.01 * getattr(module, name))
-    finer = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-5, **choices)
+    finer = simulate(Problem(PAPER, RUNNING, HARRIS, **choices), 4e-4, 1e-5)
     np.testing.assert_allclose(run.inner_y, finer.inner_y, atol=1e-12)
     np.testing.assert_allclose(shorter.inner_y, finer.inner_y[::10], atol=1e-12)
     assert np.ptp(run.inner_y) > 1e-6
@@ -106,14 +106,16 @@ def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeyp
 
 def test_varying_compliance_has_the_size_of_the_statics():
     """14 nm vertical and 120 nm horizontal, peak to peak, at the ball-pass frequency (independent solution)."""
-    run = simulate(PAPER, RUNNING, HARRIS, 1 / 381.52, 2e-5)
+    run = simulate(Problem(PAPER, RUNNING, HARRIS), 1 / 381.52, 2e-5)
     assert 1e9 * np.ptp(run.inner_y) == pytest.approx(14.5, abs=1.0)
     assert 1e9 * np.ptp(run.inner_x) == pytest.approx(122.0, abs=4.0)
 
 
 def test_free_rollers_keep_the_angular_momentum():
     operation = replace(RUNNING, gravity=0.0, radial_load=0.0)
-    run = simulate(PRELOADED, operation, contact_laws("harris", PRELOADED), 2e-4, 1e-5, start="rest", angles="free")
+    run = simulate(
+        Problem(PRELOADED, operation, contact_laws("harris", PRELOADED), start="rest", angles="free"), 2e-4, 1e-5
+    )
     orbits = PAPER.roller_mass * np.sum(run.roller_rho**2 * run.roller_theta_rate, axis=1)
     hub = operation.inner_mass * (run.inner_x * run.inner_vy - run.inner_y * run.inner_vx)
     np.testing.assert_allclose(orbits + hub, orbits[0], rtol=1e-12)
@@ -121,7 +123,7 @@ def test_free_rollers_keep_the_angular_momentum():
 
 def test_free_angles_start_as_told_and_turn_on():
     operation = replace(RUNNING, first_roller_angle=4.0)
-    run = simulate(PAPER, operation, HARRIS, 1e-3, 1e-4, angles="free")
+    run = simulate(Problem(PAPER, operation, HARRIS, angles="free"), 1e-3, 1e-4)
     np.testing.assert_allclose(run.roller_theta[0], 4.0 + 2 * np.pi * np.arange(13) / 13, rtol=1e-12)
     turned = run.roller_theta[-1] - run.roller_theta[0]
     np.testing.assert_allclose(turned, 2 * np.pi * 29.348 * 1e-3, rtol=1e-2)
@@ -129,26 +131,26 @@ def test_free_angles_start_as_told_and_turn_on():
 
 def test_a_standing_bearing_settles_on_its_statics_and_rests_there():
     standing = replace(RUNNING, speed=0.0)
-    run = simulate(PAPER, standing, HARRIS, 2e-3, 1e-4, start="rest", damping=ContactDamping(constant=2000.0))
+    run = simulate(Problem(PAPER, standing, HARRIS, start="rest", damping=ContactDamping(constant=2000.0)), 2e-3, 1e-4)
     found = static_equilibrium(PAPER, standing, HARRIS)
     assert run.inner_y[-1] == pytest.approx(found.y, rel=1e-8)
     np.testing.assert_allclose(run.inner_force[-1], found.inner_force, atol=1e-4)
-    still = simulate(PAPER, standing, HARRIS, 5e-4, 1e-5)
+    still = simulate(Problem(PAPER, standing, HARRIS), 5e-4, 1e-5)
     assert np.ptp(still.inner_y) < 1e-13 and np.ptp(still.inner_x) < 1e-13
 
 
 @pytest.mark.slow
 def test_a_hub_that_drops_through_a_clearance_strikes_the_rollers():
     loose = replace(PAPER, outer_raceway_radius=0.02802)
-    run = simulate(loose, RUNNING, HARRIS, 5e-4, 1e-5, start="rest")  # by 20 µm
+    run = simulate(Problem(loose, RUNNING, HARRIS, start="rest"), 5e-4, 1e-5)  # by 20 µm
     assert run.inner_force.max() > 3000.0
     assert np.max(np.abs(run.energy_error)) < 1e-5 * run.energy_contact.max()
-    tips = simulate(loose, replace(RUNNING, radial_load=0.0), HARRIS, 1e-3, 1e-5)
+    tips = simulate(Problem(loose, replace(RUNNING, radial_load=0.0), HARRIS), 1e-3, 1e-5)
     assert tips.inner_force.max() < 50.0 and abs(tips.inner_vy[0]) < 1.0  # from roller to roller, without a kick
 
 
 def test_no_duration_gives_the_start_alone():
-    run = simulate(PAPER, RUNNING, HARRIS, 0.0, 1e-5)
+    run = simulate(Problem(PAPER, RUNNING, HARRIS), 0.0, 1e-5)
     assert run.time.shape == (1,) and run.roller_rho.shape == (1, 13) and run.steps == 0
     assert run.inner_force[0].max() == pytest.approx(630.76, abs=0.05)
 
@@ -161,14 +163,22 @@ CAGE = Cage(
 
 @pytest.mark.parametrize(
     ("wrong", "told"),
-    [({"interval": 0.0}, "interval"), ({"duration": -1.0}, "duration"), ({"duration": float("nan")}, "duration"),
-     ({"damping": ContactDamping(constant=-1.0)}, "damping"), ({"start": "hot"}, "start"),
-     ({"angles": "fixed"}, "angles"), ({"load_ramp": -1.0}, "load_ramp"),
-     ({"angles": "free", "cage": CAGE}, "cage")],
+    [({"damping": ContactDamping(constant=-1.0)}, "damping"), ({"start": "hot"}, "start"),
+     ({"angles": "fixed"}, "angles"), ({"load_ramp": -1.0}, "load_ramp")],
 )  # fmt: skip
-def test_impossible_arguments_are_refused(wrong, told):
+def test_impossible_problems_are_refused(wrong, told):
     with pytest.raises(ValueError, match=told):
-        simulate(PAPER, RUNNING, HARRIS, **({"duration": 1e-3, "interval": 1e-5} | wrong))
+        Problem(PAPER, RUNNING, HARRIS, **wrong)
+
+
+@pytest.mark.parametrize(
+    ("choices", "duration", "interval", "told"),
+    [({}, 1e-3, 0.0, "interval"), ({}, -1.0, 1e-5, "duration"), ({}, float("nan"), 1e-5, "duration"),
+     ({"angles": "free", "cage": CAGE}, 1e-3, 1e-5, "cage")],
+)  # fmt: skip
+def test_impossible_runs_are_refused(choices, duration, interval, told):
+    with pytest.raises(ValueError, match=told):
+        simulate(Problem(PAPER, RUNNING, HARRIS, **choices), duration, interval)
 
 
 STIFFNESS = 1e8  # N/m

@@ -80,7 +80,7 @@ def test_accelerations_are_the_gradient_of_the_energy():
 def test_the_record_s_equations_hold_on_imperfect_surfaces():
     """Accelerations of the solution against differences of its own velocities."""
     bearing = replace(PAPER, faults=wavy())
-    run = simulate(bearing, RUNNING, HARRIS, 2e-4, 1e-6)
+    run = simulate(Problem(bearing, RUNNING, HARRIS), 2e-4, 1e-6)
     v = run.inner_vy
     slope = (8.0 * (v[3:-1] - v[1:-3]) - (v[4:] - v[:-4])) / 12e-6
     assert np.std(run.inner_ay) > 1.0
@@ -91,7 +91,7 @@ def test_the_first_state_moves_with_the_equilibrium():
     """A wavy ring turning under the load moves the hub from the start on: no transient of its own mode is left."""
     bearing = replace(PAPER, faults=wavy())
     operation = replace(RUNNING, speed=RUNNING.speed / 20.0)
-    run = simulate(bearing, operation, HARRIS, 1e-3, 1e-5)
+    run = simulate(Problem(bearing, operation, HARRIS), 1e-3, 1e-5)
     every = slice(None, None, 10)
 
     def at_rest(time, theta, x, y):

@@ -8,6 +8,7 @@ import pytest
 
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.contact.damping import ContactDamping, tilted_damper
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, angular_equations, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
@@ -22,7 +23,7 @@ from lagrange.tilt import (
     sliced_laws,
     tilt_equations,
 )
-from lagrange.tilted_statics import tilted_equilibrium
+from lagrange.tilted_statics import Placement, tilted_equilibrium
 from tests.reference.lagrange_equations import derived_tilt_equations
 
 N = 1  # sums over rollers are those of the plane model
@@ -181,7 +182,8 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     plane = static_equilibrium(bearing, operation, laws)
     contacts, theta = sliced_laws(bearing, found.ideal_axial(), laws), plane.theta
     start = np.array([plane.x, plane.y]), plane.rho
-    still = tilted_equilibrium(bearing, operation, contacts, hub_tilt(operation, found.ideal_axial()), theta, start)
+    hub = hub_tilt(operation, found.ideal_axial())
+    still = tilted_equilibrium(bearing, operation, contacts, hub, Placement(theta), start)
     zero = np.zeros(bearing.n_rollers)
     tilts = Tilts(tilt=still.tilt, skew=zero, tilt_rate=zero, skew_rate=zero, slope_x=0.0, slope_y=0.0)
     state = State(
@@ -215,7 +217,7 @@ def standing(found):
     theta, axial = roller_angles(bearing, operation.first_roller_angle), found.ideal_axial()
     start = np.array([plane.x, plane.y]), plane.rho
     contacts = sliced_laws(bearing, axial, laws)
-    return tilted_equilibrium(bearing, operation, contacts, hub_tilt(operation, axial), theta, start)
+    return tilted_equilibrium(bearing, operation, contacts, hub_tilt(operation, axial), Placement(theta), start)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +238,9 @@ def test_energy_of_rollers_that_tilt_balances(angles):
     found = scene(**{**FREE, "axial__slices": 11})
     bearing, operation = found.ideal_bearing(), found.ideal_operation()
     motion = simulate(
-        bearing, operation, contact_laws("johnson", bearing), 2e-4, 1e-5, axial=found.ideal_axial(), angles=angles
+        Problem(bearing, operation, contact_laws("johnson", bearing), axial=found.ideal_axial(), angles=angles),
+        2e-4,
+        1e-5,
     )
     moved = np.ptp(motion.tilt.inner_slope_y)
     assert moved > 1e-7  # rad

@@ -68,7 +68,7 @@ def test_the_housing_rings_down_at_its_frequency_and_damping():
     scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0"))
     bearing, operation = scene.ideal_bearing(), replace(scene.ideal_operation(), radial_load=50.0)
     housed = mounted(operation, weighing(12.638, bearing, operation))
-    run = solved(bearing, housed, contact_laws("harris", bearing), 0.024, 5e-5, start="rest", load_ramp=3e-4)
+    run = solved(Problem(bearing, housed, contact_laws("harris", bearing), start="rest", load_ramp=3e-4), 0.024, 5e-5)
     frequency, zeta = ring_down(run.housing_y[6:] + 50.0 / 15.1e6, 5e-5)
     assert frequency == pytest.approx(173.97, rel=1e-3)
     assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)
@@ -95,7 +95,7 @@ def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
 @pytest.mark.parametrize("way", ["free", *(pytest.param(way, marks=pytest.mark.slow) for way in ("held", "damped"))])
 def test_energy_balances_in_a_housing_that_swings(way, shaft):
     """Of what swings; held angles take up work with the housing's velocity, and dashpots take what they should."""
-    run = solved(PAPER, mounted(RUNNING, shaft=shaft), HARRIS, 5e-4, 1e-5, **HIT, **WAYS[way])
+    run = solved(Problem(PAPER, mounted(RUNNING, shaft=shaft), HARRIS, **HIT, **WAYS[way]), 5e-4, 1e-5)
     exchanged = np.ptp(run.energy_support)
     assert exchanged > 3e-3 and run.work_dissipated[-1] > 1e-3
     assert np.abs(run.energy_error).max() < 2e-4 * exchanged
@@ -115,7 +115,7 @@ def test_the_work_of_held_angles_is_that_of_their_forces():
 def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
     """By differences of its own path and of its velocity's, at every sample."""
     operation = mounted(RUNNING)
-    run = simulate(PAPER, operation, HARRIS, 2e-4, 5e-7, **HIT, angles="free")
+    run = simulate(Problem(PAPER, operation, HARRIS, **HIT, angles="free"), 2e-4, 5e-7)
     mass = LIGHT.mass + run.bearing.outer_ring_mass
     outward = np.exp(1j * run.roller_theta)
     place = run.housing_x + 1j * run.housing_y
@@ -129,7 +129,7 @@ def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
 
 def test_the_sensor_shows_what_its_equation_says():
     """r̈ + 2ζω ṙ + ω² r = −Ÿ, integrated again from the housing's acceleration."""
-    run = simulate(PAPER, mounted(RUNNING), HARRIS, 4e-4, 1e-6, **HIT)
+    run = simulate(Problem(PAPER, mounted(RUNNING), HARRIS, **HIT), 4e-4, 1e-6)
     omega = 2.0 * np.pi * SENSOR.frequency
 
     def rate(time, state):
@@ -182,8 +182,17 @@ def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path, more):
         tmp_path, *EVERYTHING, *more.get("settings", ()), speeds=more.get("speeds"), loads=LOADS, more=FAULTS
     )
     bearing = scene.ideal_bearing()
-    run = solved(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 5.4e-4, 1e-5, **HIT,
-                 damping=ContactDamping(constant=100.0))  # fmt: skip
+    run = solved(
+        Problem(
+            bearing,
+            scene.ideal_operation(),
+            contact_laws("harris", bearing),
+            **HIT,
+            damping=ContactDamping(constant=100.0),
+        ),
+        5.4e-4,
+        1e-5,
+    )
     names = "differentiation", "outer_ring", "shaft", "damping"
     assert_terms_add_up(checked(scene, run), 1e-9 * 2000.0, names)
 

@@ -11,6 +11,7 @@ from fem.commands.run_fem import run_main
 from fem.interface import simulate as run_scene
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.kinematics import turned
 from lagrange.load_history import smooth
 from lagrange.scene.operation import RPM
@@ -26,7 +27,9 @@ TURNING = ("operation.unbalance_g_mm=50", "operation.unbalance_deg=20", "operati
 def solved(scene, duration, **choices):
     """A Lagrangian run, a sample each 20 µs."""
     bearing = scene.ideal_bearing()
-    return simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), duration, 2e-5, **choices)
+    return simulate(
+        Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing), **choices), duration, 2e-5
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -343,7 +346,7 @@ def test_the_checker_turns_forces_at_edges_by_the_spring_alone():
     bearing = scene.ideal_bearing()
     damping = ContactDamping(hunt_crossley=0.8)
     run = compiled_motion.solved(
-        bearing, scene.ideal_operation(), contact_laws("harris", bearing), 2e-3, 2e-6, damping=damping
+        Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing), damping=damping), 2e-3, 2e-6
     )
     record = replace(record_of(scene, run), inner_damping_force=run.inner_damper, outer_damping_force=run.outer_damper)
     for direction in evaluate(record).directions:

@@ -133,7 +133,7 @@ def decay(damping, **choices):
     scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0", f"operation.inner_ring_and_shaft_kg={HEAVY}"))
     bearing = scene.ideal_bearing()
     operation = held(replace(scene.ideal_operation(), radial_load=20.0), damping=damping)
-    run = solved(bearing, operation, LINEAR, 8e-3, 1e-5, start="rest", **choices)
+    run = solved(Problem(bearing, operation, LINEAR, start="rest", **choices), 8e-3, 1e-5)
     still = static_equilibrium(bearing, operation, LINEAR)
     return bearing, run, run.inner_y - still.y
 
@@ -158,7 +158,7 @@ def test_no_dashpot_shortens_the_step():
         for each in (1.0, 1e9)
     )
     assert weak.steps == strong.steps
-    exact = simulate(bearing, held(operation, damping=1e9), LINEAR, 2e-4, 1e-5, start="rest")
+    exact = simulate(Problem(bearing, held(operation, damping=1e9), LINEAR, start="rest"), 2e-4, 1e-5)
     creep = 2000.0 / 1e9  # m/s, against next to no spring
     for run in (strong, exact):
         assert run.inner_vy[-1] == pytest.approx(-creep, rel=1e-3)
@@ -175,7 +175,7 @@ def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
     force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
     stiffness, inertia = stiffness_without_load(bearing, operation, laws, force), 5.0 * operation.speed**2
     assert stiffness > 1.2 * STIFFNESS and inertia / stiffness > 0.04
-    run = solved(bearing, operation, laws, 2 * 60.0 / 40000, 2e-5)
+    run = solved(Problem(bearing, operation, laws), 2 * 60.0 / 40000, 2e-5)
     window = np.sin(np.pi * run.time / run.time[-1]) ** 2
     place = (run.inner_x + 1j * run.inner_y) * window / window.sum()
     ahead = np.sum(place * np.exp(-1j * operation.speed * run.time))
@@ -186,8 +186,13 @@ def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
 def test_the_checker_knows_springs_and_dashpots(choices):
     scene = read_scene(None, tuple(f"operation.{key}={value}" for key, value in SPRINGS.items()))
     bearing = scene.ideal_bearing()
-    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 7.4e-4, 1e-5, start="rest",
-                   load_ramp=4e-4, **choices)  # fmt: skip
+    run = simulate(
+        Problem(
+            bearing, scene.ideal_operation(), contact_laws("harris", bearing), start="rest", load_ramp=4e-4, **choices
+        ),
+        7.4e-4,
+        1e-5,
+    )
     scene = scene.varied({"numerics.start": "rest", "numerics.load_ramp_ms": 0.4})
     if "damping" in choices:
         scene = scene.varied({"damping.contact_N_s_m": 200.0})

@@ -11,6 +11,7 @@ from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state, simulate
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.first_state import Problem
 from lagrange.scene.scene import SceneError
 from lagrange.tilt import TiltedLaws, sliced_laws
 from residual.evaluation import evaluate
@@ -46,7 +47,7 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
     bearing = found.ideal_bearing()
     laws = contact_laws(found.lagrange.law, bearing)
-    reference = simulate(bearing, found.ideal_operation(), laws, 5e-4, 1e-5, axial=found.ideal_axial())
+    reference = simulate(Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial()), 5e-4, 1e-5)
     samples, tilt = moved(found), reference.tilt
     loaded = reference.inner_force > 50.0
     assert samples["inner_y"] == pytest.approx(reference.inner_y, abs=1e-3 * 6e-6)
@@ -74,7 +75,9 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
     assert np.abs(checked.tilt.contact_law[3:-3]).max() < 2e-3 * np.abs(checked.record.inner_moment).max()
     monkeypatch.setattr(first_state, "sliced_laws", lambda *of: tables)
     laws, damping = contact_laws("johnson", bearing), found.damping.contacts
-    reference = simulate(bearing, found.ideal_operation(), laws, 5e-4, 1e-5, axial=found.ideal_axial(), damping=damping)
+    reference = simulate(
+        Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial(), damping=damping), 5e-4, 1e-5
+    )
     samples = moved(found)
     for name, value in {
         "inner_force": reference.inner_force, "inner_moment": reference.tilt.inner_moment,
@@ -173,7 +176,10 @@ def test_missing_rollers_and_a_turning_outer_ring_move_as_the_reference_says(key
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0, **keys)
     bearing, operation = found.ideal_bearing(), found.ideal_operation()
     laws = contact_laws(found.lagrange.law, bearing)
-    reference, samples = simulate(bearing, operation, laws, 5e-4, 1e-5, axial=found.ideal_axial()), moved(found)
+    reference, samples = (
+        simulate(Problem(bearing, operation, laws, axial=found.ideal_axial()), 5e-4, 1e-5),
+        moved(found),
+    )
     loaded = reference.inner_force > 50.0
     assert samples["inner_force"][loaded] == pytest.approx(
         reference.inner_force[loaded], abs=2e-3 * 700.0
@@ -198,7 +204,7 @@ def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says(tmp_path
     )  # fmt: skip
     bearing, path = found.ideal_bearing(), tmp_path / "spalled.nc"
     laws = contact_laws("johnson", bearing)
-    reference = simulate(bearing, found.ideal_operation(), laws, 1e-3, 2e-6, axial=found.ideal_axial())
+    reference = simulate(Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial()), 1e-3, 2e-6)
     run_scene(found, path, RunOptions(quiet=True))
     record = read_result(path)
     assert reference.inner_force[:, 0].min() < 0.9 * reference.inner_force[:, 0].max()  # it crosses the spall

@@ -9,6 +9,7 @@ from scipy.integrate import solve_bvp
 from fem.interface import simulate as run
 from fem.runner import RunOptions, run_scene
 from lagrange import contact_laws, kinematics, simulate, static_equilibrium
+from lagrange.first_state import Problem
 from lagrange.kinematics import OUTER_RING, turned
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, SceneError, read_scene
@@ -34,7 +35,7 @@ def turning(inner, outer, load=0.0, rotating=None, model="lagrange", mu=0.0, **t
 
 def solved(scene, duration=1e-3):
     bearing = scene.ideal_bearing()
-    return simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), duration, 2e-5)
+    return simulate(Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing)), duration, 2e-5)
 
 
 @pytest.mark.parametrize(("inner", "outer"), [(1000.0, 0.0), (0.0, 600.0), (3000.0, -2000.0), (900.0, 900.0)])

@@ -20,7 +20,7 @@ from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch, Point, over_pitch
 from lagrange.tilt import TiltedLaws, hub_tilt
-from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
+from lagrange.tilted_statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 
 SAMPLES = 16  # cage angles in a pitch
 
@@ -118,7 +118,7 @@ def tilted_pitch(
         def solve(angles: np.ndarray, near: Point | None) -> Point:
             elastic = None if compliance is None else Elastic(compliance, np.zeros(compliance.shape), nothing)
             start = _pushed(bearing, slices[0], still, angles) if near is None else (near.place, near.rho)
-            now = tilted_equilibrium(bearing, still, TiltedLaws(*slices), hub, angles, start, elastic=elastic)
+            now = tilted_equilibrium(bearing, still, TiltedLaws(*slices), hub, Placement(angles), start, elastic)
             found.append(now)
             return Point(
                 place=now.place[:2], rho=now.rho, inner_force=now.inner_force, outer_force=now.outer_force,

@@ -21,7 +21,7 @@ from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import UNTURNED, Turns
 from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
-from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
+from lagrange.tilted_statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 
 MOVING = 2.0  # times the force at rest: rollers that move tilt further
 
@@ -62,8 +62,8 @@ def tilted_start(
         elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
         acting, start = operation.at(time), (plane.hub, plane.rho)
         try:
-            turns = Turns.rolling(bearing, operation, time)
-            return tilted_equilibrium(bearing, acting, laws, hub, angle, start, elastic=elastic, ring=ring, turns=turns)
+            placement = Placement(angle, ring, Turns.rolling(bearing, operation, time))
+            return tilted_equilibrium(bearing, acting, laws, hub, placement, start, elastic)
         except RuntimeError as error:
             raise NotFound(str(error)) from None
 

@@ -25,7 +25,7 @@ from fem.statics.exact_statics import LEAST_LOAD, exact_contacts, exact_statics
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Operation
 from lagrange.tilt import HubTilt, TiltedLaws
-from lagrange.tilted_statics import Elastic, TiltedStatics, tilted_equilibrium
+from lagrange.tilted_statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,12 +57,9 @@ class TiltedBalance:
         known = np.repeat([law.meshed for law in self.laws], theta.size)
         between = contacts.compliance - np.diag(known)
         elastic, start = Elastic(between, np.zeros_like(between), contacts.closing), (place[:2], place[2:])
-        laws = TiltedLaws(*self.laws)
+        laws, placement = TiltedLaws(*self.laws), Placement(theta, self.ring, contacts.turns)
         try:
-            return tilted_equilibrium(
-                contacts.bearing, self.operation, laws, self.hub, theta, start,
-                elastic=elastic, ring=self.ring, turns=contacts.turns,
-            )  # fmt: skip
+            return tilted_equilibrium(contacts.bearing, self.operation, laws, self.hub, placement, start, elastic)
         except RuntimeError as error:
             raise NotFound(str(error)) from None
 

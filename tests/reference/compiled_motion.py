@@ -13,7 +13,6 @@ from lagrange.first_state import Problem
 from lagrange.mounting import ENERGIES
 from lagrange.simulate import simulate
 from lagrange.step_size import longest_step
-from lagrange.trajectory import Trajectory
 
 COMPARED = ("inner_x", "inner_y", "roller_rho", "inner_vy", "inner_ay", "roller_theta", "inner_force", "outer_force",
             "work_external", "work_dissipated", "housing_y", "housing_ay", "sensor_ay")  # fmt: skip
@@ -91,16 +90,9 @@ def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: fl
     return Motion(problem, interval, time_step).advance(count)
 
 
-def solved(bearing, operation, laws, duration: float, interval: float, **choices) -> SimpleNamespace:
+def solved(problem: Problem, duration: float, interval: float) -> SimpleNamespace:
     """As `lagrange.simulate`, by compiled steps: for long motions."""
-    problem = Problem(bearing=bearing, operation=operation, laws=laws, **choices)
     return compiled(problem, int(duration / interval + 1e-9) + 1, interval)
-
-
-def reference(problem: Problem, count: int, interval: float = 1e-5) -> Trajectory:
-    """The same by scipy."""
-    given = {name: value for name, value in vars(problem).items() if name in Problem.__dataclass_fields__}
-    return simulate(duration=(count - 1) * interval, interval=interval, **given)
 
 
 def assert_right(
@@ -108,7 +100,8 @@ def assert_right(
 ) -> None:
     """The usual step, so many times shorter, makes the reference's motion to this share of every quantity."""
     usual = Motion(problem, interval).time_step
-    found, exact = compiled(problem, count, interval, usual / finer), reference(problem, count, interval)
+    found = compiled(problem, count, interval, usual / finer)
+    exact = simulate(problem, (count - 1) * interval, interval)
     assert np.count_nonzero(np.ptp(exact.inner_force, axis=0) > 1.0) > 1  # something happens
     for name in (name for name in COMPARED if hasattr(found, name)):
         ours, right = (np.asarray(getattr(run, name)) for run in (found, exact))

@@ -95,7 +95,7 @@ class Elements:
 
 @lru_cache(maxsize=1)
 def entries() -> dict[str, Entry]:
-    """All rows by designation."""
+    """All rows by designation; N, NJ and NUP have the section of the NU of the same number."""
     with _DATA.open(encoding="utf-8", newline="") as file:
         return {row["designation"]: _entry(row) for row in csv.DictReader(file)}
 
@@ -112,11 +112,6 @@ def _entry(row: dict[str, str]) -> Entry:
         static=float(row["static_kN"]),
         source=row["source"],
     )
-
-
-def designations() -> tuple[str, ...]:
-    """Names of the bearings; N, NJ and NUP have the section of the NU of the same number."""
-    return tuple(entries())
 
 
 def _row_of(name: str) -> str:

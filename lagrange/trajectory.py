@@ -73,11 +73,6 @@ class Trajectory:
     steps: int
 
     @property
-    def energy_moved(self) -> np.ndarray:
-        """Of all that moves and of what holds it, J: what contacts exchange energy with."""
-        return self.energy_kinetic + self.energy_shaft + self.energy_support
-
-    @property
     def roller_x(self) -> np.ndarray:
         return self.housing_x[:, None] + self.roller_rho * np.cos(self.roller_theta)
 

@@ -12,7 +12,6 @@ import pytest
 from lagrange import BallBearing
 from lagrange.catalogue import (
     bearing_keys,
-    designations,
     elements,
     entries,
     inner_ring_and_shaft,
@@ -56,7 +55,7 @@ def row(name: str) -> list[str]:
 
 
 def page_table() -> str:
-    return markdown_table(COLUMNS, [row(name) for name in designations()])
+    return markdown_table(COLUMNS, [row(name) for name in entries()])
 
 
 def test_the_page_of_bearings_has_the_catalogues_values():
@@ -67,11 +66,11 @@ def test_ratings_of_the_estimates_are_the_catalogues():
     """Of 174 bearings within 2.5 %; SKF's class Explorer rates its steel 12 to 15 % above ISO 281."""
     better = {name for name, entry in entries().items() if entry.source == "SKF Explorer"}
     assert len(better) == 15
-    for name in designations():
+    for name in entries():
         dynamic, static = errors(name)
         assert abs(static) < 0.02, name
         assert (-0.14 < dynamic < -0.11) if name in better else (abs(dynamic) < 0.025), name
-    assert sum(max(map(abs, errors(name))) < 0.05 for name in designations()) == 174
+    assert sum(max(map(abs, errors(name))) < 0.05 for name in entries()) == 174
 
 
 # balls and rollers that others state: Case Western Reserve University's bearing data centre (SKF 6203, 6205, from
@@ -115,7 +114,7 @@ def test_a_standard_bearing_is_a_bearing(name):
     assert dynamic == pytest.approx(ratings(name)[0], rel=2e-3)  # half the clearance lies on the pitch circle
 
 
-@pytest.mark.parametrize("name", designations())
+@pytest.mark.parametrize("name", entries())
 def test_every_section_has_rings_and_room(name):
     BearingTable(designation=name)  # or SceneError
     found, entry = elements(name), entries()[name]

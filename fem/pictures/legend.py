@@ -1,6 +1,6 @@
 """What stands beside a picture: title, colour scale, magnification, force and length scales, the hub's orbit."""
 
-from math import cos, pi
+from math import pi
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from fem.pictures.look import Look
 from fem.pictures.recover import Instant
 from fem.pictures.scale import Scale, rounded_down
 from fem.pictures.surfaces import chart_factor
+from lagrange.load_history import load_share
 from lagrange.scene.operation import RPM
 from lagrange.section import load_factor
 from lagrange.surface.passages import spalls
@@ -82,7 +83,7 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
     whole = load_factor(bearing) * operation.radial_load  # of the bearing
     load = f"W = {whole:.6g} N"
     if numerics.start == "rest" and 1e3 * instant.time < numerics.load_ramp_ms:
-        share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
+        share = load_share(instant.time, 1e-3 * numerics.load_ramp_ms)
         load = f"W = {share * whole:.4g} N of {whole:.6g} N"
     rpm = round(operation.speed / RPM, 1) if scene.operation.speed_table else scene.operation.speed_rpm
     turning = f"n = {signed(rpm)} rpm"

@@ -17,7 +17,7 @@ from fem.pictures.recover import Instant
 from fem.pictures.scale import rounded_down
 from lagrange.bearing import Bearing
 from lagrange.surface.deviation import Profiles, profiles
-from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness, own_radius
+from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness, own_radius, thickness
 from lagrange.surface.passages import spalls
 from lagrange.surface.rolling_envelope import outline
 
@@ -83,7 +83,7 @@ class Drawing:
 
     def circle(self, body: Body, roller: int | None) -> Circle:
         """A raceway, or a roller's surface."""
-        bearing, thickness = self.bearing, _thickness(self.bearing, body)
+        bearing = self.bearing
         if body == "outer_ring":
             radius = bearing.outer_raceway_radius + (self.magnification - 1.0) * bearing.radial_clearance
             place = dict(centre=np.zeros(2), radius=radius, turn=self.instant.outer_turn, into=1.0)
@@ -93,7 +93,7 @@ class Drawing:
         else:
             turn = float(self.instant.roller_turn[roller])
             place = dict(centre=self.centres[roller], radius=bearing.roller_radius, turn=turn, into=-1.0)
-        return Circle(body=body, roller=roller, thickness=thickness, **place)
+        return Circle(body=body, roller=roller, thickness=thickness(bearing, body), **place)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,7 +178,7 @@ def chart_factor(bearing: Bearing) -> float | None:
     highest = max((float(np.abs(height).max()) for *_, height, _ in found), default=0.0)
     if highest < SHALLOWEST:
         return None
-    return rounded_down(CHART * min(_thickness(bearing, body) for body, *_ in found) / highest)
+    return rounded_down(CHART * min(thickness(bearing, body) for body, *_ in found) / highest)
 
 
 def _heights(bearing: Bearing) -> Iterator[tuple[Body, int | None, np.ndarray, str]]:
@@ -199,15 +199,6 @@ def unequal_rollers(drawing: Drawing) -> list[tuple[Circle, str]]:
             name = f"Ø {sign}{abs(1e6 * fault.diameter_deviation):.3g} µm"
             found.append((drawing.circle("roller", fault.roller), name))
     return found
-
-
-def _thickness(bearing: Bearing, body: Body) -> float:
-    """Of a ring; of rollers their radius, m."""
-    rings = {
-        "inner_ring": bearing.inner_raceway_radius - bearing.bore_radius,
-        "outer_ring": bearing.outside_radius - bearing.outer_raceway_radius,
-    }
-    return rings.get(body, bearing.roller_radius)
 
 
 def _met(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:

@@ -249,11 +249,9 @@ class Case:
         mounting = self.scene.mounting()
         if mounting.points is not None or mounting.bore is not None:
             raise Unavailable("[support]: elastic rings are rated with the outer ring held all around")
-        from fem.rating.elastic import elastic_pitch
-
         if self.axial is not None:
             return self.tilted_under(operation, elastic=True).pitch
-        return elastic_pitch(self.bearing, operation, self.scene.damping.contacts, samples)
+        return self.plane_under(operation, True, samples)
 
     @cached_property
     def lagrangian(self) -> Pitch:
@@ -262,8 +260,17 @@ class Case:
     def lagrangian_under(self, operation: Operation, samples: int = SAMPLES) -> Pitch:
         if self.axial is not None:
             return self.tilted_under(operation, elastic=False).pitch
+        return self.plane_under(operation, False, samples)
+
+    def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
+        """Equilibria with parallel axes, by elastic rings, or rigid ones on the scene's contact law."""
+        damping = self.scene.damping.contacts
+        if elastic:
+            from fem.rating.elastic import elastic_pitch
+
+            return elastic_pitch(self.bearing, operation, damping, samples)
         try:
-            return lagrangian_pitch(self.bearing, operation, self.laws, self.scene.damping.contacts, samples)
+            return lagrangian_pitch(self.bearing, operation, self.laws, damping, samples)
         except RuntimeError as error:
             raise Unavailable(str(error)) from None
 

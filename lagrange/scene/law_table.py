@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from lagrange.bearing import OwnLaw
-from lagrange.files.input import columns, delimiter_of, names_of
+from lagrange.files.input import columns, header_of
 from lagrange.scene.columns import FORCE, LENGTH
 
 QUANTITIES = {"force": FORCE, "approach": LENGTH}
@@ -29,8 +29,7 @@ def fitted_law(text: str, decimal: str = ".") -> OwnLaw:
     ValueError, a sentence on the text: columns or units missing, rows that can't be read, fewer than three rows,
     values that are not positive, approaches all alike, an exponent outside 1 to 3.
     """
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    found = [_column(names_of(first, delimiter_of(first)), quantity) for quantity in QUANTITIES]
+    found = [_column(header_of(text), quantity) for quantity in QUANTITIES]
     rows = columns(text, (found[0][0], found[1][0]), decimal) * [found[0][1], found[1][1]]
     rows = rows[np.any(rows != 0.0, axis=1)]
     if not np.all(np.isfinite(rows) & (rows > 0.0)):

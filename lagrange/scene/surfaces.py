@@ -14,7 +14,7 @@ from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.files.input import HeightTable, height_table
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
-from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius
+from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius, thickness
 
 MM, UM = 1e-3, 1e-6
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
@@ -196,7 +196,7 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
                 f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
                 f"(at least {1e3 * narrowest:.3g})"
             )
-        deepest = _material(bearing, spall)
+        deepest = thickness(bearing, spall.body)
         if spall.depth >= deepest:
             yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
         half = asin(opening / own)
@@ -232,15 +232,6 @@ def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iter
                     f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than spall.{k}; "
                     "give both the same length_mm and z_mm"
                 )
-
-
-def _material(bearing: Bearing, spall: Spall) -> float:
-    """How thick a body is under its surface, m."""
-    if spall.body == "roller":
-        return bearing.roller_radius
-    if spall.body == "inner_ring":
-        return bearing.inner_raceway_radius - bearing.bore_radius
-    return bearing.outside_radius - bearing.outer_raceway_radius
 
 
 def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:

@@ -98,3 +98,12 @@ def own_radius(bearing, fault) -> float:
     """Radius of the circle of a bearing that a fault, or a table of one, is in, m."""
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return radii.get(fault.body, bearing.roller_radius)
+
+
+def thickness(bearing, body: Body) -> float:
+    """Of a body under its surface, m: of a ring, or a roller's radius."""
+    rings = {
+        "inner_ring": bearing.inner_raceway_radius - bearing.bore_radius,
+        "outer_ring": bearing.outside_radius - bearing.outer_raceway_radius,
+    }
+    return rings.get(body, bearing.roller_radius)

@@ -13,7 +13,7 @@ from lagrange.equations import approaches
 from lagrange.kinematics import turned
 from lagrange.surface.edges import softening
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import Meeting
+from lagrange.surface.rolling_envelope import Circles
 from residual.record import SMALL_LOAD, Record
 
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
@@ -150,14 +150,14 @@ class Contact:
         wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
         edge = wide.half_opening(r) - self._way
         inside, outside, _ = contact_pairs(bearing)
-        pairs: dict[Side, tuple[Pair, float, Meeting]] = {
-            "inner": (inside, inner, "outside"),
-            "outer": (outside, outer, "bore"),
+        pairs: dict[Side, tuple[Pair, Circles]] = {
+            "inner": (inside, Circles(inner, r, "outside", r)),
+            "outer": (outside, Circles(outer, r, "bore", r)),
         }
         self._soft = {
             side: np.zeros_like(self._way) if isinstance(bearing, BallBearing)
-            else pair.line_compliance * softening(wide, r, own, r, meeting, np.arcsin(edge / own))
-            for side, (pair, own, meeting) in pairs.items()
+            else pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own))
+            for side, (pair, circles) in pairs.items()
         }  # fmt: skip
 
     def stride(self, interval: float) -> int:

@@ -154,8 +154,9 @@ def _slices(file, scene: Scene) -> tuple[Slices, Slices] | None:
 
 def _turned(time: np.ndarray, spin: np.ndarray) -> np.ndarray:
     """How far rollers have turned, rad, by their spins, rad/s; from 0 at t = 0, by the trapezoidal rule."""
-    steps = 0.5 * np.diff(time)[:, None] * (spin[1:] + spin[:-1])
-    return time[0] * spin[:1] + np.concatenate([np.zeros_like(spin[:1]), steps.cumsum(axis=0)])
+    from scipy.integrate import cumulative_trapezoid
+
+    return time[0] * spin[:1] + cumulative_trapezoid(spin, time, axis=0, initial=0.0)
 
 
 def _stated_errors(file) -> tuple[StatedError, ...]:

@@ -14,6 +14,7 @@ from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import Softened, softening
 from lagrange.surface.faults import Spall
+from lagrange.surface.rolling_envelope import Circles
 from tests.reference.edge_contact import EdgeContact
 
 PAPER = Scene().ideal_bearing()
@@ -55,7 +56,7 @@ def test_the_yardstick_is_hertz_contact_far_from_the_edge(kind):
 def test_an_edge_alone_has_its_own_curvature(body, own, other, meeting, curvature):
     """ΔB = ½ ln(ratio of the curvatures) where the contact lies on its edge, 0 beside the spall and in its middle."""
     spall = deep(body, width=2e-3)
-    found = softening(spall, PAPER.roller_radius, own, other, meeting, np.array([0.0, 0.3e-3, 1.2e-3]) / own)
+    found = softening(spall, Circles(own, other, meeting, PAPER.roller_radius), np.array([0.0, 0.3e-3, 1.2e-3]) / own)
     with_other = 1e4 + (1.0 / other if meeting != "in_bore" else -1.0 / other)
     assert found[1] == pytest.approx(0.5 * log(with_other / curvature), abs=0.02)
     assert found[0] == found[2] == 0.0
@@ -79,7 +80,7 @@ def test_forces_at_edges_are_those_of_half_planes(body, kind):
 
 def test_a_shallow_spall_s_bottom_is_as_stiff_as_the_raceway():
     places = np.array([0.0, 0.1e-3]) / 0.028
-    assert np.abs(softening(deep("outer_ring", depth=2e-6), 0.005, 0.028, 0.005, "bore", places)).max() < 0.01
+    assert np.abs(softening(deep("outer_ring", depth=2e-6), Circles(0.028, 0.005, "bore", 0.005), places)).max() < 0.01
 
 
 @pytest.mark.parametrize("law", ["harris", "johnson"])

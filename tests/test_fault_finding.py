@@ -6,12 +6,13 @@ from math import radians
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan, run
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import sinkage
+from lagrange.surface.rolling_envelope import Circles, sinkage
 from residual.cli import main
 from residual.errors import InputError
 from residual.fault_finding import SinkageMap, find_faults
@@ -31,8 +32,7 @@ def recorded(*settings, noise=0.0, milliseconds=50):
     run(make_plan(scene), blocks.append)
     names = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin")
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
-    steps = 0.5 * np.diff(values["time"])[:, None] * (values["roller_spin"][1:] + values.pop("roller_spin")[:-1])
-    values["roller_turn"] = np.concatenate([np.zeros((1, steps.shape[1])), steps.cumsum(axis=0)])
+    values["roller_turn"] = cumulative_trapezoid(values.pop("roller_spin"), values["time"], axis=0, initial=0.0)
     rng = np.random.default_rng(5)
     for name in ("inner_x", "inner_y", "roller_x", "roller_y"):
         values[name] = values[name] + noise * rng.standard_normal(values[name].shape)
@@ -46,7 +46,7 @@ def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, width):
     own, sign = RINGS[meeting]
     spall = Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-3, edge_radius=1e-4)
     along = np.linspace(0.0, spall.half_opening(5e-3), 50)
-    expected = sinkage(spall, 5e-3, own, 5e-3, meeting, along / own)
+    expected = sinkage(spall, Circles(own, 5e-3, meeting, 5e-3), along / own)
     found = edge_sinkage(spall.half_opening(5e-3) - along, 5e-3, own, sign)
     np.testing.assert_allclose(found, expected, rtol=0.03, atol=0.01 * expected.max())
 

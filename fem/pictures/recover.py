@@ -12,6 +12,7 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
@@ -141,9 +142,7 @@ class StoredRun:
     @cached_property
     def _turns(self) -> np.ndarray:
         """Spin summed up by the trapezoidal rule, (n_times, n_rollers), rad."""
-        spin = self._values.column("roller_spin")
-        steps = 0.5 * (spin[1:] + spin[:-1]) * np.diff(self.times)[:, None]
-        return np.concatenate([np.zeros((1, spin.shape[1])), np.cumsum(steps, axis=0)])
+        return cumulative_trapezoid(self._values.column("roller_spin"), self.times, axis=0, initial=0.0)
 
     def nearest(self, time: float | None = None) -> int:
         """The sample nearest to a time, s; None: the last one. UsageError: the time lies outside the run."""

@@ -22,7 +22,7 @@ from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.kinematics import kinematics, turned
 from lagrange.surface.edges import reach, softening
 from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
-from lagrange.surface.rolling_envelope import Meeting, measured_sinkage, points_around, sinkage
+from lagrange.surface.rolling_envelope import Circles, Meeting, measured_sinkage, sinkage
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
@@ -270,27 +270,28 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
         return None
     raceway, roller = abs(pair.radii[0]), bearing.element_radius
     own, other = (roller, raceway) if body == "roller" else (raceway, roller)
-    n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
+    circles = Circles(own, other, meeting, roller)
+    n = max([FEWEST_KNOTS, *(_knots(fault, circles) for fault in faults)])
     rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
     rows = [[fault for fault in faults if fault.roller == number] for number in (None, *rollers)]
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     for k, number in enumerate(rollers, 1):
         row[number] = k
     whole, parts = ([[f for f in some if _is_part(f, bearing) is wanted] for some in rows] for wanted in (False, True))
-    smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]
+    smooth = [_knots(fault, circles) for fault in faults if not isinstance(fault, Spall)]
 
     def profile(rows: list[list[Fault]], part: Profile | None = None) -> Profile:
         compliance, spalled = None, any(isinstance(fault, Spall) for some in rows for fault in some)
         if spalled and not isinstance(bearing, BallBearing):
-            softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
+            softer = [_softening(some, circles, n) for some in rows]
             compliance = _spline(pair.line_compliance * np.array(softer))
         return Profile(
-            coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
+            coefficients=_spline(np.array([_sinkages(some, circles, n) for some in rows])),
             compliance=compliance,
             row=row,
             spacing=2.0 * pi * own / n,
             spalls=tuple(
-                (fault.roller, fault.angle, _half(fault, roller, own, other, meeting) + RINGING * 2.0 * pi / n)
+                (fault.roller, fault.angle, _half(fault, circles) + RINGING * 2.0 * pi / n)
                 for fault in faults
                 if isinstance(fault, Spall)
             ),
@@ -309,24 +310,21 @@ def _is_part(fault: Fault, bearing: Bearing) -> bool:
     return isinstance(fault, Spall) and fault.is_part(bearing)
 
 
-def _half(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
+def _half(spall: Spall, circles: Circles) -> float:
     """From a spall's middle to where contacts are sound, rad."""
-    opening = float(np.arcsin(spall.half_opening(roller_radius) / own))
-    return max(opening, reach(spall, roller_radius, own, other, meeting))
+    return max(float(np.arcsin(spall.half_opening(circles.roller) / circles.own)), reach(spall, circles))
 
 
-def _knots(fault: Fault, own: float, other: float, meeting: Meeting) -> int:
+def _knots(fault: Fault, circles: Circles) -> int:
     """Knots around the circle that a fault needs."""
     if isinstance(fault, Spall):
-        return ceil(2.0 * pi * own * KNOTS_PER_SPALL / fault.width)
+        return ceil(2.0 * pi * circles.own * KNOTS_PER_SPALL / fault.width)
     if isinstance(fault, MeasuredSurface):
-        return points_around(own, other, meeting)
+        return circles.points_around
     return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
 
 
-def _sinkages(
-    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
-) -> np.ndarray:
+def _sinkages(faults: list[Fault], circles: Circles, n: int) -> np.ndarray:
     """At the knots, (n,), m."""
     angle = 2.0 * pi * np.arange(n) / n
     found = np.zeros(n)
@@ -338,23 +336,21 @@ def _sinkages(
         elif isinstance(fault, Film):
             found -= fault.thickness
         elif isinstance(fault, MeasuredSurface):
-            found += measured_sinkage(fault, own, other, meeting, n)
+            found += measured_sinkage(fault, circles, n)
         else:
-            beyond, over = _near(fault, angle, np.arcsin(fault.half_opening(roller_radius) / own))
-            found[over] += sinkage(fault, roller_radius, own, other, meeting, beyond[over])
+            beyond, over = _near(fault, angle, np.arcsin(fault.half_opening(circles.roller) / circles.own))
+            found[over] += sinkage(fault, circles, beyond[over])
     return found
 
 
-def _softening(
-    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
-) -> np.ndarray:
+def _softening(faults: list[Fault], circles: Circles, n: int) -> np.ndarray:
     """ΔB at the knots, (n,), by the edges of spalls."""
     angle = 2.0 * pi * np.arange(n) / n
     found = np.zeros(n)
     for fault in faults:
         if isinstance(fault, Spall):
-            beyond, over = _near(fault, angle, reach(fault, roller_radius, own, other, meeting))
-            found[over] += softening(fault, roller_radius, own, other, meeting, beyond[over])
+            beyond, over = _near(fault, angle, reach(fault, circles))
+            found[over] += softening(fault, circles, beyond[over])
     return found
 
 

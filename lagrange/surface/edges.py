@@ -17,7 +17,7 @@ import numpy as np
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import Meeting, curvature, room
+from lagrange.surface.rolling_envelope import Circles
 
 HALF_WIDTHS = (0.007, 0.014)  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; of ΔB the mean is taken
 SHARPEST = 1e-3  # of the roller's radius: sharper edges are as soft as one of 5 µm, or nothing would bound it
@@ -29,12 +29,8 @@ IN_REACH = 2.0  # of b²/R: cells with a wider gap are none of the contact's
 MOST_TURNS = 60  # of the search for the cells in contact; 3 to 8 are usual
 
 
-def softening(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting, angle) -> np.ndarray:
+def softening(spall: Spall, circles: Circles, angle) -> np.ndarray:
     """ΔB, >= 0, at angles of the line of centres from the spall's middle, (n,), rad; 0 far from it.
-
-    Parameters
-    ----------
-    own, other : as in `closing.sinkage`
 
     Errors
     ------
@@ -44,22 +40,22 @@ def softening(spall: Spall, roller_radius: float, own: float, other: float, meet
     from scipy.interpolate import PchipInterpolator  # half a second to import, and only spalls need it
 
     shape = Spall(body=spall.body, roller=None, angle=0.0, width=spall.width, depth=spall.depth,
-                  edge_radius=max(spall.edge_radius, SHARPEST * roller_radius))  # fmt: skip
-    at, found = _table(shape, spall.half_opening(roller_radius), own, other, meeting)
+                  edge_radius=max(spall.edge_radius, SHARPEST * circles.roller))  # fmt: skip
+    at, found = _table(shape, spall.half_opening(circles.roller), circles)
     beside = np.minimum(np.abs(angle), at[-1])
     return np.maximum(PchipInterpolator(at, found)(beside), 0.0)
 
 
-def reach(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
+def reach(spall: Spall, circles: Circles) -> float:
     """Angle from the spall's middle from which on contacts are sound, rad."""
-    radius = 1.0 / curvature(own, other, meeting)
-    return float(np.arcsin((spall.half_opening(roller_radius) + BEYOND * HALF_WIDTHS[-1] * radius) / own))
+    radius = 1.0 / circles.curvature
+    return float(np.arcsin((spall.half_opening(circles.roller) + BEYOND * HALF_WIDTHS[-1] * radius) / circles.own))
 
 
 @lru_cache(maxsize=64)
-def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meeting) -> tuple[np.ndarray, np.ndarray]:
+def _table(spall: Spall, opening: float, circles: Circles) -> tuple[np.ndarray, np.ndarray]:
     """Angles from the spall's middle on, rad, and ΔB there; 0 at the last."""
-    radius = 1.0 / curvature(own, other, meeting)
+    radius = 1.0 / circles.curvature
     widths = [share * radius for share in HALF_WIDTHS]
     width = BEYOND * widths[-1]
     near = np.linspace(max(opening - width, 0.0), opening + width, 2 * POSITIONS)
@@ -68,8 +64,9 @@ def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meet
     at = np.unique(np.concatenate([[0.0], apart[apart < near[0]], near]))
     cells = _cells(spall.edge_radius, opening, radius, widths)
     middle = 0.5 * (cells[1:] + cells[:-1])
-    angle = np.arcsin(at / own)
-    gaps = room(middle, _depth(spall, opening, middle), own, other, meeting, angle)
+    angle = np.arcsin(at / circles.own)
+    bare = circles.surface(_depth(spall, opening, middle))
+    gaps = circles.room(bare, angle[:, None] - np.arcsin(middle / circles.own))
     found = _approaches(gaps, cells, [0.5 * b**2 / radius for b in widths])
     return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
 

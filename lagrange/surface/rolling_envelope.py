@@ -7,7 +7,7 @@ Equation (1) of docs/surfaces.md.
 """
 
 from math import ceil, pi, sqrt
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -22,48 +22,70 @@ NO_HEIGHT = 1e-30  # m: slopes of lesser heights would overflow where monotone c
 WINDOW = 1.2  # times the way on which a circle over the deepest point could touch the highest one
 
 
-def sinkage(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting, angle) -> np.ndarray:
+class Circles(NamedTuple):
+    """A circle whose surface is not perfect, and the one that rolls over it."""
+
+    own: float  # m, radius of the first
+    other: float  # m, of the second
+    meeting: Meeting
+    roller: float  # m, of the one that is the rolling element's
+
+    @property
+    def curvature(self) -> float:
+        """1/R of the sound contact, 1/m: the sum of both circles' curvatures, a bore's negative."""
+        own, other = 1.0 / self.own, 1.0 / self.other
+        return own + other if self.meeting == "outside" else abs(own - other)
+
+    @property
+    def points_around(self) -> int:
+        """How many points of a measured surface must be looked at, so that the other circle sinks by UNSEEN between."""
+        return ceil(2.0 * pi * self.own / sqrt(8.0 * UNSEEN / self.curvature))
+
+    def surface(self, depth: np.ndarray) -> np.ndarray:
+        """Radii of points so deep below the own circle, m."""
+        return self.own + depth if self.meeting == "bore" else self.own - depth
+
+    def room(self, surface: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+        """How far points at radii `surface`, m, let the centres come nearer than perfect surfaces do, m.
+
+        `beyond` : rad, of the line of centres from the points; beside the other circle the room is infinite
+        """
+        along, across = surface * np.cos(beyond), surface * np.sin(beyond)
+        reach = np.sqrt(np.maximum(self.other**2 - across**2, 0.0))
+        if self.meeting == "bore":
+            found = (along - reach) - (self.own - self.other)
+        elif self.meeting == "in_bore":
+            found = (reach - along) - (self.other - self.own)
+        else:
+            found = (self.own + self.other) - (along + reach)
+        return np.where(np.abs(across) < self.other, found, np.inf)
+
+
+def sinkage(spall: Spall, circles: Circles, angle) -> np.ndarray:
     """How far the centre of a circle gets beyond where a perfect surface would stop it, m, >= 0, at angles, rad.
 
     Parameters
     ----------
-    own, other : radius of the circle with the spall and of the circle that rolls over it, m
     angle : ndarray, (n,), of the line of centres from the spall's middle
 
     Errors
     ------
     The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
-    at, depth = outline(spall, spall.half_opening(roller_radius))
-    surface, turned = own + depth if meeting == "bore" else own - depth, np.arcsin(at / own)
+    at, depth = outline(spall, spall.half_opening(circles.roller))
+    surface, turned = circles.surface(depth), np.arcsin(at / circles.own)
     angle = np.asarray(angle)[:, None]
     least = np.full(len(angle), np.inf)
     for piece in np.array_split(np.arange(at.size), PIECES):  # each rises to one highest point, if it has one
         some = piece[::STRIDE]
-        nearest = STRIDE * _room(surface[some], angle - turned[some], own, other, meeting).argmin(axis=1)
+        nearest = STRIDE * circles.room(surface[some], angle - turned[some]).argmin(axis=1)
         around = piece[np.clip(nearest[:, None] + np.arange(1 - STRIDE, STRIDE), 0, piece.size - 1)]
-        found = _room(surface[around], angle - turned[around], own, other, meeting)
+        found = circles.room(surface[around], angle - turned[around])
         least = np.minimum(least, found.min(axis=1))
     return np.maximum(least, 0.0)
 
 
-def room(at: np.ndarray, depth: np.ndarray, own: float, other: float, meeting: Meeting, angle: np.ndarray):
-    """Way of a circle, along the line of centres, from a perfect surface to points of a profile, m; inf past its side.
-
-    Parameters
-    ----------
-    at, depth : (n_points,), m, along the chord and below the perfect circle
-    angle : (n,), rad, of the line of centres
-
-    Returns
-    -------
-    ndarray, (n, n_points)
-    """
-    surface = own + depth if meeting == "bore" else own - depth
-    return _room(surface, angle[:, None] - np.arcsin(at / own), own, other, meeting)
-
-
-def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: Meeting, n: int) -> np.ndarray:
+def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.ndarray:
     """The same around a measured surface, at n angles from 0 on, (n,), m; negative over what stands out.
 
     Between the points of the table the surface neither rises above nor falls below them (Fritsch and Carlson's
@@ -78,18 +100,18 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
 
     turn, angle, height = 2.0 * pi, found.table.angle + found.angle, found.table.height
     height = np.where(np.abs(height) < NO_HEIGHT, 0.0, height)
-    count = angle.size * ceil(points_around(own, other, meeting) / angle.size)  # evenly spaced points are among them
+    count = angle.size * ceil(circles.points_around / angle.size)  # evenly spaced points are among them
     at = angle[0] + turn * np.arange(count + 1) / count
     ends = slice(-3, None), slice(0, 3)  # slopes of monotone cubics know three points
     angle = np.concatenate([angle[ends[0]] - turn, angle, angle[ends[1]] + turn])
     height = np.concatenate([height[ends[0]], height, height[ends[1]]])
     depth = -PchipInterpolator(angle, height)(at[:-1])
-    surface = own + depth if meeting == "bore" else own - depth
+    surface = circles.surface(depth)
 
     def room_at(k):
-        return _room(surface[(np.arange(count) + k) % count], turn * k / count, own, other, meeting)
+        return circles.room(surface[(np.arange(count) + k) % count], turn * k / count)
 
-    reach = WINDOW * sqrt(2.0 * np.ptp(depth) / curvature(own, other, meeting)) / own
+    reach = WINDOW * sqrt(2.0 * np.ptp(depth) / circles.curvature) / circles.own
     steps = min(ceil(reach / turn * count), count // 4)
     least, nearest = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
     for k in range(-steps, steps + 1):
@@ -102,32 +124,6 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
     sunk = least - np.minimum(between, UNSEEN)  # more is of no parabola: an edge
     closed = CubicSpline(at, np.append(sunk, sunk[0]), bc_type="periodic")
     return closed(at[0] + np.mod(turn * np.arange(n) / n - at[0], turn))
-
-
-def points_around(own: float, other: float, meeting: Meeting) -> int:
-    """How many points of a measured surface a circle must be held against, so that it sinks by UNSEEN between two."""
-    return ceil(2.0 * pi * own / sqrt(8.0 * UNSEEN / curvature(own, other, meeting)))
-
-
-def curvature(own: float, other: float, meeting: Meeting) -> float:
-    """1/R of the sound contact, 1/m: the sum of both circles' curvatures, a bore's negative."""
-    return 1.0 / own + 1.0 / other if meeting == "outside" else abs(1.0 / own - 1.0 / other)
-
-
-def _room(surface, beyond, own: float, other: float, meeting: Meeting) -> np.ndarray:
-    """How far points at radii `surface`, m, let the centres of the circles come nearer than perfect surfaces do, m.
-
-    `beyond` : rad, of the line of centres from the points
-    """
-    along, across = surface * np.cos(beyond), surface * np.sin(beyond)
-    reach = np.sqrt(np.maximum(other**2 - across**2, 0.0))
-    if meeting == "bore":
-        found = (along - reach) - (own - other)
-    elif meeting == "in_bore":
-        found = (reach - along) - (other - own)
-    else:
-        found = (own + other) - (along + reach)
-    return np.where(np.abs(across) < other, found, np.inf)
 
 
 def outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,12 +9,6 @@ from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_tex
 from lagrange.scene.surfaces import SpallTable
 
 
-def fault(text):
-    with pytest.raises(SceneError) as caught:
-        parse_scene_text(text, "s.toml")
-    return str(caught.value)
-
-
 def test_defaults_are_the_papers_bearing_in_si():
     scene = Scene()
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
@@ -47,58 +41,6 @@ def test_override_of_one_body_leaves_the_others():
     assert bearing.roller.poisson_ratio == 0.3
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("[operation]\nspeed_rmp = 1.0", ["operation.speed_rmp", "did you mean speed_rpm?"]),
-        ("[operatoin]\nspeed_rpm = 1.0", ["operatoin", "did you mean operation?"]),
-        ("[contact]\nzzz = 1", ["contact.zzz", "known here: model, penalty_stiffness_N_per_m, friction_coefficient"]),
-        ("[operation]\naxial_load_N = 1", ["axial_load_N: not in this program: axial loads; see docs/limits"]),
-        ("[bearing]\ncrown_um = 1", ["did you mean axial.crown_um?"]),
-        ("[bearing]\nroller_bore_diameter_mm = 5", ["not in this program: hollow rollers; see docs/limits"]),
-        ("[operation]\ntemperature = 1", ["not in this program: temperature"]),
-        ("[support]\nfit_clearence_um = 1", ["did you mean fit_clearance_um?"]),
-        ("[bearing]\nrollers = 2", ["bearing.rollers = 2", "3"]),
-        ("[bearing]\nrollers = 12.5", ["bearing.rollers = 12.5"]),
-        ('[bearing]\nrollers = "13"', ["bearing.rollers = '13'"]),
-        ("[bearing]\nrollers = 15", ["rollers = 15", "at most 14"]),
-        (
-            "[bearing]\nbore_diameter_mm = 36.0",
-            ["bore_diameter_mm = 36.0", "inner_raceway_diameter_mm = 36.0"],
-        ),
-        ("[bearing]\noutside_diameter_mm = 50.0", ["outside_diameter_mm = 50.0"]),
-        ("[bearing]\nouter_raceway_diameter_mm = 55.9", ["preload", "outer_raceway_diameter_mm = 55.9"]),
-        ("[bearing]\nouter_raceway_diameter_mm = 60.0", ["too large", "outer_raceway_diameter_mm = 60.0"]),
-        ("[operation]\nspeed_rpm = nan", ["operation.speed_rpm = nan"]),
-        ("[operation]\nradial_load_N = -1.0", ["operation.radial_load_N = -1.0", "0"]),
-        (
-            "[operation]\ninner_ring_and_shaft_kg = 0.01",
-            ["inner_ring_and_shaft_kg = 0.01", "elastic inner ring"],
-        ),
-        ("[material]\npoisson_ratio = 0.5", ["material.poisson_ratio = 0.5", "0.45"]),
-        ("[numerics]\ntime_step_safety = 1.0", ["numerics.time_step_safety = 1.0", "less than 1"]),
-        ("[numerics]\nmesh_size_mm = 9.0", ["mesh_size_mm = 9.0", "too coarse"]),
-        ('[numerics]\nstart = "hot"', ["numerics.start = 'hot'", "equilibrium", "rest"]),
-        ('name = "../etc"', ["name = '../etc'"]),
-        ("name = ", ["not valid TOML"]),
-        ("operation.radial_load_N = 3,5", ["not valid TOML", "radial_load_N = 3,5: decimals take a point"]),
-        ("bearing.designation = NU206", ["not valid TOML", "designation = NU206: texts take quotes"]),
-        ('[fit]\nshaft = "k5"', ["fit.shaft: unknown key; did you mean shaft_interference_um?"]),
-    ],
-)
-def test_faults_name_file_key_value_and_limit(text, words):
-    message = fault(text)
-    for word in ["s.toml", *words]:
-        assert word in message, message
-
-
-def test_all_faults_are_told_at_once():
-    message = fault("[operation]\nspeed_rmp = 1.0\nradial_load_N = -5.0\n[contact]\nfriction_coefficient = 2.0")
-    assert len(message.splitlines()) == 3
-    for word in ("speed_rmp", "radial_load_N = -5.0", "friction_coefficient = 2.0"):
-        assert word in message
-
-
 def test_a_byte_order_mark_is_no_part_of_the_scene(tmp_path):
     """Editors on Windows write one."""
     path = tmp_path / "scene.toml"
@@ -109,24 +51,6 @@ def test_a_byte_order_mark_is_no_part_of_the_scene(tmp_path):
 def test_override_on_the_command_line():
     scene = read_scene(None, ("operation.speed_rpm=3000.0", "name=fast", "bearing.rollers=12"))
     assert (scene.operation.speed_rpm, scene.name, scene.bearing.rollers) == (3000.0, "fast", 12)
-
-
-@pytest.mark.parametrize("override", ["speed", "=3", "operation.=3", "name.first=1", "operation.speed_rpm=fast"])
-def test_bad_overrides_are_refused(override):
-    with pytest.raises(SceneError, match=r"--set|name|speed_rpm"):
-        read_scene(None, ("name=x", override))
-
-
-def test_unreadable_files_are_refused(tmp_path):
-    binary = tmp_path / "b.toml"
-    binary.write_bytes(b"\xff\xfe\x00")
-    for path, word in (
-        (tmp_path / "none.toml", "no such file; run-fem --example"),
-        (tmp_path, "can't be read"),
-        (binary, "UTF-8"),
-    ):
-        with pytest.raises(SceneError, match=word):
-            read_scene(path)
 
 
 @pytest.mark.parametrize(

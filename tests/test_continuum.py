@@ -8,13 +8,15 @@ from numpy.polynomial import legendre
 
 from fem.elastic import continuum
 from fem.elastic.continuum import (
-    disc_harmonic_compliance,
-    disc_hertz_approach,
+    PRESSURE,
+    Section,
+    annulus_surface,
+    annulus_weights,
+    hertz_approach,
     hertz_patch,
     patch_displacement,
-    ring_harmonic_compliance,
-    ring_hertz_approach,
-    ring_sag,
+    plane_compliance,
+    weight_sag,
 )
 from lagrange.bearing import Material
 from tests.reference.half_plane import cubic_bspline_patch
@@ -60,7 +62,7 @@ def collocated_disc(n, radius, material):
 @MATERIALS
 def test_axisymmetric_ring_and_disc_are_lames(material):
     E, nu = material.youngs_modulus, material.poisson_ratio
-    assert disc_harmonic_compliance(np.array([0]), ROLLER, material)[0] == pytest.approx(
+    assert plane_compliance(Section(ROLLER, 0.0, material), np.array([0]))[0] == pytest.approx(
         ROLLER * (1 + nu) * (1 - 2 * nu) / E, rel=1e-13
     )
     for loaded, held in (INNER, OUTER):
@@ -69,7 +71,8 @@ def test_axisymmetric_ring_and_disc_are_lames(material):
         A, B = np.linalg.solve(stress, [-1.0, 0.0])
         u = (1 + nu) / E * ((1 - 2 * nu) * A * loaded + B / loaded)
         push = np.sign(held - loaded)
-        assert ring_harmonic_compliance(np.array([0]), loaded, held, material)[0] == pytest.approx(push * u, rel=1e-12)
+        found = plane_compliance(Section(loaded, held, material), np.array([0]))[0]
+        assert found == pytest.approx(push * u, rel=1e-12)
 
 
 @MATERIALS
@@ -77,14 +80,14 @@ def test_axisymmetric_ring_and_disc_are_lames(material):
 def test_ring_agrees_with_collocated_navier_equations(ring, material):
     n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
     expected = [collocated_ring(k, *ring, material) for k in n]
-    np.testing.assert_allclose(ring_harmonic_compliance(n, *ring, material), expected, rtol=1e-8)
+    np.testing.assert_allclose(plane_compliance(Section(*ring, material), n), expected, rtol=1e-8)
 
 
 @MATERIALS
 def test_disc_agrees_with_collocated_navier_equations_and_inertia_relief(material):
     n = np.array([0, 1, 2, 3, 4, 7, 12])
     expected = [collocated_disc(k, ROLLER, material) for k in n]
-    np.testing.assert_allclose(disc_harmonic_compliance(n, ROLLER, material), expected, rtol=1e-8)
+    np.testing.assert_allclose(plane_compliance(Section(ROLLER, 0.0, material), n), expected, rtol=1e-8)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 17])
@@ -111,7 +114,7 @@ def test_each_annulus_mode_satisfies_navier_and_its_stresses_hooke(n, t):
 def test_ring_solution_is_fixed_where_held_and_carries_the_pressure_where_loaded(ring):
     t = ring[1] / ring[0]
     n = np.concatenate((np.arange(1, 200), [1000, 20_000]))
-    weights = continuum._ring_coefficients(n, t, kappa(STEEL))
+    weights = annulus_weights(n, t, kappa(STEEL), PRESSURE)
     held = np.einsum("nij,nj->ni", continuum.annulus_modes(n, t, t, kappa(STEEL)), weights)
     loaded = np.einsum("nij,nj->ni", continuum.annulus_modes(n, 1.0, t, kappa(STEEL)), weights)
     size = np.max(np.abs(loaded[:, :2]), axis=1, keepdims=True)
@@ -123,7 +126,7 @@ def test_ring_solution_is_fixed_where_held_and_carries_the_pressure_where_loaded
 def test_first_harmonic_resultant_reaches_the_held_circle(ring):
     t = ring[1] / ring[0]
     n = np.array([1])
-    weights = continuum._ring_coefficients(n, t, kappa(STEEL))[0]
+    weights = annulus_weights(n, t, kappa(STEEL), PRESSURE)[0]
     loaded, held = (r * continuum.annulus_modes(n, r, t, kappa(STEEL))[0, 2:] @ weights for r in (1.0, t))
     # ∫ (σ_rr cos θ − σ_rθ sin θ) r dθ
     assert held[0] - held[1] == pytest.approx(loaded[0] - loaded[1], rel=1e-11)
@@ -132,18 +135,17 @@ def test_first_harmonic_resultant_reaches_the_held_circle(ring):
 @RINGS
 def test_decoupled_harmonics_equal_the_coupled_solution(ring):
     n, t = np.arange(2, 20_001), ring[1] / ring[0]
-    surface = continuum.annulus_modes(n, 1.0, t, kappa(STEEL))[:, 0]
-    radial = np.sum(surface * continuum._ring_coefficients(n, t, kappa(STEEL)), axis=1)
+    radial = annulus_surface(n, t, kappa(STEEL), PRESSURE)[:, 0]
     coupled = np.sign(t - 1.0) * radial * ring[0] / (2.0 * STEEL.lame_mu)
-    np.testing.assert_allclose(ring_harmonic_compliance(n, *ring, STEEL), coupled, rtol=1e-13)
+    np.testing.assert_allclose(plane_compliance(Section(*ring, STEEL), n), coupled, rtol=1e-13)
 
 
 @RINGS
 def test_compliance_tends_to_the_half_planes(ring):
     n = np.array([500, 2000, 20_000])
     for radius, compliance in (
-        (ring[0], ring_harmonic_compliance(n, *ring, STEEL)),
-        (ROLLER, disc_harmonic_compliance(n, ROLLER, STEEL)),
+        (ring[0], plane_compliance(Section(*ring, STEEL), n)),
+        (ROLLER, plane_compliance(Section(ROLLER, 0.0, STEEL), n)),
     ):
         half_plane = 2.0 * radius / (STEEL.plane_strain_modulus * n)
         assert np.all(np.abs(compliance / half_plane - 1.0) < 0.3 / n)  # (κ−1)/(κ+1) = 0.286 at ν = 0.3
@@ -159,7 +161,7 @@ def test_thin_ring_is_a_layer_bonded_to_a_rigid_base(sign, material):
     # Bentall and Johnson (1968): bonded layer against the half plane
     ratio = (2 * k * np.sinh(2 * alpha) - 4 * alpha) / (2 * k * np.cosh(2 * alpha) + 1 + k**2 + 4 * alpha**2)
     expected = 2.0 / (material.plane_strain_modulus * n) * ratio
-    np.testing.assert_allclose(ring_harmonic_compliance(n, 1.0, 1.0 + sign * depth, material), expected, rtol=2e-5)
+    np.testing.assert_allclose(plane_compliance(Section(1.0, 1.0 + sign * depth, material), n), expected, rtol=2e-5)
 
 
 @pytest.mark.parametrize("half_width", [1e-6, 5e-5, 2e-4])
@@ -169,7 +171,7 @@ def test_squeezed_disc_is_johnsons(half_width):
     beta = half_width / ROLLER
     gamma = (1.0 - 2.0 * STEEL.poisson_ratio) / (2.0 - 2.0 * STEEL.poisson_ratio)
     bracket = 2.0 * log(4.0 / beta) - 1.0
-    approach = disc_hertz_approach(ROLLER, STEEL, half_width) * pi * STEEL.plane_strain_modulus
+    approach = hertz_approach(Section(ROLLER, 0.0, STEEL).squeezed, half_width) * pi * STEEL.plane_strain_modulus
     assert approach == pytest.approx(bracket, rel=0.05 * beta)
     assert approach - bracket == pytest.approx(4.0 / 3.0 * gamma * beta, abs=0.5 * beta**2 * log(1.0 / beta) + 1e-8)
 
@@ -198,34 +200,36 @@ def test_closed_form_tail_agrees_with_a_million_terms(half_width):
     n = np.arange(1_000_001)
     for ring in (INNER, OUTER):
         transform = hertz_patch(n, half_width, ring[0])
-        brute = patch_displacement(ring_harmonic_compliance(n, *ring, STEEL), transform, 1.0, ring[0])
-        assert ring_hertz_approach(*ring, STEEL, half_width) == pytest.approx(brute, rel=1e-6)
-    compliance, transform = disc_harmonic_compliance(n, ROLLER, STEEL), hertz_patch(n, half_width, ROLLER)
+        brute = patch_displacement(plane_compliance(Section(*ring, STEEL), n), transform, 1.0, ring[0])
+        assert hertz_approach(Section(*ring, STEEL), half_width) == pytest.approx(brute, rel=1e-6)
+    roller = Section(ROLLER, 0.0, STEEL)
+    compliance, transform = plane_compliance(roller, n), hertz_patch(n, half_width, ROLLER)
     near, far = (patch_displacement(compliance, transform, 1.0, ROLLER, angle) for angle in (0.0, pi))
-    assert disc_hertz_approach(ROLLER, STEEL, half_width) == pytest.approx(near + far, rel=1e-6)
-    assert disc_hertz_approach(ROLLER, STEEL, half_width, n_patches=1) == pytest.approx(near, rel=1e-6)
+    assert hertz_approach(roller.squeezed, half_width) == pytest.approx(near + far, rel=1e-6)
+    assert hertz_approach(roller, half_width) == pytest.approx(near, rel=1e-6)
 
 
 @pytest.mark.parametrize("half_width", [1e-7, 1e-5, 6e-5])
 def test_hertz_approach_does_not_depend_on_the_number_of_harmonics(half_width, monkeypatch):
-    approach = ring_hertz_approach(*OUTER, STEEL, half_width)
+    approach = hertz_approach(Section(*OUTER, STEEL), half_width)
     monkeypatch.setattr(continuum, "N_HARMONICS", 1_000_000)
-    assert approach == pytest.approx(ring_hertz_approach(*OUTER, STEEL, half_width), rel=1e-8)
+    assert approach == pytest.approx(hertz_approach(Section(*OUTER, STEEL), half_width), rel=1e-8)
 
 
 def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
-    def spline_mean(n_harmonics, a=1e-3, radius=0.018):
-        n = np.arange(n_harmonics)
-        w = cubic_bspline_patch(n, a, radius)
-        return patch_displacement(ring_harmonic_compliance(n, 0.018, 0.0125, STEEL), w, w, radius)
+    ring = Section(*INNER, STEEL)
 
-    def hertz_centre(n_harmonics, b=5e-5, radius=0.018):
+    def spline_mean(n_harmonics, a=1e-3):
         n = np.arange(n_harmonics)
-        series = ring_harmonic_compliance(n, 0.018, 0.0125, STEEL)
-        return patch_displacement(series, hertz_patch(n, b, radius), 1.0, radius)
+        w = cubic_bspline_patch(n, a, ring.loaded)
+        return patch_displacement(plane_compliance(ring, n), w, w, ring.loaded)
+
+    def hertz_centre(n_harmonics, b=5e-5):
+        n = np.arange(n_harmonics)
+        return patch_displacement(plane_compliance(ring, n), hertz_patch(n, b, ring.loaded), 1.0, ring.loaded)
 
     assert spline_mean(15 * 18) == pytest.approx(spline_mean(10_000), rel=1e-5)
-    assert hertz_centre(150 * 360) == pytest.approx(ring_hertz_approach(*INNER, STEEL, 5e-5), rel=1e-5)
+    assert hertz_centre(150 * 360) == pytest.approx(hertz_approach(ring, 5e-5), rel=1e-5)
     for too_few in (lambda: spline_mean(60), lambda: hertz_centre(2000)):
         with pytest.raises(ValueError, match="more harmonics"):
             too_few()
@@ -233,11 +237,11 @@ def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
 
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="differ"):
-        ring_harmonic_compliance(np.array([1]), 0.018, 0.018, STEEL)
+        plane_compliance(Section(0.018, 0.018, STEEL), np.array([1]))
     with pytest.raises(ValueError, match="integers"):
-        disc_harmonic_compliance(np.array([0.5]), ROLLER, STEEL)
+        plane_compliance(Section(ROLLER, 0.0, STEEL), np.array([0.5]))
     with pytest.raises(ValueError, match="half-width"):
-        disc_hertz_approach(ROLLER, STEEL, 0.004)
+        hertz_approach(Section(ROLLER, 0.0, STEEL).squeezed, 0.004)
 
 
 @pytest.mark.parametrize("ring", [INNER, OUTER, (0.018, 0.0175)])
@@ -251,5 +255,5 @@ def test_a_ring_sags_by_its_weight_as_collocation_has_it(ring, material):
     downwards = (1.0, -1.0)  # of unit size, along θ = 0
     coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, 0.0), (s_rt, 0.0)], downwards)
     expected = (surface @ coefficients)[0] * material.density * gravity * free**2 / material.lame_mu
-    assert ring_sag(free, held, material, gravity) == pytest.approx(expected, rel=1e-8)
-    assert ring_sag(free, held, material, 0.0) == 0.0
+    assert weight_sag(Section(free, held, material), gravity) == pytest.approx(expected, rel=1e-8)
+    assert weight_sag(Section(free, held, material), 0.0) == 0.0

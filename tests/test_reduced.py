@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
+from fem.elastic.continuum import ring_sections, roller_section
+from fem.elastic.tangential import stick_approach
 from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.solver.reduced import ReducedPlan
@@ -290,12 +291,8 @@ def test_tangential_compliance_goes_with_the_half_widths_logarithm(force):
     bearing = read_scene(None, ()).ideal_bearing()
     found, pairs = tangential_compliance(bearing, force), contact_pairs(bearing)
     widths = [pair.half_width(force) for pair in pairs]
-    rings = (
-        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
-        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
-    )
-    rollers = [disc_stick_approach(bearing.roller_radius, bearing.roller, width) for width in widths]
-    others = [ring_stick_approach(*ring, width) for ring, width in zip(rings, widths[:2], strict=True)]
+    rollers = [stick_approach(roller_section(bearing), width) for width in widths]
+    others = [stick_approach(ring, width) for ring, width in zip(ring_sections(bearing), widths[:2], strict=True)]
     wanted = np.add(rollers, [*others, rollers[2]]) / bearing.roller_length
     np.testing.assert_allclose(found, wanted, rtol=1e-3)
 

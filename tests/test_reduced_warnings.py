@@ -2,13 +2,14 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
 
-from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
-from fem.elastic.vibration import ring_vibrations, shift_vibrations
+from fem.elastic.continuum import Section, plane_compliance, ring_sections, roller_section
+from fem.elastic.vibration import shift_vibrations, vibrations
 from fem.solver.reduced_state import MOST_HALVINGS
 from fem.solver.simulate import make_plan
 from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_warning, no_sums, vibration_warning
@@ -21,7 +22,7 @@ from tests.reference.reduced_runs import RATTLES, in_longer_steps, ran
 from tests.stability.random_scenes import random_scene
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
-RING = 0.018, 0.0125, STEEL, 0.01  # raceway, bore, m, material, thickness, m
+RING, LENGTH = Section(0.018, 0.0125, STEEL), 0.01
 PAPER = parse_scene({}, "test").ideal_bearing()
 
 
@@ -32,7 +33,7 @@ def plan_of(number: int, **reduced):
 
 @pytest.mark.parametrize("hub", [None, 0.05, 1.0])
 def test_a_rings_shifting_modes_are_those_of_one_wave_around(hub):
-    modes, shifting = ring_vibrations(*RING, highest=2.0 * pi * 5e5, hub=hub), shift_vibrations(*RING, hub)
+    modes, shifting = vibrations(RING, LENGTH, 2.0 * pi * 5e5, hub), shift_vibrations(RING, LENGTH, hub)
     once = modes.order == 1
     count = int(once.sum())
     assert count > 1
@@ -42,9 +43,8 @@ def test_a_rings_shifting_modes_are_those_of_one_wave_around(hub):
 
 
 def test_all_shifting_modes_carry_the_rings_statics():
-    modes = shift_vibrations(*RING)
-    radius, held, material, length = RING
-    exact = ring_harmonic_compliance(np.array([1]), radius, held, material)[0] / (pi * radius * length)
+    modes = shift_vibrations(RING, LENGTH)
+    exact = plane_compliance(RING, np.array([1]))[0] / (pi * RING.loaded * LENGTH)
     assert np.sum((modes.shape / modes.frequency) ** 2) == pytest.approx(exact, rel=1e-9)
 
 
@@ -53,8 +53,7 @@ def test_the_frequencys_error_is_what_the_rings_modes_make_of_it(stiff):
     """Hub and ring by their free modes, tied to the ground at the raceway by a spring, N/m."""
     mass = 0.05 + PAPER.inner_ring_mass
     bearing = replace(PAPER, outer_ring=replace(PAPER.outer_ring, youngs_modulus=1e6 * PAPER.outer_ring.youngs_modulus))
-    ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, bearing.roller_length
-    modes = shift_vibrations(*ring, 0.05)
+    modes = shift_vibrations(ring_sections(bearing)[0], bearing.roller_length, 0.05)
     shape = np.concatenate([[1.0 / sqrt(mass)], -modes.shape])
     own = np.concatenate([[0.0], modes.frequency**2])
     exact = sqrt(np.linalg.eigvalsh(np.diag(own) + stiff * np.outer(shape, shape))[0])
@@ -98,16 +97,10 @@ def test_what_a_law_lacks_under_a_wide_contact_is_half_of_what_collocation_finds
     """A thin soft inner ring under a contact of 8 % of the roller's radius and 20 % of the ring's thickness."""
     bearing = plan_of(151).model.bearing
     contacts = exact_contacts(bearing, roller_angles(bearing, 0.0))
-    radius, held = bearing.inner_raceway_radius, bearing.bore_radius
-    for law, ring in (
-        (contacts.inner_law, (radius, held, bearing.inner_ring)),
-        (contacts.outer_law, (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring)),
-    ):
+    roller = roller_section(bearing)
+    for law, ring in zip((contacts.inner_law, contacts.outer_law), ring_sections(bearing), strict=True):
         force = (0.08 * bearing.roller_radius) ** 2 / law.pair.half_width_factor
-        sides = (
-            (ring[0], lambda n, ring=ring: ring_harmonic_compliance(n, *ring)),
-            (bearing.roller_radius, lambda n: disc_harmonic_compliance(n, bearing.roller_radius, bearing.roller)),
-        )
+        sides = [(side.loaded, partial(plane_compliance, side)) for side in (ring, roller)]
         reach, load = 1.5 * law.pair.half_width(force), force / law.pair.length
         coarse, fine = (approach(sides, law.pair.relative_radius, load, reach, strips) for strips in (40, 80))
         exact = (4.0 * fine - coarse) / 3.0

@@ -7,13 +7,8 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.integrate import solve_bvp
 
-from fem.elastic.tangential import (
-    disc_shear_approach,
-    disc_shear_compliance,
-    ring_cross_compliance,
-    ring_shear_approach,
-    ring_shear_compliance,
-)
+from fem.elastic.continuum import Section
+from fem.elastic.tangential import cross_compliance, shear_approach, shear_compliance
 from lagrange import Material
 from lagrange.spinning import SLOW, spinning_growth
 from tests.reference.polar_navier import PolarNavier
@@ -54,15 +49,15 @@ def sheared_disc(n, radius, material):
 def test_a_sheared_ring_agrees_with_navier_equations(ring, material):
     n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
     along, inwards = np.transpose([sheared_ring(k, *ring, material) for k in n])
-    np.testing.assert_allclose(ring_shear_compliance(n, *ring, material), along, rtol=1e-8)
-    np.testing.assert_allclose(ring_cross_compliance(n, *ring, material), inwards, rtol=1e-8, atol=1e-20)
+    np.testing.assert_allclose(shear_compliance(Section(*ring, material), n), along, rtol=1e-8)
+    np.testing.assert_allclose(cross_compliance(Section(*ring, material), n), inwards, rtol=1e-8, atol=1e-20)
 
 
 @pytest.mark.parametrize("ring", [INNER, OUTER])
 def test_narrow_tractions_press_a_surface_down_ahead_of_them(ring):
     """A half-plane by (1 − 2ν)(1 + ν)/2E: Johnson, Contact Mechanics (1985), section 2.5."""
     n = np.array([2000, 20000])
-    found = ring_cross_compliance(n, *ring, STEEL) * n / ring[0]  # Σ sin(nθ)/n = π/2, so all alike
+    found = cross_compliance(Section(*ring, STEEL), n) * n / ring[0]  # Σ sin(nθ)/n = π/2, so all alike
     wanted = (1.0 - 2.0 * 0.3) * (1.0 + 0.3) / STEEL.youngs_modulus
     assert np.all(np.abs(-found / wanted - 1.0) < 4.0 / n)  # the circle's curvature adds a share 1/n
     assert np.all(found < 0.0)  # sin nθ lags a quarter of a wave behind cos nθ: down ahead of a pull along +θ
@@ -71,9 +66,8 @@ def test_narrow_tractions_press_a_surface_down_ahead_of_them(ring):
 @pytest.mark.parametrize("material", [STEEL, SOFT])
 def test_a_sheared_disc_agrees_with_navier_equations_and_inertia_relief(material):
     n = np.array([1, 2, 3, 4, 7, 12])
-    np.testing.assert_allclose(
-        disc_shear_compliance(n, RADIUS, material), [sheared_disc(k, RADIUS, material) for k in n], rtol=1e-8
-    )
+    found = shear_compliance(Section(RADIUS, 0.0, material), n)
+    np.testing.assert_allclose(found, [sheared_disc(k, RADIUS, material) for k in n], rtol=1e-8)
 
 
 def test_a_uniform_traction_twists_a_disc_that_speeds_up():
@@ -82,18 +76,15 @@ def test_a_uniform_traction_twists_a_disc_that_speeds_up():
     twist = np.concatenate([[0.0], np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(r))]) / (STEEL.lame_mu * RADIUS**2)
     around = r * twist
     around -= r * np.trapezoid(around * r**2, r) / np.trapezoid(r**3, r)
-    found = disc_shear_compliance(np.array([0]), RADIUS, STEEL)[0]
+    found = shear_compliance(Section(RADIUS, 0.0, STEEL), np.array([0]))[0]
     assert found == pytest.approx(around[-1], rel=1e-5)
 
 
-@pytest.mark.parametrize("make", [
-    lambda b: disc_shear_approach(RADIUS, STEEL, b),
-    lambda b: ring_shear_approach(*INNER, STEEL, b),
-    lambda b: ring_shear_approach(*OUTER, STEEL, b),
-])  # fmt: skip
-def test_narrow_tractions_move_a_surface_as_pressures_do_a_half_plane(make):
+@pytest.mark.parametrize("radii", [(RADIUS, 0.0), INNER, OUTER])
+def test_narrow_tractions_move_a_surface_as_pressures_do_a_half_plane(radii):
     """Halving the width adds (2/πE′) ln 2 (Johnson, Contact Mechanics, section 2.8)."""
-    added = make(2e-5) - make(4e-5)
+    section = Section(*radii, STEEL)
+    added = shear_approach(section, 2e-5) - shear_approach(section, 4e-5)
     assert added == pytest.approx(2.0 / (np.pi * STEEL.plane_strain_modulus) * log(2.0), rel=1e-3)
 
 

@@ -26,7 +26,7 @@ from fem.contacts.model import Model, assembled_bodies, named
 from fem.contacts.patch import disc_patch_force, hats, patch, patches, ring_patch_force
 from fem.contacts.points import POINTS_PER_NODE, PointLaw, PointModel, surface_spacings
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.elastic.continuum import hertz_approach
 from fem.kernels.fields import filled
 from fem.kernels.patches import N_NODES
 from fem.kernels.state import Spread
@@ -171,15 +171,11 @@ def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.n
     """G of one body at distances `apart`, m/N."""
     unit = line_compliance(body.material, thickness)
     if isinstance(body, DiscBody):
-        width = 0.01 * body.shape.radius  # any narrow one
-        exact = disc_hertz_approach(body.shape.radius, body.material, width) / thickness
-        found = _disc_answer(body, apart)
+        section, found = body.section.squeezed, _disc_answer(body, apart)
     else:
-        width = 0.01 * body.raceway_radius
-        held = float(body.radii[body.held_row])
-        exact = ring_hertz_approach(body.raceway_radius, held, body.material, width) / thickness
-        found = _ring_answer(body, apart)
-    constant = exact + unit * (log(width) + HERTZ_LOG_MOMENT - MEAN_BELOW_CENTRE)
+        section, found = body.section, _ring_answer(body, apart)
+    width = 0.01 * section.loaded  # any narrow one
+    constant = hertz_approach(section, width) / thickness + unit * (log(width) + HERTZ_LOG_MOMENT - MEAN_BELOW_CENTRE)
     return constant - unit * _cells_log(apart) - found
 
 

@@ -41,12 +41,12 @@ from fem.contacts.patch import (
 from fem.contacts.points import PointResponses
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
-from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
-from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
+from fem.elastic.continuum import Section, hertz_approach, roller_section
+from fem.elastic.tangential import stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER
-from lagrange import Bearing, Material
+from lagrange import Bearing
 from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes
 
@@ -93,7 +93,7 @@ class SubgridModel(Model):
         )
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
-            between = unmeshed_disc(bearing.roller_radius, bearing.roller.elastic, thickness, half_width)
+            between = unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
         met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
         return cls(
             bearing=bearing,
@@ -218,9 +218,8 @@ def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float)
     angles = np.arange(KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / ring.n_sectors)
     loads = np.stack([ring_patch_force(ring, angle) for angle in angles], axis=-1)
     found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
-    held = float(ring.radii[ring.held_row])
-    exact = ring_hertz_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
-    sticking = ring_stick_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
+    exact = hertz_approach(ring.section, half_width) / thickness
+    sticking = stick_approach(ring.section, half_width) / thickness
     loads = np.stack([ring_patch_traction(ring, angle) for angle in angles], axis=-1)
     sticking -= np.einsum("rcsp,rcsp->p", loads, ring.held(loads)).mean()
     return _missing(exact, found, sticking, half_width, line_compliance(ring.material, thickness))
@@ -233,8 +232,8 @@ def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float)
     nodes = disc.shape.surface_nodes
     angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
     found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
-    exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
-    sticking = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
+    exact = hertz_approach(disc.section.squeezed, half_width) / thickness
+    sticking = stick_approach(disc.section, half_width) / thickness
     sticking -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
     return _missing(exact, found, sticking, half_width, line_compliance(disc.material, thickness))
 
@@ -282,11 +281,11 @@ def rigid_surface(half_width: float) -> SurfaceCompliance:
     return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
 
 
-def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
+def unmeshed_disc(disc: Section, thickness: float, half_width: float) -> SurfaceCompliance:
     """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
-    exact = disc_hertz_approach(radius, material, half_width) / thickness
-    sticking = disc_stick_approach(radius, material, half_width) / thickness
-    return _missing(exact, np.zeros(KNOTS_PER_NODE), sticking, half_width, line_compliance(material, thickness))
+    exact = hertz_approach(disc.squeezed, half_width) / thickness
+    sticking = stick_approach(disc, half_width) / thickness
+    return _missing(exact, np.zeros(KNOTS_PER_NODE), sticking, half_width, line_compliance(disc.material, thickness))
 
 
 def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:

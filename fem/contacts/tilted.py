@@ -6,9 +6,9 @@ from math import ceil, floor, log10
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.elastic.axial_series import bodies, slice_compliance
+from fem.elastic.axial_series import slice_compliance
 from fem.elastic.cache import kept
-from fem.elastic.continuum import disc_hertz_approach
+from fem.elastic.continuum import hertz_approach, ring_sections, roller_section
 from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact, in_series
@@ -179,10 +179,8 @@ def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
         return squeezed, squeezed
 
     def make() -> dict[str, np.ndarray]:
-        roller, inner, outer = (
-            slice_compliance(body, length, width, n)
-            for body, width in zip(bodies(bearing), (length, axial.ring_width, axial.ring_width), strict=True)
-        )
+        roller = slice_compliance(roller_section(bearing).squeezed, length, length, n)
+        inner, outer = (slice_compliance(ring, length, axial.ring_width, n) for ring in ring_sections(bearing))
         return {"inner": roller + inner, "outer": roller + outer}
 
     found = kept("slices", repr((bearing, n, axial.ring_width)), make)
@@ -193,8 +191,5 @@ def across_roller(bearing: Bearing) -> float:
     """Approach of one contact by an even line load on the other, m per N/m: squeezed roller less one that is pushed."""
     if bearing.roller.rigid:
         return 0.0
-    squeezed, pushed = (
-        disc_hertz_approach(bearing.roller_radius, bearing.roller, ANY_WIDTH * bearing.roller_radius, patches)
-        for patches in (2, 1)
-    )
-    return squeezed - pushed
+    roller, width = roller_section(bearing), ANY_WIDTH * bearing.roller_radius
+    return hertz_approach(roller.squeezed, width) - hertz_approach(roller, width)

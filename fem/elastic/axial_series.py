@@ -9,13 +9,12 @@ from each harmonic function f(r) cos nθ cos kz, f = I_n(kr) or K_n(kr): its gra
 the axis, and ∇(r ∂_r φ) + 4(1 − ν) ∂_z φ e_z. They are combined so that none is nearly another at large n.
 """
 
-from dataclasses import dataclass
 from math import asinh, log, pi
 
 import numpy as np
 
-from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
-from lagrange.bearing import Bearing, Material
+from fem.elastic.continuum import Section, plane_compliance
+from lagrange.bearing import Material
 
 FEWEST = 200  # harmonics summed one by one; the rest, as of a half-space, in closed form
 PER_WAVE = 6.0  # harmonics per kR
@@ -25,33 +24,7 @@ SHORTEST = 100.0  # waves per slice; shorter ones are summed in closed form
 STARTED = 30  # orders above the last from which ratios of I_n are recurred downwards
 
 
-@dataclass(frozen=True, kw_only=True)
-class Body:
-    """A roller, or a ring held on its other circle. m."""
-
-    radius: float  # of the loaded surface
-    held: float | None  # None: a roller, squeezed by two; 0: a solid shaft, whose load acts all over its sections
-    material: Material
-
-    @property
-    def thickness(self) -> float:
-        return self.radius if self.held is None else abs(self.radius - self.held)
-
-    @property
-    def is_bore(self) -> bool:
-        return self.held is not None and self.held > self.radius
-
-
-def bodies(bearing: Bearing) -> tuple[Body, Body, Body]:
-    """Roller, inner ring and outer ring."""
-    return (
-        Body(radius=bearing.roller_radius, held=None, material=bearing.roller),
-        Body(radius=bearing.inner_raceway_radius, held=bearing.bore_radius, material=bearing.inner_ring),
-        Body(radius=bearing.outer_raceway_radius, held=bearing.outside_radius, material=bearing.outer_ring),
-    )
-
-
-def axial_difference(body: Body, k: float) -> float:
+def axial_difference(body: Section, k: float) -> float:
     """D(k), m per N/m: displacement under a line load cos kz less that under an even one; positive into the body.
 
     Parameters
@@ -64,18 +37,18 @@ def axial_difference(body: Body, k: float) -> float:
     """
     if body.material.rigid:
         return 0.0
-    last = 2 * int(max(FEWEST, PER_WAVE * k * body.radius) / 2.0)
-    n = np.arange(0, last + 1, 2 if body.held is None else 1)
-    terms = harmonic_compliance(body, n, k) - _plane(body, n)
+    last = 2 * int(max(FEWEST, PER_WAVE * k * body.loaded) / 2.0)
+    n = np.arange(0, last + 1, body.loads)
+    terms = harmonic_compliance(body, n, k) - plane_compliance(body, n)
     terms[0] *= 0.5
-    step = 2.0 if body.held is None else 1.0  # two loads squeeze a roller: even harmonics alone, doubled
-    x, beyond = k * body.radius, last + 0.5 * step
+    step = float(body.loads)  # two loads squeeze a roller: even harmonics alone, doubled
+    x, beyond = k * body.loaded, last + 0.5 * step
     rest = log(2.0 * beyond / x) - asinh(beyond / x)  # ∫ 1/√(n² + x²) − 1/n over n
-    total = step * float(np.sum(terms)) + 2.0 * body.radius / body.material.plane_strain_modulus * rest
-    return total / (pi * body.radius)
+    total = step * float(np.sum(terms)) + 2.0 * body.loaded / body.material.plane_strain_modulus * rest
+    return total / (pi * body.loaded)
 
 
-def slice_compliance(body: Body, length: float, width: float, slices: int) -> np.ndarray:
+def slice_compliance(body: Section, length: float, width: float, slices: int) -> np.ndarray:
     """What slices' forces add to their displacements beyond the plane law, mean over a slice, (slices, slices), m/N.
 
     Parameters
@@ -88,10 +61,10 @@ def slice_compliance(body: Body, length: float, width: float, slices: int) -> np
     """
     if body.material.rigid:
         return np.zeros((slices, slices))
-    h, roller = length / slices, body.held is None
+    h, roller = length / slices, body.loads == 2
     place = (np.arange(slices) + 0.5 - 0.5 * slices) * h + 0.5 * width
     k = pi / width * np.arange(1, int(SHORTEST * 2.0 * width / h) + 1)
-    exact = k <= HIGHEST / min(body.radius, body.thickness)
+    exact = k <= HIGHEST / min(body.loaded, body.thickness)
     unit = pi * body.material.plane_strain_modulus
     difference = np.empty(k.size)
     difference[exact] = [axial_difference(body, each) for each in k[exact]]
@@ -112,21 +85,15 @@ def axial_limit(material: Material) -> float:
     return 2.0 * nu**2 / (1.0 - nu**2) / (pi * material.plane_strain_modulus)
 
 
-def _plane(body: Body, n: np.ndarray) -> np.ndarray:
-    if body.held is None:
-        return disc_harmonic_compliance(n, body.radius, body.material)
-    return ring_harmonic_compliance(n, body.radius, body.held, body.material)
-
-
-def harmonic_compliance(body: Body, n: np.ndarray, k: float) -> np.ndarray:
+def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     """C_n(k), m/Pa: displacement into the body per unit pressure cos nθ cos kz.
 
     Parameters
     ----------
     n : ndarray of int, 0 ... with even steps; k : 1/m, > 0
     """
-    R, nu = body.radius, body.material.poisson_ratio
-    grow, decay = not body.is_bore, body.is_bore  # the functions that fall off from the loaded surface
+    R, nu = body.loaded, body.material.poisson_ratio
+    grow, decay = body.convexity > 0, body.convexity < 0  # the functions that fall off from the loaded surface
     free = _fields(n, k, R, nu, _functions(n, k, R, decay), decay)
     displacement = np.empty(n.shape)
     alone = np.ones(n.shape, dtype=bool)
@@ -151,7 +118,7 @@ def harmonic_compliance(body: Body, n: np.ndarray, k: float) -> np.ndarray:
         right = np.broadcast_to(np.concatenate([pushed, np.zeros((3, 1))]), (m.size, 6, 1))
         weights = np.linalg.solve(both / scale, right) / np.swapaxes(scale, 1, 2)
         displacement[~alone] = (loaded[:, :1] @ weights)[:, 0, 0]
-    return (displacement if body.is_bore else -displacement) / body.material.lame_mu
+    return -body.convexity * displacement / body.material.lame_mu
 
 
 def _fields(n: np.ndarray, k: float, r: float, nu: float, functions, decay: bool) -> np.ndarray:

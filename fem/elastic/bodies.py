@@ -7,6 +7,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.elastic.cache import kept
+from fem.elastic.continuum import Section
 from fem.elastic.stress import stress_operator
 from lagrange import Material
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of
@@ -31,6 +32,11 @@ class DiscBody:
     @property
     def n_nodes(self) -> int:
         return len(self.mass)
+
+    @property
+    def section(self) -> Section:
+        """The circle itself, without a mesh."""
+        return Section(self.shape.radius, 0.0, self.material)
 
     @property
     def first_surface_node(self) -> int:
@@ -206,6 +212,11 @@ class RingBody:
     @property
     def raceway_radius(self) -> float:
         return float(self.radii[self.raceway_row])
+
+    @property
+    def section(self) -> Section:
+        """The ring itself, without a mesh."""
+        return Section(self.raceway_radius, float(self.radii[self.held_row]), self.material)
 
     @property
     def free_rows(self) -> np.ndarray:

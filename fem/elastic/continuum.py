@@ -2,12 +2,12 @@
 
 The yardstick for a coarse mesh's contact compliance: what an infinitely fine mesh would give, without one.
 
-- `ring_harmonic_compliance`, `disc_harmonic_compliance`: surface displacement per unit pressure cos nθ.
-- `ring_sag`: what a ring's own weight does to its raceway.
+- `Section`: what is loaded, and on which circle.
+- `plane_compliance`: surface displacement per unit pressure cos nθ.
+- `weight_sag`: what a ring's own weight does to its raceway.
 - `hertz_patch`: Fourier transform of a unit line load spread over a patch.
 - `patch_displacement`: the two combined, displacement per unit line load (N per m of roller length).
-- `ring_hertz_approach`, `disc_hertz_approach`: centre displacement under Hertz pressure, slow tails summed
-  in closed form.
+- `hertz_approach`: centre displacement under Hertz pressure, slow tails summed in closed form.
 
 A displacement is positive in the direction of the push, which is into the body. Writing u_r = U(r) cos nθ,
 u_θ = V(r) sin nθ, Muskhelishvili's φ = z^(1±n) and ψ = z^(−1±n) give the four solutions of Navier's
@@ -17,10 +17,11 @@ equations.
 from collections.abc import Callable
 from functools import lru_cache
 from math import log, pi
+from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.bearing import Material
+from lagrange.bearing import Bearing, Material
 
 # Harmonics summed by the Hertz approaches: C_n less its 1/n and 1/n² parts leaves c/n³, and a truncation of
 # 1/(2 n_max²) = 1e-9 of c against a sum of several c, however narrow the patch. Only thin rings, coupled up
@@ -35,15 +36,54 @@ DECOUPLED = 1e-18
 SUM_TOLERANCE = 1e-5
 
 
-def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
-    """Surface displacement of an annulus, fixed on one circle, per unit normal pressure cos nθ on the other.
+class Section(NamedTuple):
+    """A ring across its axis, loaded on one circle and held on the other, or a disc, which is held nowhere. m.
+
+    Held inside the load: an inner ring loaded on its raceway. Held outside: an outer ring loaded on its raceway.
+    """
+
+    loaded: float  # radius
+    held: float  # radius; 0: a disc, whose mean motion does not count, or a solid shaft, whose load acts all over it
+    material: Material
+    loads: int = 1  # evenly spaced around, all alike: two squeeze a disc, one accelerates it
+
+    @property
+    def squeezed(self) -> "Section":
+        return self._replace(loads=2)
+
+    @property
+    def elastic(self) -> "Section":
+        """The same of a material that is not rigid."""
+        return self._replace(material=self.material.elastic)
+
+    @property
+    def convexity(self) -> int:
+        """Of the loaded surface: 1 as a disc's, −1 as a hole's in a plate."""
+        return 1 if self.loaded > self.held else -1
+
+    @property
+    def thickness(self) -> float:
+        return abs(self.loaded - self.held)
+
+
+def roller_section(bearing: Bearing) -> Section:
+    return Section(bearing.roller_radius, 0.0, bearing.roller)
+
+
+def ring_sections(bearing: Bearing) -> tuple[Section, Section]:
+    """Of the inner ring and of the outer one."""
+    return (
+        Section(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
+        Section(bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
+    )
+
+
+def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
+    """Surface displacement per unit normal pressure cos nθ on the loaded circle.
 
     Parameters
     ----------
     n : ndarray of int, >= 0
-    loaded_radius, held_radius : float, m
-        Held inside the load: an inner ring loaded on its raceway. Held outside: an outer ring loaded on its
-        raceway. Held at 0: a solid shaft, whose load acts all over it, `disc_harmonic_compliance`.
     Returns
     -------
     ndarray, shape of n, m/Pa; positive into the body
@@ -51,37 +91,35 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
     ------
     Round-off, at most 1e-11 relative at any n for the rings of a bearing.
     """
-    if held_radius == 0.0 < loaded_radius:
-        return disc_harmonic_compliance(n, loaded_radius, material)
-    if loaded_radius <= 0.0 or held_radius < 0.0 or loaded_radius == held_radius:
-        raise ValueError(
-            f"ring radii must be positive and differ: loaded {loaded_radius:.4g} m, held {held_radius:.4g} m"
-        )
+    loaded, held, material, _ = section
+    if held == 0.0 < loaded:
+        return _disc_compliance(section, n)
+    if loaded <= 0.0 or held < 0.0 or loaded == held:
+        raise ValueError(f"ring radii must be positive and differ: loaded {loaded:.4g} m, held {held:.4g} m")
     n = _harmonics(n)
-    t = held_radius / loaded_radius
+    t = held / loaded
     lame_lambda, lame_mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
 
     compliance = np.empty(n.shape)
     is_axisymmetric = n == 0
     compliance[is_axisymmetric] = abs(1.0 - t**2) / (2.0 * (lame_lambda + lame_mu) + 2.0 * lame_mu * t**2)
 
-    is_decoupled = (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
-    far = n[is_decoupled]
-    convexity = 1 if t < 1.0 else -1  # as a solid disc, or as a hole in an infinite plate
-    compliance[is_decoupled] = (kappa / (far + convexity) + 1.0 / (far - convexity)) / (4.0 * lame_mu)
+    far, near = apart(n, t)
+    compliance[far] = (kappa / (n[far] + section.convexity) + 1.0 / (n[far] - section.convexity)) / (4.0 * lame_mu)
+    radial = annulus_surface(n[near], t, kappa, PRESSURE)[:, 0]
+    compliance[near] = -section.convexity * radial / (2.0 * lame_mu)
+    return loaded * compliance
 
-    is_coupled = ~is_axisymmetric & ~is_decoupled
-    near = n[is_coupled]
-    if near.size:
-        surface = annulus_modes(near, 1.0, t, kappa)[:, 0, :]
-        radial = np.sum(surface * _ring_coefficients(near, t, kappa), axis=1)
-        compliance[is_coupled] = np.sign(t - 1.0) * radial / (2.0 * lame_mu)
-    return loaded_radius * compliance
+
+def apart(n: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which harmonics of a ring do not feel the circle that is held, t loaded radii from the centre; which do."""
+    far = (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
+    return far, (n > 0) & ~far
 
 
 @lru_cache(maxsize=2)  # of the last bearing's rings
-def ring_sag(free_radius: float, held_radius: float, material: Material, gravity: float) -> float:
-    """How far the free circle of an annulus that is fixed on its other circle falls by its own weight, m.
+def weight_sag(section: Section, gravity: float) -> float:
+    """How far the circle of a ring that is not held falls by its own weight, m; a solid shaft is held all over.
 
     Its radii change by s cos θ from straight down, as if it had been shifted. The weight asks for a displacement c x²
     downwards, x the depth below the centre, of which u_r has ¾ c r² cos θ; solutions without weight free the one
@@ -89,17 +127,17 @@ def ring_sag(free_radius: float, held_radius: float, material: Material, gravity
 
     Parameters
     ----------
-    free_radius, held_radius : float, m, as of `ring_harmonic_compliance`; a solid shaft is held where its weight is
     gravity : float, m/s²
     Errors
     ------
     Round-off.
     """
-    if held_radius == 0.0:
+    loaded, held, material, _ = section
+    if held == 0.0:
         return 0.0
     lame_lambda, mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
-    one, t = np.array([1]), held_radius / free_radius
-    bend = -material.density * gravity * free_radius**2 / (2.0 * (lame_lambda + 2.0 * mu))
+    one, t = np.array([1]), held / loaded
+    bend = -material.density * gravity * loaded**2 / (2.0 * (lame_lambda + 2.0 * mu))
 
     def of_weight(r):
         """As the rows of `annulus_modes`, at r free radii."""
@@ -112,29 +150,18 @@ def ring_sag(free_radius: float, held_radius: float, material: Material, gravity
     return float(free[0] @ weights + of_weight(1.0)[0]) / (2.0 * mu)
 
 
-def disc_harmonic_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
-    """Surface displacement of a free solid disc per unit normal pressure cos nθ, its mean motion being zero.
+def _disc_compliance(disc: Section, n: np.ndarray) -> np.ndarray:
+    """`plane_compliance` of a free solid disc, its mean motion being zero.
 
     Neither the area's mean displacement nor its mean rotation is counted. For n = 1 the pressure has a
     resultant, balanced by the inertia of a uniform acceleration; the displacement is u_r = −α r² cos θ,
     u_θ = −α r² sin θ, α = 1/(4 (λ+μ) R), whose mean over the area vanishes. It is half that of n = 0.
-
-    Parameters
-    ----------
-    n : ndarray of int, >= 0
-    radius : float, m
-    Returns
-    -------
-    ndarray, shape of n, m/Pa; positive into the body
-    Errors
-    ------
-    Round-off.
     """
-    n = _harmonics(n)
+    n, kappa = _harmonics(n), kolosov(disc.material)
     is_one = n == 1
-    compliance = kolosov(material) / (n + 1) + 1.0 / np.where(is_one, 1, n - 1)
-    compliance[is_one] = 0.5 * (kolosov(material) - 1.0)
-    return radius / (4.0 * material.lame_mu) * compliance
+    compliance = kappa / (n + 1) + 1.0 / np.where(is_one, 1, n - 1)
+    compliance[is_one] = 0.5 * (kappa - 1.0)
+    return disc.loaded / (4.0 * disc.material.lame_mu) * compliance
 
 
 def hertz_patch(n: np.ndarray, half_width: float, radius: float) -> np.ndarray:
@@ -172,7 +199,7 @@ def patch_displacement(
     Truncation, below SUM_TOLERANCE of the sum of the absolute terms: it is estimated by fading out the last
     half of the terms, and too few are refused. A spline patch of half-width a on both sides needs some
     15 R/a harmonics; Hertz pressure probed at a point 150 R/b: for its centre, rather take
-    `ring_hertz_approach`, `disc_hertz_approach`.
+    `hertz_approach`.
     """
     n = np.arange(compliance.size)
     amplitude = compliance * transform_load * transform_probe
@@ -217,47 +244,22 @@ def _fade(n: np.ndarray) -> np.ndarray:
     return np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2
 
 
-def ring_hertz_approach(loaded_radius: float, held_radius: float, material: Material, half_width: float) -> float:
-    """Displacement under the centre of one Hertz patch on a ring held on its other circle, m per N/m.
+def hertz_approach(section: Section, half_width: float) -> float:
+    """Displacement into a body under the centre of each Hertz patch, m per N/m; a disc's relative to its mean one.
 
     Errors: truncation below 1e-8 relative.
     """
-
-    def compliance(n):
-        return ring_harmonic_compliance(n, loaded_radius, held_radius, material)
-
-    convexity = 1.0 if loaded_radius > held_radius else -1.0
-    return hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
+    return hertz_centre(plane_compliance, section, half_width)
 
 
-def disc_hertz_approach(radius: float, material: Material, half_width: float, n_patches: int = 2) -> float:
-    """Displacement towards the centre of a free disc under each of n evenly spaced Hertz patches, m per N/m.
+def hertz_centre(compliance: Callable[[Section, np.ndarray], np.ndarray], section: Section, half_width: float) -> float:
+    """Centre displacement under one of the evenly spaced Hertz patches on a section, m per N/m of each.
 
-    Two patches squeeze the disc. One accelerates it uniformly; the displacement is then relative to the
-    mean one. Errors: truncation below 1e-8 relative.
+    Only harmonics that are multiples of the number of patches are excited. The part of C_n common to all bodies, c/n ∓
+    c γ/n² with c = 2R/E', γ = (κ−1)/(κ+1), upper sign for a convex surface, is summed in closed form: Σ cos(mθ)/m =
+    −ln|2 sin θ/2| and Σ cos(mθ)/m² = π²/6 − π|θ|/2 + θ²/4, averaged over the semi-ellipse.
     """
-
-    def compliance(n):
-        return disc_harmonic_compliance(n, radius, material)
-
-    return hertz_centre(compliance, radius, material, half_width, n_patches, 1.0)
-
-
-def hertz_centre(
-    compliance: Callable[[np.ndarray], np.ndarray],
-    radius: float,
-    material: Material,
-    half_width: float,
-    n_patches: int,
-    convexity: float,
-) -> float:
-    """Centre displacement under one of n evenly spaced Hertz patches, m per N/m of each.
-
-    Only harmonics that are multiples of n_patches are excited. The part of C_n common to all bodies, c/n ∓
-    c γ/n² with c = 2R/E', γ = (κ−1)/(κ+1), upper sign for a convex surface (convexity 1, else −1), is
-    summed in closed form: Σ cos(mθ)/m = −ln|2 sin θ/2| and Σ cos(mθ)/m² = π²/6 − π|θ|/2 + θ²/4, averaged
-    over the semi-ellipse.
-    """
+    radius, _, material, n_patches = section
     beta = n_patches * half_width / radius
     if not 0.0 < beta <= 1.0:
         raise ValueError(
@@ -265,20 +267,28 @@ def hertz_centre(
         )
     n = n_patches * np.arange(1, N_HARMONICS + 1)
     flat = 2.0 * radius / material.plane_strain_modulus
-    curvature = -convexity * (kolosov(material) - 1.0) / (kolosov(material) + 1.0)
-    rest = np.sum((compliance(n) - flat / n * (1.0 + curvature / n)) * hertz_patch(n, half_width, radius))
+    curvature = -section.convexity * (kolosov(material) - 1.0) / (kolosov(material) + 1.0)
+    rest = np.sum((compliance(section, n) - flat / n * (1.0 + curvature / n)) * hertz_patch(n, half_width, radius))
     # next term of the series: 5 β⁶/11 612 160, below 5e-7
     first_sum = log(2.0 / beta) + 0.5 + beta**2 / 96.0 + beta**4 / 23040.0
     second_sum = pi**2 / 6.0 - 2.0 * beta / 3.0 + beta**2 / 16.0
     common = flat / n_patches * (first_sum + curvature / n_patches * second_sum)
-    mean = 0.5 * compliance(np.array([0]))[0]
+    mean = 0.5 * compliance(section, np.array([0]))[0]
     return float(n_patches / (pi * radius) * (mean + rest + common))
 
 
-def _ring_coefficients(n: np.ndarray, t: float, kappa: float) -> np.ndarray:
-    """Weights (n_n, 4) of the annulus modes for pressure cos nθ on radius 1, n >= 1, with radius t fixed."""
+PRESSURE, TRACTION = (-1.0, 0.0), (0.0, 1.0)  # amplitudes of σ_rr and σ_rθ on the loaded circle
+
+
+def annulus_surface(n: np.ndarray, t: float, kappa: float, stress: tuple[float, float]) -> np.ndarray:
+    """2μU and 2μV on radius 1, (n_n, 2), under stresses there of n >= 1 waves around, with radius t fixed."""
+    return np.sum(annulus_modes(n, 1.0, t, kappa)[:, :2] * annulus_weights(n, t, kappa, stress)[:, None], axis=2)
+
+
+def annulus_weights(n: np.ndarray, t: float, kappa: float, stress: tuple[float, float]) -> np.ndarray:
+    """Weights of the annulus modes, (n_n, 4), for the same."""
     conditions = np.concatenate((annulus_modes(n, t, t, kappa)[:, :2], annulus_modes(n, 1.0, t, kappa)[:, 2:]), axis=1)
-    right_side = np.array([0.0, 0.0, -1.0, 0.0]).reshape(1, 4, 1)
+    right_side = np.array([0.0, 0.0, *stress]).reshape(1, 4, 1)
     return np.linalg.solve(conditions, right_side)[..., 0]
 
 

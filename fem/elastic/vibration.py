@@ -11,7 +11,7 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Legendre, legendre
 
-from lagrange import Material
+from fem.elastic.continuum import Section
 
 DEGREE = 20  # of U and V: frequencies of up to seven nodal circles to 1e-8
 BY_MODES, AT_ONCE = 3, 24  # waves around whose modes a sum takes; of how many more at a time displacements
@@ -45,63 +45,53 @@ class Modes:
         return each.sum(axis=-1)
 
 
-def disc_vibrations(radius: float, material: Material, thickness: float, highest: float) -> Modes:
-    """All modes of a free disc, but for rotation, up to a frequency, rad/s."""
-    return _vibrations(0.0, radius, radius, material, thickness, highest)
-
-
-def ring_vibrations(
-    loaded: float, held: float, material: Material, thickness: float, highest: float, hub: float | None = None
-) -> Modes:
-    """All modes up to a frequency, rad/s, of a ring loaded on one circle and held on the other, m.
+def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Modes:
+    """All modes up to a frequency, rad/s, of a disc or ring so thick, m; but for a disc's rotation.
 
     `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
     """
-    return _vibrations(min(loaded, held), max(loaded, held), loaded, material, thickness, highest, hub)
+    found = []
+    for n in range(MOST_WAVES):
+        frequency, into, carried = _of_order(n, section, thickness, hub)
+        some = (frequency > RIGID * highest) & (frequency <= highest)
+        found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
+        # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
+        if n > 2 and frequency[0] > highest:
+            break
+    table = np.array(found).reshape(-1, 4)
+    order, frequency, shape, carried = table.T
+    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
 
 
 @lru_cache(maxsize=8)
-def shift_vibrations(
-    loaded: float, held: float, material: Material, thickness: float, hub: float | None = None
-) -> Modes:
-    """The modes of one wave around, which shift the loaded circle; parameters are those of `ring_vibrations`.
+def shift_vibrations(section: Section, thickness: float, hub: float | None = None) -> Modes:
+    """The modes of one wave around, which shift the loaded circle; parameters are those of `vibrations`.
 
     As many as the polynomials have: the fastest are theirs, not the ring's, and all together carry its statics.
     """
-    frequency, into, carried = _of_order(1, min(loaded, held), max(loaded, held), loaded, material, thickness, hub)
-    first = 0 if hub is None and held > 0.0 else 1  # what moves ring and hub, or a disc, as one
+    frequency, into, carried = _of_order(1, section, thickness, hub)
+    first = 0 if hub is None and section.held > 0.0 else 1  # what moves ring and hub, or a disc, as one
     order = np.ones(len(frequency) - first, dtype=np.intp)
     return Modes(order=order, frequency=frequency[first:], shape=into[first:], carried=carried[first:])
 
 
-def disc_inertia(radius: float, material: Material, thickness: float) -> tuple[float, float]:
-    """Σ s²/ω⁴, s⁴/kg, of all modes of a free disc, and the slowest's frequency, rad/s; parameters as above.
+def inertia(section: Section, thickness: float, hub: float | None = None) -> tuple[float, float]:
+    """Σ s²/ω⁴, s⁴/kg, of all modes, and the slowest's frequency, rad/s; parameters are those of `vibrations`.
 
-    It is also ∫ρ u² of the displacements u by a unit force at rest, and most of it is that of the longest waves.
+    It is also ∫ρ u² of the displacements u by a unit force at rest, and most of it is that of the longest waves. Of few
+    waves around by modes, of which one moves the whole body; of more by the displacements at rest.
     """
-    return _inertia(0.0, radius, radius, material, thickness, None)
-
-
-def ring_inertia(
-    loaded: float, held: float, material: Material, thickness: float, hub: float | None = None
-) -> tuple[float, float]:
-    """The same of a ring; parameters are those of `ring_vibrations`."""
-    return _inertia(min(loaded, held), max(loaded, held), loaded, material, thickness, hub)
-
-
-def _inertia(inner, outer, loaded, material, thickness, hub) -> tuple[float, float]:
-    """Of few waves around by modes, of which one moves the whole body; of more by the displacements at rest."""
     total, slowest = 0.0, inf
     for n in range(BY_MODES):
-        frequency, into, _ = _of_order(n, inner, outer, loaded, material, thickness, hub)
+        frequency, into, _ = _of_order(n, section, thickness, hub)
         own = frequency > RIGID * frequency[-1]
         total += float(np.sum((into[own] / frequency[own] ** 2) ** 2))
         slowest = min(slowest, float(frequency[own][0]))
-    once, twice, thrice = (_matrices(n, inner, outer, material, thickness)[0] for n in (1, 2, 3))
+    once, twice, thrice = (_matrices(n, section, thickness)[0] for n in (1, 2, 3))
     square = 0.5 * (once - 2.0 * twice + thrice)  # stiffness is a polynomial of second degree in the waves around
     linear = twice - once - 3.0 * square
-    mass, kept = _matrices(1, inner, outer, material, thickness)[1], _free(inner, loaded)
-    mass, at = mass[np.ix_(kept, kept)], int(np.searchsorted(kept, DEGREE if loaded == outer else 0))
+    mass, kept = _matrices(1, section, thickness)[1], _free(section)
+    mass, at = mass[np.ix_(kept, kept)], int(np.searchsorted(kept, DEGREE - _held_point(section)))
     for first in range(BY_MODES, MOST_WAVES, AT_ONCE):
         n = np.arange(first, first + AT_ONCE)[:, None, None]
         stiffness = (once - linear - square + n * (linear + n * square))[:, kept[:, None], kept]
@@ -113,24 +103,12 @@ def _inertia(inner, outer, loaded, material, thickness, hub) -> tuple[float, flo
     return total, slowest
 
 
-def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:
-    found = []
-    for n in range(MOST_WAVES):
-        frequency, into, carried = _of_order(n, inner, outer, loaded, material, thickness, hub)
-        some = (frequency > RIGID * highest) & (frequency <= highest)
-        found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
-        # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
-        if n > 2 and frequency[0] > highest:
-            break
-    table = np.array(found).reshape(-1, 4)
-    order, frequency, shape, carried = table.T
-    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
-
-
-def _of_order(n, inner, outer, loaded, material, thickness, hub) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _of_order(
+    n: int, section: Section, thickness: float, hub: float | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies, rad/s, of all modes of n waves around, slowest first; `Modes.shape` and `carried` of each."""
-    stiffness, mass = _matrices(n, inner, outer, material, thickness)
-    free = _admitted(n, inner, loaded, hub is not None)
+    stiffness, mass = _matrices(n, section, thickness)
+    free = _admitted(n, section, hub is not None)
     stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
     held_by_hub = hub is not None and n == 1
     if held_by_hub:
@@ -139,31 +117,34 @@ def _of_order(n, inner, outer, loaded, material, thickness, hub) -> tuple[np.nda
     root = np.linalg.cholesky(mass)
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, stiffness).T))
     vectors = np.linalg.solve(root.T, vectors)
-    surface = free[DEGREE if loaded == outer else 0] @ vectors
-    into = -surface if loaded == outer else surface
+    into = -section.convexity * (free[DEGREE - _held_point(section)] @ vectors)
     carried = vectors[0] if held_by_hub else np.zeros_like(into)
     return np.sqrt(np.maximum(values, 0.0)), into, carried
 
 
-def _free(inner: float, loaded: float) -> np.ndarray:
+def _held_point(section: Section) -> int:
+    """Place of the held circle, or of a disc's centre, among the points; the loaded circle is at the other end."""
+    return 0 if section.convexity > 0 else DEGREE
+
+
+def _free(section: Section) -> np.ndarray:
     """What moves of U and V at the points where a held circle or the centre does not, whole."""
-    at = 0 if inner == 0.0 or loaded > inner else DEGREE
+    at = _held_point(section)
     return np.delete(np.arange(2 * (DEGREE + 1)), [at, DEGREE + 1 + at])
 
 
-def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:
+def _admitted(n: int, section: Section, on_hub: bool) -> np.ndarray:
     """Motions that keep a disc whole at its centre, or a held circle in its place, as columns (2 (DEGREE + 1), ...).
 
     The first one of a single wave around on a hub, or in a disc, moves the held circle or the centre along +x.
     """
-    size = DEGREE + 1
-    at = 0 if inner == 0.0 or loaded > inner else DEGREE  # held circle or centre
-    kept = np.eye(2 * size)
-    moved = kept[:, at] - kept[:, size + at]
-    others = kept[:, _free(inner, loaded)]
+    at = _held_point(section)
+    kept = np.eye(2 * (DEGREE + 1))
+    moved = kept[:, at] - kept[:, DEGREE + 1 + at]
+    others = kept[:, _free(section)]
     if n == 0:
         return others[:, :DEGREE]  # nothing moves around
-    if n == 1 and (inner == 0.0 or on_hub):
+    if n == 1 and (section.held == 0.0 or on_hub):
         return np.column_stack([moved, others])
     return others
 
@@ -178,9 +159,10 @@ def _basis() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return points, weights, legendre.legvander(points, DEGREE) @ to_series, slopes
 
 
-def _matrices(n, inner, outer, material, thickness) -> tuple[np.ndarray, np.ndarray]:
+def _matrices(n: int, section: Section, thickness: float) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and mass of U and V at Gauss-Lobatto points, (2 (DEGREE + 1),) each way; N/m and kg."""
-    middle, half = 0.5 * (inner + outer), 0.5 * (outer - inner)
+    loaded, held, material, _ = section
+    middle, half = 0.5 * (loaded + held), 0.5 * abs(loaded - held)
     points, weights, f, slopes = _basis()
     df = slopes / half
     r = (middle + half * points)[:, None]

@@ -16,6 +16,7 @@ from math import ceil, hypot, inf, pi, sqrt
 
 import numpy as np
 
+from fem.elastic.continuum import ring_sections
 from fem.elastic.vibration import Modes, shift_vibrations
 from fem.solver.solver import Samples
 from fem.statics.contact_balance import Condensed
@@ -108,11 +109,10 @@ def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: floa
 
 def _rings(bearing: Bearing, hub_mass: float) -> tuple[Modes, Modes]:
     """Modes of the inner ring on the hub and of the held outer ring that shift their raceways."""
-    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    inner, outer = ring_sections(bearing)
     length, hub = bearing.roller_length, hub_mass - bearing.inner_ring_mass
     solid = bearing.bore_radius == 0.0  # its load and its mass act all over it
-    return shift_vibrations(*inner, length, None if solid else hub), shift_vibrations(*outer, length)
+    return shift_vibrations(inner, length, None if solid else hub), shift_vibrations(outer, length)
 
 
 def vibration_warning(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:

@@ -3,6 +3,7 @@
 The yardstick for the finite-element model: any bearing, frictionless, standing, weightless, in milliseconds.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import log
@@ -11,17 +12,19 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import (
-    disc_hertz_approach,
+    Section,
+    hertz_approach,
     hertz_patch,
     patch_crossing,
     patch_displacement,
     patch_slope,
-    ring_harmonic_compliance,
-    ring_hertz_approach,
+    plane_compliance,
+    ring_sections,
+    roller_section,
 )
-from fem.elastic.tangential import ring_cross_compliance
+from fem.elastic.tangential import cross_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
-from lagrange import Bearing, Material, Operation
+from lagrange import Bearing, Operation
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.kinematics import roller_angles
 
@@ -71,14 +74,13 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
             closing=np.zeros(2 * n),
         )
     half_width = HALF_WIDTH * bearing.roller_radius
-    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
-    single = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 1)
-    squeezed = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 2)
+    roller, (inner, outer) = roller_section(bearing), ring_sections(bearing)
+    single = hertz_approach(roller, half_width)
+    squeezed = hertz_approach(roller.squeezed, half_width)
     j = np.arange(n)
     compliance = np.zeros((2 * n, 2 * n))
-    compliance[:n, :n] = _ring_coupling(*inner, half_width, angle)
-    compliance[n:, n:] = _ring_coupling(*outer, half_width, angle)
+    compliance[:n, :n] = _ring_coupling(inner, half_width, angle)
+    compliance[n:, n:] = _ring_coupling(outer, half_width, angle)
     compliance[j, n + j] = compliance[n + j, j] = squeezed - single
     inner_pair, outer_pair, _ = contact_pairs(bearing)
     return Condensed(
@@ -97,21 +99,23 @@ def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
     return compliance[np.ix_(contacts, contacts)]
 
 
-def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:
+def _ring_coupling(ring: Section, half_width: float, angle: np.ndarray) -> np.ndarray:
     """Displacement of each contact by a unit load, N/m, on each other; zero on the diagonal."""
-    series, pressure = _loaded_ring(radius, held, material, half_width)
+    series, pressure = _loaded_ring(ring, half_width)
     n = len(angle)
     i, coupling = np.arange(n), np.zeros((n, n))
     for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
-        value = patch_displacement(series, pressure, 1.0, radius, angle[shift] - angle[0])
+        value = patch_displacement(series, pressure, 1.0, ring.loaded, angle[shift] - angle[0])
         coupling[i, (i + shift) % n] = coupling[(i + shift) % n, i] = value
     return coupling
 
 
-def _loaded_ring(radius: float, held: float, material: Material, half_width: float) -> tuple[np.ndarray, np.ndarray]:
+def _loaded_ring(
+    ring: Section, half_width: float, compliance: Callable[[Section, np.ndarray], np.ndarray] = plane_compliance
+) -> tuple[np.ndarray, np.ndarray]:
     """Compliance, m/Pa, and transform of the load, by harmonics, (n_harmonics,)."""
-    harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
-    return ring_harmonic_compliance(harmonics, radius, held, material), hertz_patch(harmonics, half_width, radius)
+    harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * ring.loaded / half_width))
+    return compliance(ring, harmonics), hertz_patch(harmonics, half_width, ring.loaded)
 
 
 def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
@@ -119,13 +123,11 @@ def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
 
     By ring, inner and outer: m/N, and m/N per rad.
     """
-    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
     found = []
-    for ring in (inner, outer):
-        loaded = _loaded_ring(*ring, HALF_WIDTH * bearing.roller_radius)
-        given = [patch_displacement(*loaded, 1.0, ring[0], each) for each in angle]
-        found.append([given, [patch_slope(*loaded, ring[0], each) for each in angle]])
+    for ring in ring_sections(bearing):
+        series = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius)
+        given = [patch_displacement(*series, 1.0, ring.loaded, each) for each in angle]
+        found.append([given, [patch_slope(*series, ring.loaded, each) for each in angle]])
     return np.array(found) / bearing.roller_length
 
 
@@ -134,13 +136,10 @@ def crossings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
 
     By ring, inner and outer.
     """
-    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
-    half_width, found = HALF_WIDTH * bearing.roller_radius, []
-    for radius, held, material in (inner, outer):
-        harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
-        pulled = ring_cross_compliance(harmonics, radius, held, material), hertz_patch(harmonics, half_width, radius)
-        found.append([patch_crossing(*pulled, radius, each) for each in angle])
+    found = []
+    for ring in ring_sections(bearing):
+        pulled = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius, cross_compliance)
+        found.append([patch_crossing(*pulled, ring.loaded, each) for each in angle])
     return np.array(found) / bearing.roller_length
 
 
@@ -157,20 +156,17 @@ def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
     radius and up to 23 % of the ring's thickness, finds 1.6 to 2.4 times as much.
     ValueError: a half-width beyond the roller's radius.
     """
-    inner = law.pair.kind == "inner"
-    ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    if not inner:
-        ring = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    inner, outer = ring_sections(bearing)
     half_width = law.pair.half_width(force)
-    roller = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 1)
-    whole = force * (ring_hertz_approach(*ring, half_width) + roller) / law.pair.length
+    of_ring = hertz_approach(inner if law.pair.kind == "inner" else outer, half_width)
+    whole = force * (of_ring + hertz_approach(roller_section(bearing), half_width)) / law.pair.length
     return whole / float(law.approach(force)) - 1.0
 
 
-def _law(ring, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:
+def _law(ring: Section, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:
     """The whole approach of one contact, both bodies, as a law δ = A Q (B − ½ ln Q)."""
     A = pair.line_compliance
-    total = (ring_hertz_approach(*ring, half_width) + roller_approach) / pair.length
+    total = (hertz_approach(ring, half_width) + roller_approach) / pair.length
     return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
-from fem.elastic.continuum import disc_hertz_approach, ring_harmonic_compliance, ring_sag
-from fem.elastic.tangential import disc_stick_approach, moving_softening, ring_stick_approach
+from fem.elastic.continuum import hertz_approach, plane_compliance, ring_sections, roller_section, weight_sag
+from fem.elastic.tangential import moving_softening, stick_approach
 from fem.elastic.vibration import Modes
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
@@ -229,19 +229,16 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
 @lru_cache(maxsize=2)
 def _long_waves(bearing: Bearing, inner: bool) -> float:
     """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
-    ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    if not inner:
-        ring = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
-    series = ring_harmonic_compliance(np.arange((bearing.pockets + 1) // 2), *ring)
+    ring = ring_sections(bearing)[0 if inner else 1]
+    series = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
     series[0] *= 0.5
-    return float(series.sum()) / (np.pi * ring[0] * bearing.roller_length)
+    return float(series.sum()) / (np.pi * ring.loaded * bearing.roller_length)
 
 
 def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
     """How far the raceways' centres fall below the bore's and the outside's by the weight of each ring, m."""
-    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
-    return ring_sag(*inner, gravity), ring_sag(*outer, gravity)
+    inner, outer = ring_sections(bearing)
+    return weight_sag(inner, gravity), weight_sag(outer, gravity)
 
 
 def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
@@ -289,7 +286,7 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
 def _between(bearing: Bearing, pair: Pair) -> ContactLaw:
     """The law of two rollers that meet, each accelerated by the other."""
     half_width = HALF_WIDTH * bearing.roller_radius
-    approach = 2.0 * disc_hertz_approach(bearing.roller_radius, bearing.roller.elastic, half_width, 1) / pair.length
+    approach = 2.0 * hertz_approach(roller_section(bearing).elastic, half_width) / pair.length
     A = pair.line_compliance
     return ContactLaw.of_level(A, approach / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
@@ -312,10 +309,6 @@ def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
 
 def _stick_compliance(bearing: Bearing, half_width: float) -> np.ndarray:
     """The same of contacts so wide, m."""
-    rings = (
-        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
-        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
-    )
-    roller = disc_stick_approach(bearing.roller_radius, bearing.roller.elastic, half_width)
-    others = *(ring_stick_approach(*ring, half_width) for ring in rings), roller
+    roller = stick_approach(roller_section(bearing).elastic, half_width)
+    others = *(stick_approach(ring, half_width) for ring in ring_sections(bearing)), roller
     return np.array([(roller + other) / bearing.roller_length for other in others])

@@ -7,7 +7,8 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
-from fem.elastic.vibration import Modes, disc_inertia, disc_vibrations, ring_inertia, ring_vibrations
+from fem.elastic.continuum import ring_sections, roller_section
+from fem.elastic.vibration import Modes, inertia, vibrations
 from lagrange import Bearing
 
 
@@ -51,12 +52,11 @@ def bearing_modes(bearing: Bearing, inner_mass: float, highest: float) -> Bearin
     length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
 
     def make():
-        inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-        outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+        inner, outer = ring_sections(bearing)
         found = (
-            disc_vibrations(bearing.roller_radius, bearing.roller, length, highest),
-            ring_vibrations(*inner, length, highest, hub),
-            ring_vibrations(*outer, length, highest),
+            vibrations(roller_section(bearing), length, highest),
+            vibrations(inner, length, highest, hub),
+            vibrations(outer, length, highest),
         )
         return {f"{name}.{i}": value for i, modes in enumerate(found) for name, value in vars(modes).items()}
 
@@ -93,14 +93,11 @@ def _inertia(bearing: Bearing, inner_mass: float) -> np.ndarray:
     length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
 
     def make():
-        inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
-        outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+        inner, outer = ring_sections(bearing)
         found = (
-            disc_inertia(bearing.roller_radius, bearing.roller, length),
-            ring_inertia(*inner, length, hub)
-            if bearing.bore_radius > 0.0
-            else disc_inertia(bearing.inner_raceway_radius, bearing.inner_ring, length),
-            ring_inertia(*outer, length),
+            inertia(roller_section(bearing), length),
+            inertia(inner, length, hub if bearing.bore_radius > 0.0 else None),
+            inertia(outer, length),
         )
         return {"inertia": np.array(found)}
 

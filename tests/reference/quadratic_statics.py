@@ -11,6 +11,7 @@ import numpy as np
 
 from fem.contacts.contact_law import NoLaw
 from fem.contacts.model import PressurePoints
+from fem.elastic.continuum import ring_sections
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Bearing
@@ -102,12 +103,7 @@ def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
     """Between the nodes of all contacts, inner ones first, (2 n m, 2 n m), m/N."""
     n, m, length = bearing.n_rollers, contact_nodes(spot)[0].size, bearing.roller_length
     found = np.zeros((2, n, m, 2, n, m))
-    for kind, (raceway, held, material) in enumerate(
-        (
-            (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
-            (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
-        )
-    ):
+    for kind, (raceway, held, material, _) in enumerate(ring_sections(bearing)):
         ring = ring_spot_compliance(
             RefinedSector(raceway_radius=raceway, held_radius=held, sectors=n, spot=spot), material, length
         )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.elastic.continuum import patch_displacement, ring_harmonic_compliance
+from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sections
 from fem.solver.reduced import ReducedPlan
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import HALF_WIDTH
@@ -63,16 +63,12 @@ def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:
     """Of rollers at any angles, by the series themselves, (2, n, n), m/N."""
     bearing, n = model.bearing, len(angle)
     found = np.zeros((2, n, n))
-    rings = (
-        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
-        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
-    )
-    for row, ring in enumerate(rings):
+    for row, ring in enumerate(ring_sections(bearing)):
         width = HALF_WIDTH * bearing.roller_radius
-        harmonics = np.arange(int(30.0 * ring[0] / width))
-        series, load = ring_harmonic_compliance(harmonics, *ring), cubic_bspline_patch(harmonics, width, ring[0])
+        harmonics = np.arange(int(30.0 * ring.loaded / width))
+        series, load = plane_compliance(ring, harmonics), cubic_bspline_patch(harmonics, width, ring.loaded)
         for i in range(n):
             for j in range(i):
-                value = patch_displacement(series, load, 1.0, ring[0], float(angle[i] - angle[j]))
+                value = patch_displacement(series, load, 1.0, ring.loaded, float(angle[i] - angle[j]))
                 found[row, i, j] = found[row, j, i] = value / bearing.roller_length
     return found

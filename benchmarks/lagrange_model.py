@@ -17,6 +17,7 @@ from rich.table import Table
 from benchmarks.measuring import new_table, timed
 from fem.commands.run_fem import run_main
 from fem.solver.lagrangian import LagrangianPlan, make_plan
+from fem.solver.solver import Samples
 from lagrange import simulate
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
@@ -42,13 +43,12 @@ CASES = {
 }
 
 
-def solve(plan: LagrangianPlan, count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The first samples and their energy errors, J."""
+def solve(plan: LagrangianPlan, count: int) -> Samples:
+    """The first samples."""
     state, blocks = plan.first_state(), []
     while state.done < count:
         blocks.append(state.advance(count - state.done).samples)
-    values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()}
-    return values, np.concatenate([block.imbalance for block in blocks])
+    return Samples.joined(blocks)
 
 
 def solutions() -> Table:
@@ -65,7 +65,7 @@ def solutions() -> Table:
         plan.prepare()
         fast, (run, error) = min((timed(solve, plan, SAMPLES) for _ in range(REPEATS)), key=lambda found: found[0])
         off = [
-            np.abs(solve(each, JUDGED + 1)[0]["inner_y"] - exact.inner_y).max()
+            np.abs(solve(each, JUDGED + 1)["inner_y"] - exact.inner_y).max()
             for each in (plan, replace(plan, stride=2 * plan.stride))
         ]
         drift = np.max(np.abs(error)) / run["energy_contact"][run["time"] > 1e-3].mean()

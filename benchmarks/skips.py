@@ -16,13 +16,13 @@ from rich.table import Table
 from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
 
 NOTHING = 1e-30  # of friction, of gravity, of speed: too little to change a digit, enough to be computed
 EVERYWHERE = 1e3  # of a roller's radius: every pair is in reach
 DURATION_MS = 5.0
 COMPARED = (("inner_x", "inner_y"), ("roller_x", "roller_y"), ("inner_force", "outer_force"))  # relative to both
-Samples = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,7 @@ def _run(plan: ElementPlan) -> tuple[float, Samples]:
     """Processor time of the time loop, s, and its samples."""
     blocks = []
     taken, _ = timed(run, plan, blocks.append)
-    names = [name for together in COMPARED for name in together]
-    return taken, {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    return taken, Samples.joined(blocks)
 
 
 def _difference(found: Samples, wanted: Samples, names: tuple[str, ...]) -> float:

@@ -17,6 +17,7 @@ from scipy.signal import welch
 
 from benchmarks.measuring import new_table, timed
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
 from tests.measurements import publish
@@ -97,7 +98,7 @@ def measured(kind: str, name: str, scene: str, settings: dict) -> Point:
 
 def quantities(blocks: list) -> dict[str, float]:
     """What is compared, SI."""
-    values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
+    values = Samples.joined(blocks)
     x, y = values["inner_x"], values["inner_y"]
     largest = max(values[name].max() for name in ("inner_force", "outer_force"))
     found = [y.mean(), y.std(), x.std(), largest]

@@ -11,7 +11,7 @@ from fem.kernels.jit import OPTIONS
 from fem.kernels.ring_kernels import HALO
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
-from tests.reference.going_on import balance_of
+from tests.reference.budgets import balance_of
 from tests.reference.swinging import ring_down
 
 pytestmark = pytest.mark.slow  # kernels of their own; whole runs

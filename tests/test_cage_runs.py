@@ -8,7 +8,8 @@ from fem.solver.simulate import make_plan
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
-from tests.reference.going_on import assert_same_bits, balance_of, rest_of_run
+from tests.reference.budgets import balance_of
+from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.operation_tables import RAMP, scene_with
 
 pytestmark = pytest.mark.slow  # each compiles a time loop

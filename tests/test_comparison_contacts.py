@@ -8,12 +8,13 @@ from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import standing
 from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.kernels.patches import CORNER, chord
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.run import STIFF_PENALTY
 from lagrange.scene.scene import Scene, parse_scene, parse_scene_text
 from tests.reference.bearings import arrays, copies, operation, paper
 from tests.reference.compiled import press_contacts
+from tests.reference.whole_run import whole_run
 
 MESH_MM = 2.0
 LOAD = 2000.0
@@ -106,11 +107,8 @@ def moved(name, stiffness, friction):
         },
         "test",
     )
-    kept = []
-    run(make_plan(scene), kept.append)
-    values = {name: np.concatenate([block[name] for block in kept]) for name in kept[0].values}
-    imbalance = np.concatenate([block.imbalance for block in kept])
-    return values, np.abs(imbalance).max() / kept[-1].exchanged[-1]
+    found = whole_run(make_plan(scene))
+    return found, np.abs(found.imbalance).max() / found.exchanged[-1]
 
 
 @pytest.mark.slow  # two time loops of their own to compile

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from fem.commands.run_fem import run_main
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.faults import Spall
 from lagrange.surface.rolling_envelope import Circles, sinkage
@@ -19,6 +19,7 @@ from residual.fault_finding import SinkageMap, find_faults
 from residual.record import Record
 from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
 from residual.vibration_tables import reported_angle, search_sentences, unseen
+from tests.reference.whole_run import whole_run
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
@@ -28,10 +29,8 @@ def recorded(*settings, noise=0.0, milliseconds=50):
     """Record of a run of the reduced model: trajectories only, by its own integration of the rollers' spins."""
     sampled = "numerics.output_interval_us=10", f"numerics.duration_ms={milliseconds}"
     scene = read_scene(None, ("model=reduced", *sampled, *settings))
-    blocks = []
-    run(make_plan(scene), blocks.append)
-    names = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin")
-    values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    found = whole_run(make_plan(scene))
+    values = {name: found[name] for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin")}
     values["roller_turn"] = cumulative_trapezoid(values.pop("roller_spin"), values["time"], axis=0, initial=0.0)
     rng = np.random.default_rng(5)
     for name in ("inner_x", "inner_y", "roller_x", "roller_y"):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
+from tests.reference.whole_run import whole_run
 
 FAST = {
     "material": {"youngs_modulus_GPa": 70.0},
@@ -19,10 +20,8 @@ def test_a_ring_and_rollers_that_turn_fast_keep_their_energy(friction):
     """A stencil applied to velocities along chords, in frames at the step's start, took 3e-4 of it: as Ω⁴ dt³."""
     plan = make_plan(parse_scene(FAST | {"contact": {"friction_coefficient": friction}}, "scene"))
     assert plan.mass is not LUMPED
-    blocks = []
-    run(plan, blocks.append)
-    imbalance = np.concatenate([block.imbalance for block in blocks])
-    assert np.abs(imbalance).max() < 3e-5 * blocks[-1].exchanged[-1]
+    found = whole_run(plan)
+    assert np.abs(found.imbalance).max() < 3e-5 * found.exchanged[-1]
 
 
 @pytest.mark.parametrize(
@@ -50,7 +49,5 @@ def test_contacts_that_roll_feed_no_waves(friction, mass, monkeypatch):
     tables = {"contact": {"friction_coefficient": friction}, "numerics": {"mesh_size_mm": 2.0, "duration_ms": 15.0}}
     plan = make_plan(parse_scene(tables, "scene"))
     assert plan.mass is mass
-    blocks = []
-    run(plan, blocks.append)
-    imbalance = np.concatenate([block.imbalance for block in blocks])
-    assert np.abs(imbalance).max() < 5e-7 * blocks[-1].exchanged[-1]  # measured 1e-7
+    found = whole_run(plan)
+    assert np.abs(found.imbalance).max() < 5e-7 * found.exchanged[-1]  # measured 1e-7

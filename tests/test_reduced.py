@@ -13,7 +13,7 @@ from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.solver.reduced import ReducedPlan
 from fem.solver.reduced_state import slowest_vibration
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from fem.statics.reduced_bearing import tangential_compliance
 from lagrange.contact.raceway_laws import contact_pairs
@@ -21,6 +21,7 @@ from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.free_vibration import disc_frequency
 from tests.reference.reduced_runs import CLEARANCE, STILL, plan_of, samples_of
+from tests.reference.whole_run import whole_run
 
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
 
@@ -269,9 +270,7 @@ def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
     found = []
     for model in ("fem", "reduced"):
         data = tomllib.loads(tables) | {"model": model, "numerics": {"duration_ms": 3.0, "mesh_size_mm": 2.0}}
-        plan, blocks = make_plan(parse_scene(data, "scene")), []
-        run(plan, blocks.append)
-        found.append(np.concatenate([block["inner_x"] for block in blocks]))
+        found.append(whole_run(make_plan(parse_scene(data, "scene")))["inner_x"])
     assert found[0].max() == pytest.approx(0.5e-6, rel=0.1)  # the wave's amplitude, for a rigid hub and many rollers
     assert np.abs(found[1] - found[0]).max() < 0.01 * found[0].max()
 
@@ -324,9 +323,7 @@ def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements():
     found = []
     for model in ("fem", "reduced"):
         plan = make_plan(read_scene(None, (f"model={model}", "numerics.mesh_size_mm=2", "numerics.duration_ms=4")))
-        blocks = []
-        run(plan, blocks.append)
-        found.append({name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values})
+        found.append(whole_run(plan))
     fine, reduced = found
     assert np.abs(reduced["inner_y"] - fine["inner_y"]).max() < 3e-3 * np.abs(fine["inner_y"]).max()
     assert np.abs(reduced["inner_force"] - fine["inner_force"]).max() < 5e-3 * fine["inner_force"].max()
@@ -336,13 +333,9 @@ def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements():
 
 def test_an_estimate_of_its_error_runs_finite_elements_beside_it():
     plan = plan_of("numerics.duration_ms=2", "numerics.mesh_size_mm=2")
-    blocks = []
-    run(plan, blocks.append)
     estimate = plan.error_estimate()
     assert "finite elements of 2 mm" in estimate.title
-    found = {each.quantity.name: each for each in estimate.find(
-        {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
-    )}  # fmt: skip
+    found = {each.quantity.name: each for each in estimate.find(whole_run(plan).values)}
     assert found["hub_mean_y"].relative < 3e-3 and found["largest_force"].relative < 3e-3
     assert found["cage_speed"].relative < 1e-4
     with pytest.raises(UsageError, match="exact series itself"):

@@ -7,6 +7,7 @@ import pytest
 
 from fem.kernels.reduced_paces import FAR, NEAR
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene.scene import parse_scene
 
 DAMPED = {"contact_time_us": 12.5}
@@ -41,8 +42,7 @@ def ran(plan):
     """The state at the end, and the samples."""
     state, blocks = plan.first_state(), []
     run(plan, blocks.append, state=state, restart=lambda reason: pytest.fail(reason))
-    names = blocks[0].keys()
-    return state, {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    return state, Samples.joined(blocks)
 
 
 def error(state):

@@ -10,7 +10,7 @@ from fem.contacts.model import standing
 from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.limits import check_meshes
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
@@ -19,6 +19,7 @@ from meshes.graded import graded_disc
 from meshes.shapes import make
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, resolved_model, soft
 from tests.reference.compiled import press_contacts
+from tests.reference.whole_run import whole_run
 
 ON_A_ROLLER = -0.5 * np.pi
 LOAD = 300.0
@@ -138,12 +139,11 @@ def rolling_scene(model, friction, mesh_size, duration):
 @pytest.mark.slow  # a time loop of its own to compile
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_a_resolved_run_balances_its_energy(friction):
-    kept = []
     plan = make_plan(rolling_scene("resolved", friction, 0.12, 0.2))
     check_meshes(plan.model)
-    seen = run(plan, kept.append)
-    assert abs(seen.imbalance) < 2e-4
-    force = np.concatenate([block["inner_force"] for block in kept])
+    found = whole_run(plan)
+    assert abs(found.relative_error()[-1]) < 2e-4
+    force = found["inner_force"]
     assert np.all(np.isfinite(force)) and force.max() < 1.1 * LOAD
 
 
@@ -151,9 +151,8 @@ def test_a_resolved_run_balances_its_energy(friction):
 def test_both_contact_models_give_the_same_run():
     hub = {}
     for model, size in (("resolved", 0.08), ("subgrid", 1.0)):
-        kept = []
-        run(make_plan(rolling_scene(model, 0.1, size, 0.2)), kept.append)
-        hub[model] = np.concatenate([[block["inner_x"], block["inner_y"]] for block in kept], axis=1)
+        found = whole_run(make_plan(rolling_scene(model, 0.1, size, 0.2)))
+        hub[model] = np.array([found["inner_x"], found["inner_y"]])
     size = np.abs(hub["subgrid"][1]).mean()
     assert np.abs(hub["resolved"] - hub["subgrid"]).max() < 2e-2 * size
 

@@ -21,6 +21,7 @@ from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.equations import THROUGH, farthest_place
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.commands import command
+from tests.reference.whole_run import whole_run
 
 SOFT = """
 [bearing]
@@ -151,11 +152,9 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
     """Of rollers that strike: M a − forces, from the run's own samples, is at most what it says."""
     numerics = {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 1.0, "output_interval_us": 2.0}
     scene = parse_scene({"model": "reduced", "contact": {"friction_coefficient": 0.0}, "numerics": numerics}, "")
-    plan, blocks = make_plan(scene), []
+    plan = make_plan(scene)
     state = plan.first_state()
-    run(plan, blocks.append, state=state)
-    last = slice(-plan.n_samples, None)  # it restarts with shorter steps
-    found = {name: np.concatenate([block[name] for block in blocks])[last] for name in blocks[0].values}
+    found = whole_run(plan, state)  # it restarts with shorter steps
     x, y = (found[f"roller_{axis}"] - found[f"inner_{axis}"][:, None] for axis in "xy")
     push = found["inner_force"] / np.hypot(x, y)
     operation = plan.operation

@@ -14,6 +14,7 @@ from fem.solver.simulate import make_plan
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.passages import COLUMNS, Passage, find_passages, spall_events
+from tests.reference.whole_run import whole_run
 
 HALF = 0.01  # rad
 RUNNING = Scene().ideal_operation()
@@ -162,14 +163,11 @@ def test_a_slow_light_roller_strikes_where_the_geometry_stops_it(depth_um):
 
 def _events(scene):
     plan = make_plan(scene)
-    state, blocks = plan.first_state(), []
-    while state.done < plan.n_samples:
-        blocks.append(state.advance(plan.n_samples - state.done).samples)
-    read = {name: np.concatenate([block[name] for block in blocks]) for name in COLUMNS}
+    found = whole_run(plan)
     return spall_events(
         find_passages(
             scene.ideal_bearing(), scene.ideal_operation(),
-            lambda start, stop: {name: values[start:stop] for name, values in read.items()}, plan.n_samples,
+            lambda start, stop: {name: found[name][start:stop] for name in COLUMNS}, plan.n_samples,
         )
     )  # fmt: skip
 

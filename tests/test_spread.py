@@ -23,6 +23,7 @@ from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
 from tests.reference.compiled import press_contacts
+from tests.reference.whole_run import whole_run
 
 ON_A_ROLLER = -0.5 * np.pi
 LOAD = 300.0
@@ -190,9 +191,8 @@ def test_a_run_balances_its_energy(friction, most):
 def test_points_and_one_patch_give_the_same_run():
     hub = {}
     for size in (0.25, 0.8):
-        kept = []
-        run(make_plan(rolling_scene(0.1, size, 0.5)), kept.append)
-        hub[size] = np.concatenate([[block["inner_x"], block["inner_y"]] for block in kept], axis=1)
+        found = whole_run(make_plan(rolling_scene(0.1, size, 0.5)))
+        hub[size] = np.array([found["inner_x"], found["inner_y"]])
     assert np.abs(hub[0.25] - hub[0.8]).max() < 5e-3 * np.abs(hub[0.8][1]).mean()
 
 

@@ -16,6 +16,7 @@ from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.faults import Spall, Waviness
+from tests.reference.whole_run import whole_run
 from tests.stability.random_surfaces import surface_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")
@@ -164,11 +165,7 @@ def test_lines_of_the_envelope_are_where_kinematics_puts_them(body, orders):
              "numerics.output_interval_us=10", "numerics.duration_ms=300"),
         )
     )  # fmt: skip
-    state, blocks = plan.first_state(), []
-    while state.done < plan.n_samples:
-        blocks.append(state.advance(plan.n_samples - state.done).samples)
-    names = ("time", "roller_theta", "roller_spin", "inner_ay")
-    samples = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    samples = whole_run(plan)
     time, theta = samples["time"], samples["roller_theta"]
     cage = (theta[-1] - theta[0]).mean() / (time[-1] - time[0]) / (2.0 * np.pi)
     speeds = np.array([cage, 75.0, abs(samples["roller_spin"].mean()) / (2.0 * np.pi) + cage])

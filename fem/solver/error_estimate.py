@@ -11,7 +11,7 @@ from fem.quantities import Quantity, moving_quantities
 from fem.solver.finite_elements import ElementPlan, make_plan
 from fem.solver.finite_elements import make_plan as element_plan
 from fem.solver.simulate import run
-from fem.solver.solver import Plan, Progress
+from fem.solver.solver import Plan, Progress, Samples
 from fem.statics.equilibrium import static_quantities
 from lagrange.scene.run import COMPARISONS
 from lagrange.scene.scene import Scene
@@ -84,7 +84,7 @@ class SecondRun:
         return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
 
     def record(self, report: Callable[[Progress], None], stop: Callable[[], bool]) -> dict[str, np.ndarray] | None:
-        """Samples of the second run by the result file's names (NEEDED); None if it was stopped.
+        """Samples of the second run by the result file's names; None if it was stopped.
 
         Errors
         ------
@@ -92,7 +92,7 @@ class SecondRun:
         """
         blocks = []
         run(self.coarse, blocks.append, report, stop)
-        return None if stop() else {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
+        return None if stop() else Samples.joined(blocks).values
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ file, checkpoints and the command know solvers by nothing else.
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, KeysView
+from collections.abc import Callable, Iterator, KeysView, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -48,6 +48,16 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.imbalance)
+
+    @classmethod
+    def joined(cls, blocks: Sequence["Samples"]) -> "Samples":
+        """Blocks of one run, one after the other."""
+        return cls(
+            values={name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()},
+            imbalance=np.concatenate([block.imbalance for block in blocks]),
+            exchanged=np.concatenate([block.exchanged for block in blocks]),
+            error=np.concatenate([block.error for block in blocks]),
+        )
 
     def first(self, count: int) -> "Samples":
         """The first samples of the block."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.errors import RunFailed, UsageError
 from fem.solver.simulate import make_plan
+from fem.solver.solver import Samples
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene
 
@@ -63,10 +64,10 @@ def run(scene: dict) -> Run:
         trouble = block.trouble
         if block.samples is not None and len(block.samples):
             blocks.append(block.samples)
-    values = {name: np.concatenate([block.values[name] for block in blocks]) for name in blocks[0].values}
-    imbalance = np.abs(np.concatenate([block.imbalance for block in blocks])).max()
-    passed = max(block.exchanged.max() for block in blocks) + values["work_dissipated"].max()
-    return Run(scene=parsed, values=values, imbalance=float(imbalance / passed), trouble=trouble)
+    found = Samples.joined(blocks)
+    passed = found.exchanged.max() + found["work_dissipated"].max()
+    imbalance = np.abs(found.imbalance).max() / passed
+    return Run(scene=parsed, values=found.values, imbalance=float(imbalance), trouble=trouble)
 
 
 def caged(model: str, duration: float, cage: dict, **tables) -> Run:

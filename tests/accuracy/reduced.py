@@ -17,7 +17,7 @@ from fem.solver.reduced import SHARE
 from fem.solver.reduced_state import LIMIT
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Plan
+from fem.solver.solver import Plan, Samples
 from lagrange.scene.scene import read_scene
 from tests.measurements import markdown_table, publish
 
@@ -56,10 +56,9 @@ def found(plan: Plan, halving: bool = True) -> Found:
         run(plan, blocks.append, state=state, restart=lambda reason: blocks.clear())
     except RunFailed as error:
         trouble = str(error)
-    blocks = [block for block in blocks if len(block)]
-    values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
-    imbalance = max(float(np.abs(block.imbalance).max()) for block in blocks) / blocks[-1].exchanged[-1]
-    return Found(values, imbalance, state.wall, trouble)
+    samples = Samples.joined(blocks)
+    imbalance = float(np.abs(samples.imbalance).max()) / samples.exchanged[-1]
+    return Found(samples.values, imbalance, state.wall, trouble)
 
 
 def plan_of(settings: tuple[str, ...], model: str, mesh_mm: float = 1.0) -> Plan:

@@ -24,6 +24,7 @@ from rich.console import Console
 from fem.errors import RunFailed, UsageError
 from fem.solver.reduced_state import HARD_SHOCK, SHOCK
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.measurements import markdown_table, publish
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch
@@ -86,13 +87,10 @@ def watched(tables: dict[str, Any], model: str) -> Found:
         watch.write(block)
     if watch.faults:
         ending, what = FAILED, "; ".join(dict.fromkeys(watch.faults))
-    blocks = [block for block in blocks if len(block)]
-    if not blocks:
+    if not any(map(len, blocks)):
         return Found(ending=ending, what=what)
-    x, y, inner, outer = (
-        np.concatenate([block[name] for block in blocks])
-        for name in ("inner_x", "inner_y", "inner_force", "outer_force")
-    )
+    samples = Samples.joined(blocks)
+    x, y, inner, outer = (samples[name] for name in ("inner_x", "inner_y", "inner_force", "outer_force"))
     return Found(
         ending=ending,
         what=what,

@@ -59,11 +59,12 @@ class Motion:
             block = self.state.advance(end - self.state.done)
             blocks += [] if block.samples is None else [block.samples]
             self.trouble = block.trouble
-        values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()}
+        found = Samples.joined(blocks)
+        values = found.values
         cage = {name.removeprefix("cage_"): value for name, value in values.items() if name.startswith("cage_")}
         return SimpleNamespace(
             **values,
-            energy_error=np.concatenate([block.imbalance for block in blocks]),
+            energy_error=found.imbalance,
             energy_moved=values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values),
             cage=SimpleNamespace(**cage),
             inner_damper=values["inner_damping_force"],

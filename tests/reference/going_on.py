@@ -21,12 +21,3 @@ def assert_same_bits(found: Samples, expected: Samples) -> None:
     assert set(found.values) == set(expected.values)
     for name in expected.values:
         np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
-
-
-def balance_of(result):
-    """What the run's energies leave, J, over what is exchanged and dissipated."""
-    energies = result.energies
-    left = sum(energies[name] for name in energies if name.startswith("energy_"))
-    left = left - energies["work_external"] + energies["work_dissipated"]
-    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
-    return np.abs(left - left[0]).max() / passed

@@ -7,6 +7,7 @@ import numpy as np
 from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sections
 from fem.solver.reduced import ReducedPlan
 from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from fem.statics.exact_statics import HALF_WIDTH
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange.scene.scene import parse_scene, read_scene
@@ -56,7 +57,7 @@ def ran(plan):
         blocks.clear()
 
     run(plan, blocks.append, state=state, restart=restart)
-    return state, np.concatenate([block["inner_y"] for block in blocks]), told
+    return state, Samples.joined(blocks)["inner_y"], told
 
 
 def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:

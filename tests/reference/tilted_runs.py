@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene
+from tests.reference.whole_run import whole_run
 
 
 def scene(model, axial=(), **changes):
@@ -16,9 +17,7 @@ def scene(model, axial=(), **changes):
 
 def moved(found):
     """Columns of a run by name."""
-    blocks = []
-    run(make_plan(found), blocks.append)
-    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
+    return whole_run(make_plan(found)).values
 
 
 def missed(samples):

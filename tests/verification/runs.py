@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.solver.finite_elements import ElementPlan
-from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Samples
+from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
+from tests.reference.whole_run import whole_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,13 +34,8 @@ def plan_of(**settings: float | str) -> ElementPlan:
 
 def record(plan: ElementPlan) -> RunSamples:
     """Run a plan to its end."""
-    kept: list[Samples] = []
-    run(plan, kept.append)
-    return RunSamples(
-        plan=plan,
-        values={name: np.concatenate([block[name] for block in kept]) for name in kept[0].values},
-        imbalance=np.concatenate([block.imbalance for block in kept]),
-    )
+    found = whole_run(plan)
+    return RunSamples(plan=plan, values=found.values, imbalance=found.imbalance)
 
 
 def every_step(plan: ElementPlan, n_steps: int) -> ElementPlan:

@@ -11,18 +11,13 @@ from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
-from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
 from tests.reference.commands import command, start_run
+from tests.reference.run_files import same_data
 from tests.waiting import GIVE_UP
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
 OPTIONS = ["--mesh-size", "2", "--quiet"]
-
-
-def same_data(left, right):
-    with h5py.File(left) as a, h5py.File(right) as b:
-        return all(np.array_equal(a[name][:], b[name][:]) for name in columns_of(""))
 
 
 @pytest.fixture(scope="module")

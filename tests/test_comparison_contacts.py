@@ -9,16 +9,15 @@ from fem.contacts.model import standing
 from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.kernels.patches import CORNER, chord
 from fem.solver.simulate import make_plan
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.run import STIFF_PENALTY
 from lagrange.scene.scene import Scene, parse_scene, parse_scene_text
-from tests.reference.bearings import arrays, copies, operation, paper
+from tests.reference.bearings import LOAD, ON_A_ROLLER, arrays, copies, operation, paper
 from tests.reference.compiled import press_contacts
 from tests.reference.whole_run import whole_run
 
 MESH_MM = 2.0
-LOAD = 2000.0
-ON_A_ROLLER = -0.5 * np.pi
 
 
 def model(stiffness, faceted, mesh_mm=MESH_MM):
@@ -26,7 +25,7 @@ def model(stiffness, faceted, mesh_mm=MESH_MM):
 
 
 def hub(a_model):
-    return equilibrium(a_model, standing(a_model.bearing, ON_A_ROLLER), LOAD, 0.0, 0.0).hub
+    return equilibrium(a_model, standing(a_model.bearing, ON_A_ROLLER), Loads(LOAD)).hub
 
 
 # geometry -------------------------------------------------------------------------------------------------------
@@ -87,7 +86,7 @@ def test_the_step_limit_knows_the_spring():
 def test_the_start_carries_the_load_on_the_same_springs(faceted):
     how = operation(speed=0.0, gravity=0.0)
     found = model(STIFF_PENALTY, faceted)
-    wanted = equilibrium(found, standing(found.bearing, how.first_roller_angle), how.radial_load, 0.0, 0.0)
+    wanted = equilibrium(found, standing(found.bearing, how.first_roller_angle), Loads(how.radial_load))
     state = copies(arrays(found, how, 1e-8))
     press_contacts(state)
     np.testing.assert_allclose(state.contacts.forces.force[0, :13], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)

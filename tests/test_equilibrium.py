@@ -8,7 +8,7 @@ import pytest
 
 from fem.contacts.model import Motion, unloaded
 from fem.kernels.ring_kernels import HALO
-from fem.statics.contact_balance import LOOSE_SPRING
+from fem.statics.contact_balance import LOOSE_SPRING, Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
@@ -46,7 +46,7 @@ def motion(bearing, first, turn=0.0, cage_speed=0.0, roller_speed=0.0, ring_spee
 @lru_cache
 def solve(bearing, mesh_size, first, load=LOAD, turn=0.0, weight=0.0, gravity=0.0, **speeds):
     how = motion(bearing, first, turn, **speeds)
-    return equilibrium(model(bearing, mesh_size), how, load, weight, gravity)
+    return equilibrium(model(bearing, mesh_size), how, Loads(load + weight, gravity))
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.1, 0.37])
@@ -296,8 +296,7 @@ def test_the_rolling_start_passes_through_its_neighbouring_equilibria(load):
             roller_speed=ideal.roller,
             ring_speed=how.speed,
         )
-        weight = how.inner_mass * how.gravity
-        return equilibrium(whole, moved, load, weight, how.gravity, start.equilibrium)
+        return equilibrium(whole, moved, Loads.of(how), start.equilibrium)
 
     before, after = at(-ahead), at(ahead)
     velocity = (after.hub - before.hub) / (2.0 * ahead)

@@ -31,7 +31,7 @@ def paper(clearance=0.0, *more):
 def held_elastic(model, angles, place):
     """Force on a hub that stiff springs hold at a place, N, where it is, m, and its stiffness without them, N/m."""
     contacts, stiff = model.at(angles, UNTURNED), 1e12
-    loads = Loads(0.0, 0.0, 0.0, 0.0, HubSpring(stiff, *place))
+    loads = Loads(0.0, spring=HubSpring(stiff, *place))
     start = np.concatenate([place, first_guess(model.bearing, contacts.radial, 0.0)[2:]])
     found, forces = balance(contacts, loads, start)
     forces = closed_forces(forces)

@@ -13,6 +13,7 @@ from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
 from fem.solver.frames import rotated
 from fem.solver.start import rolling_motion
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.scene import SceneError
 from tests.reference.unchecked import unchecked_copy
@@ -46,13 +47,7 @@ def test_fields_are_those_of_the_equilibrium_the_run_started_from(static, field)
     operation = static.operation
     motion, _ = rolling_motion(static.model, operation, 0.0)
     wanted = getattr(
-        equilibrium(
-            static.model,
-            motion,
-            operation.radial_load,
-            operation.inner_mass * operation.gravity,
-            operation.gravity,
-        ),
+        equilibrium(static.model, motion, Loads.of(operation)),
         field,
     )
     assert np.abs(wanted).max() > 1e-8

@@ -11,6 +11,7 @@ from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.limits import check_meshes
 from fem.solver.simulate import make_plan
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
@@ -31,7 +32,7 @@ def five():
 
 
 def solved(model, load=LOAD, first=ON_A_ROLLER):
-    return equilibrium(model, standing(model.bearing, first), load, 0.0, 0.0)
+    return equilibrium(model, standing(model.bearing, first), Loads(load))
 
 
 # meshes that coarsen away from the raceways ---------------------------------------------------------------------

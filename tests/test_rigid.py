@@ -14,6 +14,7 @@ from fem.contacts.model import standing
 from fem.contacts.patch import ring_patch_force
 from fem.kernels.sample_kernels import HUB_Y
 from fem.solver.simulate import make_plan
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics
@@ -101,7 +102,7 @@ def test_the_equilibrium_is_that_of_exact_series_with_an_infinite_modulus(names)
     stiff = replace(STEEL, youngs_modulus=1e9 * STEEL.youngs_modulus)
     exact = exact_statics(bearing_with(names, stiff), LOAD, HALF_PITCH)
     bearing = bearing_with(names)
-    found = equilibrium(model(bearing, 1e-3), standing(bearing, HALF_PITCH), LOAD, 0.0, 0.0)
+    found = equilibrium(model(bearing, 1e-3), standing(bearing, HALF_PITCH), Loads(LOAD))
     np.testing.assert_allclose(found.hub, exact.hub, rtol=0.0, atol=1e-3 * np.linalg.norm(exact.hub))
     np.testing.assert_allclose(found.inner_force, exact.inner_force, rtol=0.0, atol=1e-3 * exact.inner_force.max())
     same = exact_statics(bearing, LOAD, HALF_PITCH)
@@ -126,7 +127,7 @@ def test_between_rigid_rings_every_roller_is_johnsons_squeezed_disc():
 
     cosine = np.cos(2.0 * np.pi * np.arange(13) / 13 + HALF_PITCH + np.pi / 2.0)
     sink = brentq(lambda y: sum(force(y * c) * c for c in cosine) - LOAD, 1e-7, 1e-5, xtol=1e-16)
-    found = equilibrium(model(bearing, 1e-3), standing(bearing, HALF_PITCH), LOAD, 0.0, 0.0)
+    found = equilibrium(model(bearing, 1e-3), standing(bearing, HALF_PITCH), Loads(LOAD))
     assert -found.hub[1] == pytest.approx(sink, rel=5e-4)
     np.testing.assert_allclose(found.inner_force, [force(sink * c) for c in cosine], rtol=0.0, atol=0.5)
 

@@ -17,6 +17,7 @@ from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan, run
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
@@ -50,7 +51,7 @@ def fade(sizes=SIZES):
     found = {}
     for size in sizes:
         model = spread_model(1e-3 * size)
-        rest = equilibrium(model, standing(five(), ON_A_ROLLER), LOAD, 0.0, 0.0)
+        rest = equilibrium(model, standing(five(), ON_A_ROLLER), Loads(LOAD))
         pressed = contact_pressures(model, standing(five(), ON_A_ROLLER), LOAD)[int(rest.inner_force.argmax())]
         force = pressed.pressure * model.inner_law.spacing * model.inner_law.pair.length
         below = force @ model.inner_law.local_compliance(force.size) @ force / force.sum()
@@ -172,7 +173,7 @@ def test_the_start_stands_still():
     model = spread_model(2.5e-4)
     how = operation(speed=0.0, gravity=0.0, radial_load=LOAD)
     state = copies(arrays(model, how, 0.9 * critical_time_step(model, LOAD)))
-    wanted = equilibrium(model, standing(five(), how.first_roller_angle), LOAD, 0.0, 0.0)
+    wanted = equilibrium(model, standing(five(), how.first_roller_angle), Loads(LOAD))
     press_contacts(state)
     found = state.contacts.forces.force[:, :5]
     np.testing.assert_allclose(found[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)

@@ -10,7 +10,7 @@ from fem.contacts.model import standing
 from fem.errors import UsageError
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
-from fem.statics.contact_balance import geometry
+from fem.statics.contact_balance import Loads, geometry
 from fem.statics.equilibrium import equilibrium, static_error
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import Scene, parse_scene, read_scene
@@ -49,7 +49,7 @@ def test_a_roller_that_only_its_weight_presses_sinks_as_deep_as_the_gap_lets_it(
     """Within 1 % or 0.05 µm of the closed form, of which the 0.06 N of its weight press it 1 nm in."""
     scene = read_scene(None, (*over("outer_ring", 1000.0, width_mm), "numerics.mesh_size_mm=2"))
     model = model_of(scene)
-    found = equilibrium(model, standing(model.bearing, DOWN), 0.0, 0.0, 9.81)
+    found = equilibrium(model, standing(model.bearing, DOWN), Loads(0.0, gravity=9.81))
     track = model.bearing.outer_raceway_radius - model.bearing.roller_radius
     assert found.rho[0] - track == pytest.approx(sinkage, rel=0.01, abs=0.05e-6)
     assert found.rho[1] - track == pytest.approx(0.0, abs=0.01e-6)

@@ -31,14 +31,12 @@ def elastic_pitch(
     bearing = replace(bearing, faults=())
     motion = kinematics(bearing, *operation.ring_speeds)
     model = reduced_bearing(bearing, motion, None, operation.gravity)
-    down = float(operation.radial_load) + operation.inner_mass * operation.gravity
-    side_load = float(operation.side_load)
-    loads = Loads(down, operation.gravity, motion.cage, side_load)
+    loads = Loads.of(operation, motion.cage)
 
     def solve(angles: np.ndarray, near: Point | None) -> Point:
         contacts = model.at(angles, UNTURNED)
         if near is None:
-            start, forces = first_guess(bearing, contacts.radial, down, side_load), None
+            start, forces = first_guess(bearing, contacts.radial, loads.hub, loads.side_load), None
         else:
             start = np.concatenate([near.place, near.rho])
             forces = np.concatenate([near.inner_force, near.outer_force])

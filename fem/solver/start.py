@@ -8,8 +8,8 @@ import numpy as np
 from fem.contacts.model import Motion
 from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import BoredRing
-from fem.statics.contact_balance import ROUND_OFF, NotFound, hub_spring, hub_stiffness, standing_ring
-from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium, equilibrium_with_tilt
+from fem.statics.contact_balance import ROUND_OFF, Loads, NotFound, hub_spring, hub_stiffness, standing_ring
+from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
@@ -84,14 +84,12 @@ def equilibrium_start(model: "Model", operation: Operation, tilting: Tilting | N
 
     `tilting` : None: axes stay parallel
     """
-    weight = operation.inner_mass * operation.gravity
 
     def at(time, ring, near=None):
         (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
         if tilting is not None:
-            return equilibrium_with_tilt(model, motion, tilting.at(acting, ring), near or tilting.near)
-        load, aside = float(acting.radial_load), float(acting.side_load)
-        return equilibrium(model, motion, load, weight, operation.gravity, near, aside, hub_spring(operation, ring))
+            return equilibrium(model, motion, Loads.of(acting), near or tilting.near, tilting.at(acting, ring))
+        return equilibrium(model, motion, Loads.of(acting)._replace(spring=hub_spring(operation, ring)), near)
 
     motion, ideal = rolling_motion(model, operation, 0.0)
     ring = np.zeros(2)
@@ -165,13 +163,13 @@ def rest_start(model: "Model", operation: Operation, tilting: Tilting | None = N
     motion, _ = rolling_motion(model, operation, 0.0)
     if tilting is not None:
         idle = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
-        found = equilibrium_with_tilt(model, motion, tilting.at(idle, np.zeros(2)), tilting.near)
+        found = equilibrium(model, motion, Loads.of(idle), tilting.near, tilting.at(idle, np.zeros(2)))
         return _still(model, operation, found, motion)
     surfaces = profiles(model.bearing)
     clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
     pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
     if pressed or clearance < -ROUND_OFF * model.bearing.roller_radius:
-        return _still(model, operation, equilibrium(model, motion, 0.0, 0.0, 0.0), motion)
+        return _still(model, operation, equilibrium(model, motion, Loads(0.0)), motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(
         hub=np.zeros(2),

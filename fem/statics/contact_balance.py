@@ -47,10 +47,16 @@ class Loads(NamedTuple):
     """What the contacts must carry."""
 
     hub: float  # N, downwards
-    gravity: float  # m/s²
-    cage_speed: float  # rad/s
+    gravity: float = 0.0  # m/s²
+    cage_speed: float = 0.0  # rad/s
     side_load: float = 0.0  # N, on the hub along +x
     spring: HubSpring | None = None
+
+    @classmethod
+    def of(cls, acting: Operation, cage_speed: float = 0.0) -> "Loads":
+        """Loads and weights at an instant, see `Operation.at`; no spring."""
+        weight = acting.inner_mass * acting.gravity
+        return cls(float(acting.radial_load) + weight, acting.gravity, cage_speed, float(acting.side_load))
 
 
 def hub_spring(operation: Operation, ring: np.ndarray) -> HubSpring | None:

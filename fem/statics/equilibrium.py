@@ -13,7 +13,6 @@ from fem.elastic.outer_support import MOST_SETTLINGS, NOT_SETTLED, BoredRing
 from fem.quantities import Quantity
 from fem.statics.contact_balance import (
     Condensed,
-    HubSpring,
     Loads,
     NotFound,
     balance,
@@ -75,20 +74,16 @@ class Pressures:
 def equilibrium(
     model: Model,
     motion: Motion,
-    radial_load: float,
-    weight: float,
-    gravity: float,
+    loads: Loads,
     start: Equilibrium | None = None,
-    side_load: float = 0.0,
-    spring: HubSpring | None = None,
+    tilted: TiltedBalance | None = None,
 ) -> Equilibrium:
-    """Solve for the equilibrium under a load, N, and the weight, N, of hub and inner ring.
+    """Solve for the equilibrium under loads, of rollers that go round as fast as they do in the motion.
 
     Parameters
     ----------
     start : one that is near
-    side_load : N, along +x
-    spring : of a shaft
+    tilted : what rollers that tilt are balanced by, under its own operation; None: axes stay parallel
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.
@@ -97,22 +92,7 @@ def equilibrium(
     ------
     NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
-    return _found(model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load, spring), start)
-
-
-def equilibrium_with_tilt(
-    model: Model, motion: Motion, tilted: TiltedBalance, start: Equilibrium | None = None
-) -> Equilibrium:
-    """The same of rollers that tilt, under what acts on them; `start` : an equilibrium that is near."""
-    acting = tilted.operation
-    weight = acting.inner_mass * acting.gravity
-    loads = Loads(acting.radial_load + weight, acting.gravity, motion.cage_speed, acting.side_load)
-    return _found(model, motion, loads, start, tilted)
-
-
-def _found(
-    model: Model, motion: Motion, loads: Loads, start: Equilibrium | None, tilted: TiltedBalance | None = None
-) -> Equilibrium:
+    loads = loads._replace(cage_speed=motion.cage_speed)
     reduced, place, pressed, axes = _solved(model, motion, loads, start, tilted)
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
@@ -195,13 +175,12 @@ def static_quantities(model: Model, operation: Operation, tilted: TiltedBalance 
     ------
     NotFound: no equilibrium.
     """
-    weight = operation.inner_mass * operation.gravity
-    still = standing(model.bearing, operation.first_roller_angle)
-    spring = hub_spring(operation, np.zeros(2))
     if tilted is None:
-        found = equilibrium(model, still, operation.radial_load, weight, operation.gravity, spring=spring)
+        hub = operation.radial_load + operation.inner_mass * operation.gravity
+        loads = Loads(hub, operation.gravity, spring=hub_spring(operation, np.zeros(2)))
     else:
-        found = equilibrium_with_tilt(model, still, tilted)
+        loads = Loads.of(tilted.operation)
+    found = equilibrium(model, standing(model.bearing, operation.first_roller_angle), loads, tilted=tilted)
     total = float(found.inner_force.sum())
     share = float(found.inner_force.max()) / total if total > 0.0 else 0.0
     force = float(found.inner_force.max())
@@ -241,4 +220,4 @@ def static_error(model: Model, operation: Operation) -> DiscretisationError:
 def static_equilibrium(model: Model, operation: Operation) -> Equilibrium:
     """Under the radial load alone: standing, weightless, frictionless. NotFound: none."""
     still = standing(model.bearing, operation.first_roller_angle)
-    return equilibrium(model, still, operation.radial_load, 0.0, 0.0)
+    return equilibrium(model, still, Loads(operation.radial_load))

@@ -55,7 +55,7 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
     n = bearing.n_rollers
     contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
     start = first_guess(bearing, contacts.radial, radial_load)
-    position, forces = balance(contacts, Loads(radial_load, 0.0, 0.0), start)
+    position, forces = balance(contacts, Loads(radial_load), start)
     forces = closed_forces(forces)
     return ExactStatics(hub=position[:2], inner_force=forces[:n], outer_force=forces[n:])
 

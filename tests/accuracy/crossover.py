@@ -13,6 +13,7 @@ from cyclopts import App
 from fem.contacts.model import Model, Motion, standing
 from fem.contacts.resolved import ResolvedModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.contact.raceway_laws import contact_pairs
@@ -54,7 +55,7 @@ def measure(kind: str, size_mm: float) -> Point:
     else:
         model = SubgridModel.build(bearing, size)
     still = standing(bearing, how.first_roller_angle)
-    found = equilibrium(model, still, how.radial_load, 0.0, 0.0)
+    found = equilibrium(model, still, Loads(how.radial_load))
     angles = roller_angles(bearing, how.first_roller_angle)
     whole = float(exact_contacts(bearing, angles).inner_law.approach(force))
     return Point(

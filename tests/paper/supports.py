@@ -6,6 +6,7 @@ import numpy as np
 
 from fem.contacts.model import standing
 from fem.solver.discretise import model_of
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.scene import Scene, read_scene
 
@@ -48,7 +49,7 @@ def held(outside_mm: float, name: str) -> Held:
     first = scene.ideal_operation().first_roller_angle
     hubs, counts, widest = [], [], 0.0
     for angle in first + pitch * np.arange(POSITIONS) / POSITIONS:
-        found = equilibrium(model, standing(model.bearing, angle), load, 0.0, 0.0)
+        found = equilibrium(model, standing(model.bearing, angle), Loads(load))
         hubs.append(1e6 * found.hub)
         counts.append(int(np.count_nonzero(found.inner_force)))
         widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))

@@ -71,7 +71,7 @@ def quadratic_statics(
     start = _start(
         bearing, radial, points, area * np.sqrt(np.maximum(0.0, 1.0 - (along / half_width) ** 2)), radial_load
     )
-    place, force = balance_pressures(bearing, radial, points, Loads(radial_load, 0.0, 0.0), start)
+    place, force = balance_pressures(bearing, radial, points, Loads(radial_load), start)
     overlap, _ = geometry(bearing, radial, place)
     pressed = force.reshape(2, n, -1)
     if (pressed[..., [0, -1]] > 0.0).any():
@@ -132,4 +132,4 @@ def _start(bearing: Bearing, radial, points: PressurePoints, shape: np.ndarray, 
         compliance=weights.T @ points.compliance @ weights,
         closing=weights.T @ points.closing,
     )
-    return balance(contacts, Loads(load, 0.0, 0.0), first_guess(bearing, radial, load))[0]
+    return balance(contacts, Loads(load), first_guess(bearing, radial, load))[0]

@@ -18,6 +18,7 @@ from fem.contacts.subgrid import (
 )
 from fem.elastic.bodies import DiscBody
 from fem.kernels.law import ripple_at
+from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing, Material
@@ -63,7 +64,7 @@ def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> flo
 @cache
 def at_rest(bearing: Bearing, mesh_size: float, first: float, load: float) -> Equilibrium:
     """Static equilibrium of the finite elements, weightless; `first` is the first roller's angle, rad."""
-    return equilibrium(model(bearing, mesh_size), standing(bearing, first), load, 0.0, 0.0)
+    return equilibrium(model(bearing, mesh_size), standing(bearing, first), Loads(load))
 
 
 @cache

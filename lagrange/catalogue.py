@@ -269,6 +269,13 @@ def width_of(name: str) -> float:
     return entries()[_row_of(name)].width
 
 
+def dimension_series(designation: object) -> str:
+    """2 of NU206, 22 of NU2206; 2 also of a bearing that is not in the table, or of other series."""
+    found = listed(designation)
+    series = found and re.fullmatch(r"N(?:UP|[UJ])?(10|22?|23|3)\d\d", found[0])
+    return series[1] if series else "2"
+
+
 def inner_ring_and_shaft(name: str) -> float:
     """Mass, kg. KeyError: no such bearing."""
     entry = entries()[_row_of(name)]

@@ -4,10 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from lagrange.catalogue import dimension_series
 from lagrange.rating import sources
 from lagrange.rating.capacity import Dimensions, dynamic_capacity, static_capacity
 from lagrange.rating.contact_stress import hertz_columns
-from lagrange.rating.friction import palmgren_torque, skf_torque
+from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torque
 from lagrange.rating.life import basic_life, in_hours
 from lagrange.rating.run_loads import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Source, Unavailable
@@ -73,10 +74,12 @@ def _pressures(record: Record, largest: dict[str, np.ndarray]) -> str:
 
 
 def _torques(evaluation: Evaluation, run: RunLoads) -> str:
-    bearing, lubricant = evaluation.record.bearing, evaluation.record.scene.lubricant
+    bearing, scene = evaluation.record.bearing, evaluation.record.scene
+    lubricant = scene.lubricant
+    caged_cylinders(Dimensions.of(scene.unmounted_bearing()))
     if lubricant is None:
         raise Unavailable("no viscosity: the scene has no [lubricant]")
     viscosity = 1e6 * lubricant.viscosity_Pa_s / OIL_DENSITY
-    bore = bearing.bore_radius or bearing.inner_raceway_radius
-    at = 2e3 * bore, 2e3 * bearing.outside_radius, run.cycle.load, run.cycle.speed, viscosity
+    diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
+    at = *diameters, run.cycle.load, run.cycle.speed, viscosity, dimension_series(scene.bearing.designation)
     return f"{text(skf_torque(*at).total)}; {text(palmgren_torque(*at).total)} N mm"

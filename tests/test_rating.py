@@ -1,10 +1,13 @@
 """Ratings by the standards' formulas: values worked out elsewhere, tables of the standards, catalogues."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fem.rating.case import Case, Options
 from lagrange.bearing import Bearing, Material
+from lagrange.catalogue import dimension_series
 from lagrange.contact.laws import ball_pressure
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.rating.capacity import (
@@ -16,7 +19,7 @@ from lagrange.rating.capacity import (
     static_capacity,
 )
 from lagrange.rating.contact_stress import PERMITTED, PERMITTED_OF_BALLS, line_contact, stress_below
-from lagrange.rating.friction import conductance, palmgren_torque, power_loss, skf_torque
+from lagrange.rating.friction import caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     DutyCycle,
     basic_life,
@@ -275,6 +278,43 @@ def test_friction_of_the_worked_example():
     assert power_loss(skf.total, 2900.0) == pytest.approx(27.9, abs=0.15)
     assert power_loss(palmgren.total, 2900.0) == pytest.approx(22.4, abs=0.15)
     assert 50.0 * conductance(30.0, 62.0, 16.0) == pytest.approx(74.0, abs=0.1)
+
+
+def test_friction_of_wide_series_is_larger():
+    """NU2210 and NU210, 8 kN, 3000 1/min, 23 mm²/s: rolling in proportion to R1 and f0, load to f1; models agree."""
+    at = 50.0, 90.0, 8000.0, 3000.0, 23.0
+    wide, narrow = (
+        (skf_torque(*at, dimension_series(name)), palmgren_torque(*at, dimension_series(name)))
+        for name in ("NU 2210 ECP", "NJ210")
+    )
+    assert wide[0].rolling / narrow[0].rolling == pytest.approx(1.40 / 1.09)
+    assert wide[0].sliding == narrow[0].sliding
+    assert (wide[1].rolling / narrow[1].rolling, wide[1].sliding / narrow[1].sliding) == pytest.approx((3 / 2.2, 4 / 3))
+    for skf, palmgren in (wide, narrow):
+        assert skf.total == pytest.approx(palmgren.total, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "series"),
+    [("NU1010", "10"), ("NU210", "2"), ("NUP2310", "23"), ("N310", "3"), ("NA4910", "2"), (None, "2")],
+)
+def test_dimension_series(name, series):
+    assert dimension_series(name) == series
+
+
+@pytest.mark.parametrize(
+    ("row", "other"),
+    [
+        (of("NCF3010"), "a full complement"),
+        (of("NA4910"), "needles"),
+        (replace(N209, cosine=0.97), "a contact angle"),
+    ],
+)
+def test_friction_is_refused_where_its_models_have_no_constants(row, other):
+    with pytest.raises(Unavailable, match=f"this bearing has {other}"):
+        caged_cylinders(row)
+    caged_cylinders(N209)
+    caged_cylinders(PAPER)
 
 
 def test_friction_at_rest_is_that_of_the_load():

@@ -1,5 +1,6 @@
 """A scene's bearing as ratings need it: loads, lives, stiffness, films, friction, each computed once or unavailable."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi, sqrt
@@ -9,7 +10,7 @@ import numpy as np
 
 from lagrange import BallBearing, Bearing, Operation, contact_laws
 from lagrange.axial import Axial
-from lagrange.catalogue import listed, width_of
+from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact.laws import ball_pressure
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.first_state import equilibrium_state
@@ -18,7 +19,7 @@ from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating.capacity import Basic, Dimensions, dynamic_capacity
 from lagrange.rating.contact_stress import LineContact, line_contact
-from lagrange.rating.friction import Torque, conductance, palmgren_torque, power_loss, skf_torque
+from lagrange.rating.friction import Torque, caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     EXPONENT,
     OF_BALLS,
@@ -350,9 +351,12 @@ class Case:
 
     @cached_property
     def torques(self) -> dict[str, Torque]:
-        _ = self.row
-        at = *self.diameters, self.load, self.rpm, self.viscosity
-        return {"skf": skf_torque(*at), "palmgren": palmgren_torque(*at)}
+        return {"skf": self.torque(skf_torque, self.rpm), "palmgren": self.torque(palmgren_torque, self.rpm)}
+
+    def torque(self, model: Callable[..., Torque], rpm: float) -> Torque:
+        caged_cylinders(self.row)
+        series = dimension_series(self.scene.bearing.designation)
+        return model(*self.diameters, self.load, rpm, self.viscosity, series)
 
     @cached_property
     def losses(self) -> dict[str, float]:

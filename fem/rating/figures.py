@@ -182,12 +182,12 @@ def _misalignment(case: Case) -> Figure:
 
 
 def _friction(case: Case) -> Figure:
-    _ = case.row
+    _ = case.torques
     fastest = FASTER * case.rpm if case.rpm > 0.0 else 1000.0
     speeds, viscosity = np.linspace(0.0, fastest, 60), case.viscosity
     figure, (torques, heat) = plt.subplots(1, 2, figsize=(WIDTH, 2.7))
     for words, model, colour in (("SKF", skf_torque, BLUE), ("Palmgren", palmgren_torque, ORANGE)):
-        total = np.array([model(*case.diameters, case.load, float(n), viscosity).total for n in speeds])
+        total = np.array([case.torque(model, float(n)).total for n in speeds])
         torques.plot(speeds, total, color=colour, label=words)
         heat.plot(speeds, [power_loss(m, float(n)) for m, n in zip(total, speeds, strict=True)], color=colour)
     for axis, label in ((torques, "frictional torque, N mm"), (heat, "heat, W")):

@@ -5,13 +5,18 @@ better than ±30 %.
 """
 
 from dataclasses import dataclass
-from math import exp, pi, sqrt
+from math import asin, exp, pi, sqrt
 
-ROLLING = {"02": 1.09e-6, "03": 1.0e-6, "22": 1.40e-6, "23": 1.48e-6, "10": 1.12e-6}  # R1 by dimension series
+from lagrange.rating.capacity import Dimensions
+from lagrange.rating.sources import Unavailable
+
+ROLLING = {"10": 1.12e-6, "2": 1.09e-6, "22": 1.40e-6, "3": 1.09e-6, "23": 1.48e-6}  # R1 by dimension series
 SLIDING = 0.0015  # S2
 FILM, BOUNDARY = 0.02, 0.15  # sliding friction coefficients of full film and of none
 REPLENISHMENT, CAGED = 3e-8, 5.1  # K_rs of an oil bath or jet, K_z
-BATH, LOADED = 2.2, 3e-4  # Palmgren's f0 and f1
+BATH = {"10": 2.2, "2": 2.2, "22": 3.0, "3": 2.2, "23": 4.0}  # Palmgren's f0
+LOADED = {"10": 2e-4, "2": 3e-4, "22": 4e-4, "3": 3.5e-4, "23": 4e-4}  # and f1
+SLENDER = 2.5  # length over diameter, of needles at least
 STEADY = 2000.0  # ν n, mm²/s/min, below which M0 does not depend on it
 HEAT_FLOW, HEATED = 0.016, 50.0  # W/mm², at so many K above the surroundings
 LARGEST_SURFACE = 50_000.0  # mm², for which that heat flow holds
@@ -29,7 +34,20 @@ class Torque:
         return self.rolling + self.sliding
 
 
-def skf_torque(bore: float, outside: float, load: float, speed: float, viscosity: float, series: str = "02") -> Torque:
+def caged_cylinders(row: Dimensions) -> None:
+    """Unavailable: the models' constants are not those of the bearing."""
+    if row.cosine < 1.0:
+        other = "a contact angle"
+    elif (row.rollers + 1) * asin(min(row.diameter / row.pitch, 1.0)) > pi:
+        other = "a full complement of rollers"
+    elif row.length > SLENDER * row.diameter:
+        other = "needles"
+    else:
+        return
+    raise Unavailable(f"constants of friction are those of cylindrical rollers in a cage; this bearing has {other}")
+
+
+def skf_torque(bore: float, outside: float, load: float, speed: float, viscosity: float, series: str = "2") -> Torque:
     """SKF's M = φ_ish φ_rs M_rr + M_sl, without axial load, seals and drag.
 
     M_rr = R1 d_m^2.41 F^0.31 (ν n)^0.6, M_sl = S2 d_m F μ_sl, μ_sl = f_bl 0.15 + (1 − f_bl) 0.02,
@@ -48,11 +66,13 @@ def skf_torque(bore: float, outside: float, load: float, speed: float, viscosity
     return Torque(rolling=shear_heating * starvation * rolling, sliding=sliding)
 
 
-def palmgren_torque(bore: float, outside: float, load: float, speed: float, viscosity: float) -> Torque:
+def palmgren_torque(
+    bore: float, outside: float, load: float, speed: float, viscosity: float, series: str = "2"
+) -> Torque:
     """Palmgren's M0 + M1: M0 = f0 (ν n)^(2/3) d_m³ 1e-7, or f0 160 d_m³ 1e-7 below ν n = 2000; M1 = f1 F d_m."""
     mean, flow = 0.5 * (bore + outside), viscosity * abs(speed)
     factor = flow ** (2.0 / 3.0) if flow >= STEADY else 160.0
-    return Torque(rolling=1e-7 * BATH * factor * mean**3, sliding=LOADED * load * mean)
+    return Torque(rolling=1e-7 * BATH[series] * factor * mean**3, sliding=LOADED[series] * load * mean)
 
 
 def power_loss(torque: float, speed: float) -> float:

@@ -61,10 +61,14 @@ STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa, of balls 4200 MPa, at C0; 1
 FILM = Source("Dowson, Higginson", "1968, h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
 SKF = Source(
     "SKF",
-    "Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage",
+    "Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage, R1 by series",
     "forms read in the catalogue; R1, S2, K_rs, K_z not compared with its tables",
 )
-PALMGREN = Source("Palmgren", "M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2, f1 = 3e-4", _RECALLED)
+PALMGREN = Source(
+    "Palmgren",
+    "M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2 to 4, f1 = 2e-4 to 4e-4 by series (10, 2, 22, 3, 23)",
+    _RECALLED,
+)
 BOTH_FRICTIONS = Source("SKF, Palmgren", f"{SKF.text}; {PALMGREN.text}", SKF.second_hand)
 HEAT = Source("ISO 15312", "reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
 CLEARANCE = Source("scene, Lamé", "the scene's clearance; fits and temperatures of its [fit]; spin; the films")

@@ -5,11 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.interface import rating
 from fem.rating.case import Case, Options
+from fem.rating.ross import coefficients
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
 from lagrange.contact.laws import ball_pressure
 from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.first_state import equilibrium_state
 from lagrange.rating.capacity import (
     Basic,
     Dimensions,
@@ -278,6 +281,22 @@ def test_friction_of_the_worked_example():
     assert power_loss(skf.total, 2900.0) == pytest.approx(27.9, abs=0.15)
     assert power_loss(palmgren.total, 2900.0) == pytest.approx(22.4, abs=0.15)
     assert 50.0 * conductance(30.0, 62.0, 16.0) == pytest.approx(74.0, abs=0.1)
+
+
+@pytest.mark.parametrize("angle", [0.0, 14.0])
+def test_films_take_up_clearance_in_ratings_as_in_runs(angle):
+    """A run's films lie on its surfaces: its hub begins where the ratings' does, and nearer than on dry surfaces."""
+    dry = "model=lagrange", "bearing.clearance_um=2", f"bearing.contact_angle_deg={angle}"
+    scene, plain = read_scene(None, (*dry, "lubricant.viscosity_Pa_s=0.1")), read_scene(None, dry)
+    case = Case(scene, Options())
+    state = equilibrium_state(scene.ideal_bearing(), scene.ideal_operation(), case.laws).state
+    assert case.pitch.place[0] * case.bearing.cosine == pytest.approx([state.x, state.y], rel=1e-4, abs=1e-12)
+    assert case.pitch.place[0][1] > 0.7 * Case(plain, Options()).pitch.place[0][1]
+    left = 2e6 * case.bearing.radial_clearance / case.bearing.cosine
+    assert case.clearance_parts["given"] + case.clearance_parts["film"] == pytest.approx(left, abs=1e-6)
+    oiled, bare = (coefficients(rating(each)).stiffness for each in (scene, plain))
+    np.testing.assert_allclose(oiled[0], bare[0], rtol=1e-12)  # no film at rest
+    assert oiled[-1, 0, 0] > 1.05 * bare[-1, 0, 0]
 
 
 def test_friction_of_wide_series_is_larger():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagrange import BallBearing, Bearing, Operation, contact_laws
+from lagrange import BallBearing, Operation, contact_laws
 from lagrange.axial import Axial
 from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact.laws import ball_pressure
@@ -47,7 +47,7 @@ from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
 from lagrange.spinning import growths, outer_growth
-from lagrange.surface.film import film_thicknesses
+from lagrange.surface.film import film_thicknesses, under_films
 
 if TYPE_CHECKING:
     from fem.rating.tilted import TiltedPitch
@@ -80,7 +80,7 @@ class Case:
 
     def __init__(self, scene: Scene, options: Options):
         self.scene, self.options = scene, options
-        self.bearing: Bearing = scene.perfect_bearing()
+        self.bearing = under_films(scene.perfect_bearing(), scene.films())
         operation = scene.ideal_operation()
         self.history, self.operation = operation.history, replace(operation, history=None)
         self.turning = turning_rings(operation)  # against the load
@@ -266,12 +266,13 @@ class Case:
     def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
         """Equilibria with parallel axes, by elastic rings, or rigid ones on the scene's contact law."""
         damping = self.scene.damping.contacts
+        bearing = under_films(self.scene.perfect_bearing(), self.scene.films(operation))
         if elastic:
             from fem.rating.elastic import elastic_pitch
 
-            return elastic_pitch(self.bearing, operation, damping, samples)
+            return elastic_pitch(bearing, operation, damping, samples)
         try:
-            return lagrangian_pitch(self.bearing, operation, self.laws, damping, samples)
+            return lagrangian_pitch(bearing, operation, self.laws, damping, samples)
         except RuntimeError as error:
             raise Unavailable(str(error)) from None
 
@@ -394,12 +395,12 @@ class Case:
         if self.scene.fit is not None:
             return {name: round(1e6 * part, 6) for name, part in self.build_up.parts.items()}
         return {
-            "given": round(2e6 * self.bearing.radial_clearance / self.bearing.cosine, 6) + 0.0,
+            "given": round(2e6 * self.scene.perfect_bearing().radial_clearance / self.bearing.cosine, 6) + 0.0,
             "shaft_fit": None,
             "housing_fit": None,
             "temperature": None,
             "speed": -self.spinning_loss,
-            "film": 1e6 * self.scene.film_loss(),
+            "film": 1e6 * self.scene.film_loss() / self.bearing.cosine,
         }
 
     @property

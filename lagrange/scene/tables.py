@@ -22,7 +22,7 @@ from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, Numeri
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.section import section_mounting, section_operation
 from lagrange.spinning import growths
-from lagrange.surface.faults import Fault
+from lagrange.surface.faults import Fault, Film
 from lagrange.surface.film import films
 
 MM = 1e-3
@@ -67,10 +67,7 @@ class SceneTables(Table):
 
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI, with the faults of its surfaces and the films on them."""
-        faults, perfect = self._faults(), self.perfect_bearing()
-        if self.lubricant is not None:
-            faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
-        return replace(perfect, faults=faults)
+        return replace(self.perfect_bearing(), faults=self._faults() + self.films())
 
     def _faults(self) -> tuple[Fault, ...]:
         """Of its surfaces, without films."""
@@ -103,12 +100,15 @@ class SceneTables(Table):
         found = self.clearance_without_films()
         return None if found is None else replace(found, film=self.film_loss())
 
+    def films(self, operation: Operation | None = None) -> tuple[Film, ...]:
+        """Of a lubricant, at an operating point of the section; None: the scene's."""
+        if self.lubricant is None:
+            return ()
+        return films(self.perfect_bearing(), operation or self.ideal_operation(), self.lubricant.lubricant())
+
     def film_loss(self) -> float:
         """Of clearance, diametral, by the films of a lubricant, m; < 0."""
-        if self.lubricant is None:
-            return 0.0
-        found = films(self.perfect_bearing(), self.ideal_operation(), self.lubricant.lubricant())
-        return -2.0 * sum(film.thickness for film in found)
+        return -2.0 * sum(film.thickness for film in self.films())
 
     def clearance_without_films(self) -> OperatingClearance | None:
         """The same but for the films, which need the bearing that this makes."""

@@ -72,3 +72,13 @@ def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple
     bodies: tuple[Body, Body] = "inner_ring", "outer_ring"
     found = film_thicknesses(bearing, speeds, (loads[0], loads[1]), lubricant)
     return tuple(Film(body=body, thickness=thickness) for body, thickness in zip(bodies, found, strict=False))
+
+
+def under_films(bearing: Bearing, found: tuple[Film, ...]) -> Bearing:
+    """The bearing with films as parts of its raceways, for equilibria of perfect surfaces."""
+    thick = {film.body: film.thickness for film in found}
+    return replace(
+        bearing,
+        inner_raceway_radius=bearing.inner_raceway_radius + thick.get("inner_ring", 0.0),
+        outer_raceway_radius=bearing.outer_raceway_radius - thick.get("outer_ring", 0.0),
+    )

@@ -42,7 +42,7 @@ def rating_rows(evaluation: Evaluation) -> list[tuple[str, str, str]]:
         ("basic rating life L10", sources.LIFE,
          lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load), run.cycle.speed))} h"),
         ("L10r by the run's roller loads", sources.OF_RUN,
-         lambda: f"{text(in_hours(run.life(row), run.cycle.speed))} h"),
+         lambda: f"{text(in_hours(run.life(row, t.scene.axial is not None), run.cycle.speed))} h"),
         ("largest Hertz pressure, inner and outer raceway", sources.HERTZ,
          lambda: _pressures(t, largest)),
         ("torque of the run's dissipation", sources.OF_RUN,

@@ -9,8 +9,10 @@ import pytest
 from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from fem.interface import rating
+from lagrange.rating.capacity import Dimensions
 from lagrange.rating.life import basic_life
 from lagrange.rating.run_loads import run_loads
+from lagrange.rating.sources import Unavailable
 from lagrange.scene.scene import read_scene
 from residual.cli import main
 
@@ -69,6 +71,14 @@ def test_command_rates_a_run_by_its_own_loads(run, tmp_path, monkeypatch, capsys
     assert "a run has its own scene and loads" in capsys.readouterr().err
     (tmp_path / "broken.nc").write_bytes(b"nothing")
     assert rate_main([str(tmp_path / "broken.nc")]) == 2
+
+
+def test_loads_alone_are_no_life_of_rollers_that_tilt():
+    found = run_loads(SCENE.perfect_bearing(), SCENE.ideal_operation(), samples(np.full(10, 1000.0), 3.0))
+    row = Dimensions.of(SCENE.unmounted_bearing())
+    assert found.life(row, tilts=False) > 0.0
+    with pytest.raises(Unavailable, match="loads along the rollers"):
+        found.life(row, tilts=True)
 
 
 def test_scene_alone_has_no_run(capsys):

@@ -34,8 +34,10 @@ class RunLoads:
             raise Unavailable("the bearing does not turn")
         return self.dissipated / abs(self.speed)
 
-    def life(self, row: Dimensions) -> float:
-        """L10r, 10⁶ revolutions, under these roller loads, rollers without tilt; errors as `reference_life`."""
+    def life(self, row: Dimensions, tilts: bool) -> float:
+        """L10r, 10⁶ revolutions, under these roller loads. Unavailable: rollers tilt, or as in `reference_life`."""
+        if tilts:
+            raise Unavailable("with [axial] life goes by loads along the rollers, of which a run keeps sum and moment")
         inner, outer = (shared_out(row, loads) for loads in (self.inner, self.outer))
         return reference_life(row, dynamic_capacity(row), inner, outer, turning=self.turning)
 

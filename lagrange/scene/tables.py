@@ -108,7 +108,7 @@ class SceneTables(Table):
 
     def film_loss(self) -> float:
         """Of clearance, diametral, by the films of a lubricant, m; < 0."""
-        return -2.0 * sum(film.thickness for film in self.films())
+        return -2.0 * sum(film.thickness for film in self.films()) + 0.0  # not -0.0
 
     def clearance_without_films(self) -> OperatingClearance | None:
         """The same but for the films, which need the bearing that this makes."""

@@ -66,7 +66,7 @@ class CageStatistics:
             found["cage's centre"] += f", whirls at {self.whirled / seconds / tau:.3g} Hz"
             if ideal:
                 speed = (self.angles[1] - self.angles[0]) / seconds
-                found["cage's turning"] = f"{speed / tau:.4g} Hz, slip {100.0 * (1.0 - speed / ideal):.2g} % of rolling"
+                found["cage's turning"] = turning(speed, ideal)
         return found
 
 
@@ -176,12 +176,16 @@ def run_summary(
     if ideal is None and seen.samples > 1:
         found[whose] = REVERSES
     elif ideal is not None and ideal.cage and seen.samples > 1:
-        slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
-        found[whose] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
+        found[whose] = turning(seen.cage_speed, ideal.cage)
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:
         found |= caged.rows(seen.last_time - seen.first_time, None if ideal is None else ideal.cage)
     return found
+
+
+def turning(speed: float, ideal: float) -> str:
+    """A cage's speed beside that of rolling, rad/s, in words; round-off is no slip."""
+    return f"{speed / tau:.4g} Hz, slip {round(100.0 * (1.0 - speed / ideal), 9) + 0.0:.2g} % of rolling"
 
 
 def passes(ideal: Kinematics, cage_speed: float) -> str:

@@ -194,6 +194,54 @@ def test_longest_piece_between_missing_samples_is_taken(tmp_path):
 
 def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
     signal = told(tmp_path, WAVE, np.where(np.arange(2000) < 300, TIME, TIME + 0.1))
-    assert "1 gaps in time" in signal.notes[0]
+    assert "1 gap in time" in signal.notes[0]
     assert signal.values.size == 1700
     assert signal.rate == pytest.approx(RATE, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("line", "rate"),
+    [
+        ("Sampling rate: 8 kHz", 8000.0),
+        ("Abtastrate;8000 Hz", 8000.0),
+        ("# fs=8000", 8000.0),
+        ("Sampling frequency (Hz),8000", 8000.0),
+        ("Sample rate [kHz]: 8", 8000.0),
+        ("fs = 8000 Hz, speed 1480 rpm", 8000.0),
+    ],
+)
+def test_rate_before_the_numbers(tmp_path, line, rate):
+    path = tmp_path / "record.csv"
+    path.write_text(rows(head=f"{line}\nacc [g]\n", columns=(WAVE,)), encoding="utf-8")
+    assert read_signal(path).rate == rate
+
+
+@pytest.mark.parametrize(
+    "line", ["Shaft frequency: 25 Hz", "Drehfrequenz: 25 Hz", "Samples: 2000", "cut-off frequency 5 kHz"]
+)
+def test_other_frequencies_are_no_rate(tmp_path, line):
+    path = tmp_path / "record.csv"
+    path.write_text(rows(head=f"{line}\nacc [g]\n", columns=(WAVE,)), encoding="utf-8")
+    with pytest.raises(InputError, match="neither a rate nor a column of times"):
+        read_signal(path)
+
+
+def test_a_whole_word_of_a_channels_name_goes_before_a_part(tmp_path):
+    path = tmp_path / "record.csv"
+    path.write_text(rows(head="time_s,band A,band B\n", columns=(TIME, WAVE, 2.0 * WAVE)), encoding="utf-8")
+    assert read_signal(path, channel="B").values.std() == pytest.approx(
+        2.0 * read_signal(path, channel="A").values.std()
+    )
+
+
+def test_unit_behind_a_columns_name(tmp_path):
+    path = tmp_path / "record.csv"
+    path.write_text(rows(head="time_s,velocity_mm/s\n", columns=(TIME, WAVE)), encoding="utf-8")
+    assert read_signal(path).unit == "m/s"
+
+
+def test_a_column_of_dates_is_named(tmp_path):
+    path = tmp_path / "record.csv"
+    path.write_text("timestamp,ax\n" + "2024-03-12T10:00:00.0001,0.5\n" * 50, encoding="utf-8")
+    with pytest.raises(InputError, match=r"dates and clock times \(2024-03-12\) are none: leave that column out"):
+        read_signal(path)

@@ -54,4 +54,4 @@ def test_narrow_damage_has_a_reason_and_no_width(width):
 def test_noise_has_no_width():
     values = np.random.default_rng(1).standard_normal(51_200)
     signal = Signal(name="noise", values=values, rate=RATE, unit="")
-    assert damage_width(signal, GEOMETRY, diagnose(signal, GEOMETRY, SHAFT)).reason == "no ring is accused"
+    assert damage_width(signal, GEOMETRY, diagnose(signal, GEOMETRY, SHAFT)).reason == "no ring was found damaged"

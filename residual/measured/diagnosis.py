@@ -216,6 +216,7 @@ def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -
             f"{signal.name}: {signal.duration:.3g} s hold {passing * signal.duration:.3g} passes of rolling "
             f"elements at {60.0 * shaft:g} rpm; at least {FEWEST_PASSES} are needed, {FEWEST_PASSES / passing:.3g} s"
             + ("; --speed is in rpm, not in Hz" if shaft < SLOW else "")
+            + "".join(f". {note}" for note in signal.notes if "longest piece" in note)
         )
     highest = 2.0 * max(geometry.lines(shaft)[name] for name in BODIES)
     if highest > 0.5 * signal.rate:

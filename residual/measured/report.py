@@ -109,7 +109,7 @@ def facts(check: Check) -> list[tuple[str, str]]:
     """The record in words."""
     judged, signal, found = check.record, check.record.signal, check.record.diagnosis
     unit = f" {signal.unit}" if signal.unit else ", in the file's own unit"
-    level = f"{text(judged.rms)}{unit} rms"
+    level = f"{text(1e3 * judged.rms)} mm/s rms" if signal.unit == "m/s" else f"{text(judged.rms)}{unit} rms"
     if signal.unit == "m/s²":
         level += f" ({text(judged.rms / G, 3)} g)"
     level += f", crest factor {text(judged.crest, 3)}, kurtosis {text(judged.kurtosis, 3)}"

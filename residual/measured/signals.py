@@ -130,8 +130,10 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
         if whole in names:
             return whole
     matches = [name for name in names if wanted.lower() in name.lower()]
-    if len(matches) == 1:
-        return matches[0]
+    words = [name for name in matches if re.search(rf"(?<![^\W_]){re.escape(wanted)}(?![^\W_])", name, re.IGNORECASE)]
+    for found in (matches, words):  # "B" is a word of "Beschleunigung B", not of "Beschleunigung A"
+        if len(found) == 1:
+            return found[0]
     if wanted.isdecimal() and 1 <= int(wanted) <= len(names):
         return names[int(wanted) - 1]
     how = "several channels" if matches else "no channel"
@@ -177,8 +179,8 @@ def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: li
     if not pieces:
         raise InputError(f"{path}: no sample of it is a number")
     size, first, last = max(pieces)
-    what = f"{missing} samples without a number" if missing else ""
-    what += (" and " if missing and len(ends) else "") + (f"{len(ends)} gaps in time" if len(ends) else "")
+    counts = (missing, "sample", " without a number"), (len(ends), "gap", " in time")
+    what = " and ".join(f"{n} {one}{'s' if n > 1 else ''}{which}" for n, one, which in counts if n)
     notes.append(f"The record has {what}; the longest piece was taken, {size} of {values.size} samples.")
     return values[first:last]
 
@@ -186,7 +188,7 @@ def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: li
 def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:
     """Factor to SI and the SI unit, "" of a unit that is not stated."""
     bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
-    ending = re.search(r"_(g|m_s2|mm_s)$", name)
+    ending = re.search(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$", name)
     in_name = (bracketed[1] if bracketed else "") or (ending[1] if ending else "")
     own = channels.units.get(name) or channels.units.get("") or in_name
     unit = (given if given is not None else own).strip().lower()

@@ -58,7 +58,7 @@ def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Wi
     """
     sign = RINGS.get(diagnosis.verdict)
     if sign is None:
-        return _none("no ring is accused")
+        return _none("no ring was found damaged")
     line = diagnosis.findings[0].found
     lags = _lags(prewhitened(signal.values), signal.rate, line)
     found = np.isfinite(lags)

@@ -18,7 +18,19 @@ MISSING = {"", "nan", "-nan", "null", "none", "n/a", "na", "-"}  # cells that ho
 UNIT = re.compile(
     r"|[\[(].*[\])]|-|1|m?g|s|sec|[mµun]s|m?V|m?m/s(?:\^?2|²)?|°?C|rpm|Hz|N", re.IGNORECASE
 )  # a cell below names
-RATE = re.compile(r"(?:rate|freq\w*|fs|sampl\w*)\b[^\d\n]{0,30}?(\d+(?:[.,]\d+)?)\s*(k?)Hz", re.IGNORECASE)
+_NUMBER = r"(?P<number>\d+(?:[.,]\d+)?)"
+RATES = tuple(  # "Sampling rate: 25.6 kHz", "Abtastrate;25600 Hz"; "Sampling frequency (Hz),25600"; "fs = 25600"
+    re.compile(form, re.IGNORECASE)
+    for form in (
+        rf"(?:rate|freq\w*|fs|sampl\w*)\b[^\d\n]{{0,30}}?{_NUMBER}\s*(?P<kilo>k?)Hz",
+        rf"(?:rate|freq\w*|fs)\s*[\[(]?(?P<kilo>k?)Hz[\])]?\W{{0,10}}{_NUMBER}\W*$",
+        rf"\b(?P<kilo>)(?:fs|sampl\w*[\s_]*(?:rate|freq\w*)|abtastrate)\W{{1,10}}{_NUMBER}\W*$",
+    )
+)
+OTHER = re.compile(
+    r"(?:shaft|rotation\w*|dreh|mains|filter|(?:cut)?-?off|resonan\w*)[\s_]*$", re.IGNORECASE
+)  # frequency
+DATED = re.compile(r"\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{4}|\d{1,2}:\d\d:\d\d")
 
 
 @dataclass(kw_only=True)
@@ -63,9 +75,16 @@ def text_channels(data: bytes) -> Channels:
     rows = [line for line in lines[first:] if line[0] not in "#%"]
     values = _numbers(rows, delimiter, decimal, first)
     names, units = _heads(before, delimiter, values.shape[1])
-    stated = RATE.search("\n".join(before))
-    rate = None if stated is None else float(stated[1].replace(",", ".")) * (1e3 if stated[2] else 1.0)
-    return Channels(values={name: values[:, k] for k, name in enumerate(names)}, units=units, rate=rate or None)
+    rate = next((rate for line in before if (rate := _stated_rate(line))), None)
+    return Channels(values={name: values[:, k] for k, name in enumerate(names)}, units=units, rate=rate)
+
+
+def _stated_rate(line: str) -> float | None:
+    """The sampling rate that a line before the numbers states, Hz."""
+    for form in RATES:
+        if (said := form.search(line)) is not None and not OTHER.search(line[: said.start()]):
+            return float(said["number"].replace(",", ".")) * (1e3 if said["kilo"] else 1.0)
+    return None
 
 
 def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
@@ -83,7 +102,11 @@ def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
                     best = width, first, delimiter, decimal
                 break
     if best is None:
-        raise ValueError("no rows of numbers in it; a record has one sample in each line, in columns")
+        dated = DATED.search("\n".join(lines[:MOST_BEFORE]))
+        raise ValueError(
+            "no rows of numbers in it; a record has one sample in each line, in columns"
+            + (f"; dates and clock times ({dated[0]}) are none: leave that column out and give --rate" if dated else "")
+        )
     width, first, delimiter, decimal = best
     heads = lines[first - 1] if first else ""
     shown = lines[first : first + SAMPLED]

@@ -111,7 +111,7 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
             if direction is evaluation.x:
                 axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
                               ha=_side(frequency, lines.values()), color="#555555")  # fmt: skip
-    legend_above(axes[0], 5, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
+    legend_above(axes[0], 4, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
     caption = (
         "One-sided power spectral density of each term and of the error, averaged over "
         f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "

@@ -25,7 +25,7 @@ from residual.figures.saved import BLUE, DPI, GREY, LINE_COLOURS, ORANGE, WIDTH,
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
-LEFT, RIGHT = 0.86, 0.14  # beside panels: tick labels and the axis' name; half a tick label
+LEFT, RIGHT = 0.86, 0.22  # beside panels: tick labels and the axis' name; half a tick label of five digits
 BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share their x axis
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
 NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's middle

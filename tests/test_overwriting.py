@@ -36,6 +36,14 @@ def test_a_complete_run_of_another_scene_is_replaced_by_force_only(kept, capsys)
         assert "speed_rpm = 5000.0" in file.attrs["scene"]
 
 
+@pytest.mark.parametrize(("duration", "extends"), [("0.7", True), ("0.3", False)])
+def test_a_longer_run_may_extend_what_is_there(kept, capsys, duration, extends):
+    longer = ["--model", "reduced", "--duration", duration, "--quiet"]
+    assert run_main(longer) == 2
+    assert ("--resume extends it" in capsys.readouterr().err) is extends
+    assert run_main([*longer, "--resume" if extends else "--force"]) == 0
+
+
 def test_the_same_scene_runs_again_into_its_file(kept):
     assert run_main(SHORT) == 0
 

@@ -74,9 +74,10 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
     if changed := differences(scene_keys(before), scene_keys(scene)):
         more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
         named = [*changed[:MOST_CHANGES], *more]
+        longer = len(changed) == 1 and before.numerics.duration_ms < scene.numerics.duration_ms
         raise UsageError(
-            f"{path}: holds a complete run of another scene ({'; '.join(named)}); --force replaces it, --output names "
-            "another file"
+            f"{path}: holds a complete run of another scene ({'; '.join(named)}); "
+            f"{'--resume extends it, ' if longer else ''}--force replaces it, --output names another file"
         )
 
 

@@ -129,6 +129,8 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
         header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"
         return [f"{place} = {quoted(value)}: must be a table, {header}"]
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
+    if fault["type"] in ("float_type", "int_type") and isinstance(value, str):
+        reason += ", without quotes and unit"
     return [f"{place} = {quoted(value)}: {reason}"]
 
 

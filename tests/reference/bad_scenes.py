@@ -62,6 +62,11 @@ BAD_SCENES = {
     "key of another table": scene("[numerics]\nspeed_rpm = 1.0", "numerics.speed_rpm"),
     "text for a number": scene("[bearing]\nrollers = 'many'", "bearing.rollers", "'many'", "integer"),
     "digits in quotes": scene("[operation]\nspeed_rpm = '4500'", "operation.speed_rpm = '4500'"),
+    "numbers in quotes": scene(
+        '[operation]\nradial_load_N = "2000 N"\n[bearing]\nrollers = "13"',
+        "bearing.rollers = '13': must be a valid integer, without quotes and unit",
+        "operation.radial_load_N = '2000 N': must be a valid number, without quotes and unit",
+    ),
     "half a roller": scene("[bearing]\nrollers = 12.5", "bearing.rollers = 12.5", "integer"),
     "truth for a number": scene("[bearing]\nrollers = true", "bearing.rollers = True"),
     "date for a number": scene("[operation]\nspeed_rpm = 2007-06-18", "operation.speed_rpm"),

@@ -39,6 +39,7 @@ def test_straight_rollers_without_tilt_are_those_of_the_plane_series():
     exact = exact_statics(PAPER, LOAD, ON_A_ROLLER)
     found = stands("none", 21, False, 0.0).statics[0]
     assert -1e6 * found.place[1] == pytest.approx(3.6146, rel=2e-4)
+    assert found.inner_force[:4] == pytest.approx([628.5, 549.5, 337.2, 62.9], rel=2e-4, abs=0.05)  # N
     assert found.place[1] == pytest.approx(exact.hub[1], rel=2e-4)
     assert found.inner_force == pytest.approx(exact.inner_force, rel=2e-4, abs=0.1)
 

@@ -14,7 +14,7 @@ from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import in_series as softened
 from lagrange.axial.tabulate import alone, spalled, tabulated
-from lagrange.contact.raceway_laws import contact_pairs, johnson
+from lagrange.contact.raceway_laws import contact_laws, contact_pairs, johnson
 from lagrange.tilt import roller_inertias
 from tests.reference.bearings import paper
 
@@ -69,6 +69,14 @@ def test_a_straight_roller_tilts_at_the_frequency_that_its_length_and_radius_giv
     own, (across, _) = slices("none", 41).at(4e-6, 0.0), roller_inertias(PAPER)
     found = np.sqrt(own.tilt_stiffness / across / (own.stiffness / PAPER.roller_mass))
     assert found == pytest.approx(0.7559, rel=1e-3)
+
+
+def test_a_straight_roller_vibrates_and_tilts_on_the_springs_of_the_standard():
+    """kHz, roller 0 of the paper's bearing under 2000 N: half of ISO/TS 16281's 4.160 µm at each contact."""
+    own, (across, _) = replace(slices("none", 41), law=contact_laws("iso16281", PAPER).inner), roller_inertias(PAPER)
+    found = own.at(0.5 * 4.160e-6, 0.0)
+    springs, inertias = np.array([found.stiffness, found.tilt_stiffness]), np.array([PAPER.roller_mass, across])
+    assert 1e-3 * np.sqrt(2.0 * springs / inertias) / (2.0 * np.pi) == pytest.approx([52.57, 39.74], rel=1e-3)
 
 
 @pytest.mark.parametrize("kind, sharp", [("logarithmic", False), ("crowned", True)])

@@ -106,16 +106,32 @@ def test_static_capacity_of_balls_means_4200_megapascal(designation):
 )
 def test_reference_life(row, load, clearance, tilt, profile, micrometre, rollers, life, ratio):
     found = rigid_loads(row, load, clearance, tilt, profile=profile)
-    assert 1e3 * found.displacement == pytest.approx(micrometre, rel=1e-3)
+    assert 1e3 * found.displacement == pytest.approx(micrometre, abs=6e-4)
     assert found.of_rollers[: len(rollers)] == pytest.approx(rollers, rel=1e-3, abs=0.06)
     rated = reference_life(row, dynamic_capacity(row), found.loads)
     assert rated == pytest.approx(life, rel=5e-3)
     assert rated / basic_life(dynamic_capacity(row), load) == pytest.approx(ratio, rel=0.01, abs=5e-4)
 
 
-@pytest.mark.parametrize(("tilt", "moment"), [(1e-3, 1835.0), (2e-3, 3333.0), (4e-3, 7702.0)])
-def test_moment_that_holds_a_tilt(tilt, moment):
-    assert rigid_loads(PAPER, 2000.0, 0.0, tilt).moment == pytest.approx(moment, rel=1e-3)
+@pytest.mark.parametrize(
+    ("clearance", "profile", "tilt", "micrometre", "moment"),
+    [
+        (0.0, True, 1e-3, 6.947, 1835.0),
+        (0.0, True, 2e-3, 5.970, 3333.0),
+        (0.0, True, 4e-3, 3.985, 7702.0),
+        (0.0, False, 1e-3, 4.019, 4326.0),
+        (0.0, False, 2e-3, 3.766, 8722.0),
+        (0.0, False, 4e-3, 3.504, 18_508.0),
+        (0.020, True, 1e-3, 18.612, 1814.0),
+        (0.020, True, 2e-3, 17.662, 3318.0),
+        (0.020, True, 4e-3, 14.182, 5217.0),
+    ],
+)
+def test_moment_that_holds_a_tilt(clearance, profile, tilt, micrometre, moment):
+    """N mm, by F = c_s Σ cos φ_j Σ_k δ_jk^(10/9) of ISO/TS 16281 with 40 laminae, solved apart from this program."""
+    found = rigid_loads(PAPER, 2000.0, clearance, tilt, profile=profile)
+    assert 1e3 * found.displacement == pytest.approx(micrometre, abs=6e-4)
+    assert found.moment == pytest.approx(moment, abs=0.6)
 
 
 @pytest.mark.parametrize(("laminae", "life"), [(40, 71_482), (60, 71_720), (200, 71_812)])

@@ -1,12 +1,15 @@
 """The whole bearing with tilted rollers at rest: elastic bodies, and the method of ISO/TS 16281."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fem.rating.tilted import TiltedPitch, tilted_pitch
+from fem.solver.tilted_start import narrow_slices
 from fem.statics.exact_statics import exact_statics
+from fem.statics.reduced_bearing import kept_contacts
 from lagrange.axial import Axial
 from lagrange.axial.profile import Profile
 from lagrange.contact.raceway_laws import contact_laws, contact_pairs
@@ -132,3 +135,17 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
     with pytest.raises(Unavailable, match=r"axial.slices = 61 are .* take at most 1\d"):
         tilted_pitch(PAPER, axial("logarithmic", 61, True), acting, samples=1)
     tilted_pitch(PAPER, axial("logarithmic", 15, True), acting, samples=1)
+
+
+def test_a_start_whose_tables_give_a_light_contact_too_large_a_moment_is_checked_too():
+    contacts, _ = kept_contacts(PAPER)
+    force, arm = np.array([30.0, 0.0]), 0.5e-2  # N, m: half the length
+
+    def reason(times):
+        loads = {f"{side}_{name}": times * value for side in ("inner", "outer")
+                 for name, value in (("force", force), ("moment", 1.3 * arm * force))}  # fmt: skip
+        laws = contacts.inner_law, contacts.outer_law
+        return narrow_slices(PAPER, axial("logarithmic", 21, True), laws, SimpleNamespace(**loads))
+
+    assert reason(1.0) is None
+    assert "axial.slices = 21 are" in reason(100.0)  # all of it on the last slice

@@ -9,7 +9,7 @@ from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
 from fem.kernels.tilted_surfaces import in_series
 from lagrange.axial import ContactTable
-from lagrange.axial.pressure import peak_table, placed, pressures
+from lagrange.axial.pressure import peak_table, placed, pressures, pressures_under
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import in_series as softened
@@ -188,3 +188,12 @@ def test_pressures_over_a_spall_follow_from_force_and_moment():
     along = pressures(own, pair, *found, sunk)
     assert along[2][own.part].max() == 0.0 and along[2][~own.part].max() > 5e8
     assert along[0] == pytest.approx(along[0][::-1])
+
+
+def test_moments_that_a_table_gives_of_light_contacts_are_those_at_a_roller_s_end():
+    """Beside heavy forces a table's error may be more than all that a light force exerts."""
+    own, pair, light = slices("logarithmic"), contact_pairs(PAPER)[0], np.array([3.0, -3.0])
+    arm, closed = own.place[-1], np.ones(2, dtype=bool)
+    found, _ = pressures_under(own, pair, np.abs(light), 1.3 * arm * light, np.zeros(2), closed)
+    assert found[0, -1] == found[0].max() == pytest.approx(pair.peak_pressure(own.count * 3.0), rel=1e-5)
+    assert found[1] == pytest.approx(found[0, ::-1])

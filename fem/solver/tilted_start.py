@@ -13,7 +13,7 @@ from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
-from lagrange.axial.pressure import placed
+from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
@@ -103,7 +103,8 @@ def narrow_slices(
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
         j = int(force.argmax())
         if force[j] > 0.0:
-            carried = each.forces(*placed(each, float(force[j]), float(moment[j])))
+            held = exerted(each, force, moment)[j]
+            carried = each.forces(*placed(each, float(force[j]), float(held)))
             widest = max(widest, pair.half_width(axial.slices * float(carried.max())))
     return too_narrow(bearing, axial, widest)
 

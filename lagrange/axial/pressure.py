@@ -13,6 +13,7 @@ from lagrange.contact.raceway_laws import Pair
 SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
 STEPS, HALVINGS = 100, 30  # of Newton's method
 SETTLED = 1e-6  # of a force: it comes from a table
+AT_END = 1.0 - 1e-6  # of the last slice's place: the slice before it still bears
 LOOSE = 1e-9  # of a contact's stiffness, against slopes that a single slice does not hold
 FAINTEST = 1e-6  # N, of a slice at a roller's end
 SLOPES, DEPTHS = 64, 64  # of which a table of peaks is made: slopes either way, and approaches at each
@@ -51,6 +52,7 @@ def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> 
     ValueError: as `placed`. RuntimeError: as `Slices.forces`.
     """
     found, slope = np.zeros((*np.shape(force), slices.count)), np.zeros(np.shape(force))
+    moment = exerted(slices, force, moment)
     approach, slope[closed] = placed(slices, force[closed], moment[closed], sunk[closed])
     found[closed] = pressures(slices, pair, approach, slope[closed], sunk[closed])
     return found, slope
@@ -112,6 +114,12 @@ def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, st
         there = [(np.interp(level, x, a), np.interp(level, x, b)) for x, a, b in columns]
         found[i] = np.interp(places, *np.array(there)[::-1].T)  # the steeper, the nearer to the end −z
     return PeakTable(root=root, arm=arm, peaks=found)
+
+
+def exerted(slices: Slices, force, moment):
+    """Moments, N m, at most those of forces, N, at a roller's end, which a table exceeds under light ones."""
+    most = AT_END * float(slices.place[-1]) * np.asarray(force)
+    return np.clip(moment, -most, most)
 
 
 def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[np.ndarray, np.ndarray]:

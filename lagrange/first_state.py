@@ -56,6 +56,18 @@ def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> t
     return values[stiff], vectors[:, stiff]
 
 
+def places_moving(before: TiltedStatics, now: TiltedStatics, after: TiltedStatics, time: float) -> np.ndarray:
+    """Rates of all places, (4 + 2 n_rollers,), by equilibria a time, s, before and after.
+
+    A roller on which little bears may stand at several tilts: where its tilts do not follow each other it has no rate
+    of them.
+    """
+    rates, n = (after.moved - before.moved) / (2.0 * time), now.tilt.size
+    jumps = np.abs(after.tilt - 2.0 * now.tilt + before.tilt) > SAME * np.abs(after.tilt - before.tilt)
+    rates[4 + n :][jumps] = 0.0
+    return rates
+
+
 def surface_speed(bearing: Bearing, operation: Operation) -> float:
     """The faster raceway's speed along itself at the start, m/s."""
     inner, outer = np.abs(operation.ring_speeds)
@@ -127,8 +139,8 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         if followed(now.radial_stiffness, bearing, operation)[0].size < 2:
             warning = SOFT
         else:
-            before, after = (equilibrium_at(shift, ring).moved for shift in (-DIFFERENCE, DIFFERENCE))
-            found = (after - before) / (2.0 * DIFFERENCE)
+            before, after = (equilibrium_at(shift, ring) for shift in (-DIFFERENCE, DIFFERENCE))
+            found = places_moving(before, now, after, DIFFERENCE)
             if np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation):
                 rates = found
             else:

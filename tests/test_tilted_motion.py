@@ -93,6 +93,24 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
     assert missed(samples) < 1e-6
 
 
+@pytest.mark.parametrize("degrees", [0.0, 3.0, 27.0])
+def test_a_roller_that_may_stand_at_several_tilts_starts_without_their_rate(degrees):
+    """Of nine slices on a crown of 20 µm equilibria before and after stand on different ones: 500 to 1500 rad/s."""
+    crowned = {"roller_profile": "crowned", "crown_um": 20.0, "slices": 9}
+    light = {"operation__radial_load_N": 300.0, "operation__misalignment_mrad": 0.05}
+    start = make_plan(scene("reduced", crowned, operation__first_roller_deg=degrees, **light)).start
+    assert np.abs(start.tilts.tilt_rate).max() < 1.0
+
+
+def test_a_roller_that_enters_a_spall_of_half_the_length_starts_with_the_rate_of_its_tilt():
+    """13 rad/s with 20 or 21 slices, coupled or alone."""
+    half = {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}], "operation__first_roller_deg": 27.0}
+    for model in ("reduced", "lagrange"):
+        plan = make_plan(scene(model, {"slices": 20}, **half))
+        tilts = plan.start.tilts if model == "reduced" else plan.problem.first_state.state.tilts
+        assert np.abs(tilts.tilt_rate).max() == pytest.approx(13.4, abs=0.3)
+
+
 def test_peak_pressures_of_a_run_are_those_of_its_forces_and_moments():
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
     result, bearing = interface.simulate(found), found.ideal_bearing()

@@ -12,7 +12,7 @@ from fem.statics.contact_balance import ROUND_OFF, Loads, NotFound, hub_spring, 
 from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, places_moving, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import profiles
@@ -116,8 +116,8 @@ def equilibrium_start(model: "Model", operation: Operation, tilting: Tilting | N
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
 
     axes = None
-    if before.axes is not None and after.axes is not None:
-        axes = (after.axes.moved - before.axes.moved) / (2.0 * ahead)
+    if before.axes is not None and middle.axes is not None and after.axes is not None:
+        axes = places_moving(before.axes, middle.axes, after.axes, ahead)
     return Start(
         equilibrium=middle,
         kinematics=ideal,

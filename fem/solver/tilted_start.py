@@ -16,7 +16,7 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.raceway_laws import contact_pairs
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, places_moving, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import UNTURNED, Turns
@@ -74,7 +74,7 @@ def tilted_start(
             warning = SOFT
         else:
             ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)
-            found = (balanced(ahead).moved - balanced(-ahead).moved) / (2.0 * ahead)
+            found = places_moving(balanced(-ahead), now, balanced(ahead), ahead)
             rates, warning = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
     zero = np.zeros(n)
     return replace(

@@ -172,7 +172,7 @@ def _surfaces(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
         deviation = d * values.uniform(-0.5, 0.5)
         tables["unequal_roller"] = [{"roller": int(values.rng.integers(n)), "diameter_deviation_um": deviation}]
     if kinds.chance(0.2):
-        angles, high = np.arange(0.0, 360.0, 0.25), d * values.spread(0.01, 0.3)
+        angles, high = np.arange(0.0, 360.0, 0.1), d * values.spread(0.01, 0.3)
         heights = high * np.cos(np.radians(int(values.rng.integers(1, 9)) * angles))
         file = values.table("heights.csv", "angle_deg,height_um", zip(angles, heights, strict=True))
         tables["profile"] = [{"body": kinds.one_of("outer_ring", "inner_ring"), "file": file}]
@@ -276,10 +276,10 @@ def _outer_ring(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
 def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
     """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
     if tables["model"] == "fem":
-        return
+        _without(tables, "damping")  # of contacts, which meshes have not with tilt
     bearing, operation = tables["bearing"], tables["operation"]
     d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
-    coupled = tables["model"] == "reduced" and kinds.chance(0.7)
+    coupled = tables["model"] != "lagrange" and kinds.chance(0.7)
     slices = 5 + 2 * int(values.rng.integers(19))
     axial: dict[str, Any] = {"coupling": coupled, "slices": slices}
     for surface, none in (("roller", 0.1), ("inner_raceway", 0.7), ("outer_raceway", 0.7)):
@@ -305,6 +305,9 @@ def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
         middle = 0.5 * (length - part) * values.uniform(-1.0, 1.0)
         for spall in tables.get("spall", []):
             spall |= {"length_mm": part, "z_mm": middle}
+    if tables["model"] == "reduced" and tables["contact"]["friction_coefficient"] > 0.0 and kinds.chance(0.3):
+        axial |= {"skew": "free", "skew_play_mrad": values.uniform(0.0, 10.0)}
+        _without(tables, "damping")  # of contacts, which know nothing of skew
     tables["axial"] = axial
 
 

@@ -112,7 +112,7 @@ def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
 
 
 def apart(n: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which harmonics of a ring do not feel the circle that is held, t loaded radii from the centre; which do."""
+    """Harmonics of a ring that the held circle, t loaded radii from the centre, does not change; and those it does."""
     far = (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
     return far, (n > 0) & ~far
 

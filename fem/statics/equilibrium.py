@@ -83,7 +83,7 @@ def equilibrium(
     Parameters
     ----------
     start : one that is near
-    tilted : what rollers that tilt are balanced by, under its own operation; None: axes stay parallel
+    tilted : contacts and operation of rollers that tilt; None: axes stay parallel
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.

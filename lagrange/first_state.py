@@ -239,7 +239,7 @@ class Problem:
     axial: Axial | None = None
 
     def __post_init__(self):
-        if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
+        if not (min(self.damping) >= 0.0 and self.load_ramp >= 0.0):
             raise ValueError(f"damping = {self.damping}, load_ramp = {self.load_ramp}: both must be at least 0")
         if self.start not in ("equilibrium", "rest") or self.angles not in ("kinematic", "free"):
             raise ValueError(

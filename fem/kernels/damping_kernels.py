@@ -25,7 +25,7 @@ from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
-from fem.kernels.law import STEEPEST
+from fem.kernels.law import STEEPEST, damping_coefficient
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
@@ -294,8 +294,7 @@ def _coefficient(pair, dampers, Q, level):
     whole = maximum(below + (dampers.whole[pair.row] - law.B), STEEPEST)
     over = 1.0 / (below * whole)
     softer, stiffness = whole * whole * over, below * over * (1.0 / law.A)
-    c = dampers.constant + dampers.time * stiffness + 1.5 * dampers.hunt_crossley * Q
-    return c * softer * softer, below * below * over
+    return damping_coefficient(dampers.law, Q, stiffness) * softer * softer, below * below * over
 
 
 @part

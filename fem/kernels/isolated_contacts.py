@@ -11,7 +11,7 @@ from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import exponential, logarithm, maximum, minimum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
-from fem.kernels.law import kick_by_energy, next_force, stored_energy
+from fem.kernels.law import damping_coefficient, kick_by_energy, next_force, stored_energy
 from fem.kernels.reduced_contacts import met_surfaces, store_pair
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_kick import cut_off, forces_ahead, no_less, note_ahead, repay
@@ -255,6 +255,6 @@ def _energy(law, forces, at, brackets):
 def isolated_damping(compliance, dampers, forces, columns, group, there):
     """N s/m, of eight rollers' inner and outer contacts; 0 of open ones."""
     Q_i, Q_o = load(forces.force, group), load(forces.force, columns + group)
-    c_i = dampers.constant + dampers.time * load(forces.stiffness, group) + 1.5 * dampers.hunt_crossley * Q_i
-    c_o = dampers.constant + dampers.time * load(forces.stiffness, columns + group) + 1.5 * dampers.hunt_crossley * Q_o
+    c_i = damping_coefficient(dampers.law, Q_i, load(forces.stiffness, group))
+    c_o = damping_coefficient(dampers.law, Q_o, load(forces.stiffness, columns + group))
     return select(there & (Q_i > 0.0), c_i, 0.0), select(there & (Q_o > 0.0), c_o, 0.0)

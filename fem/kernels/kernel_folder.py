@@ -2,6 +2,8 @@
 
 Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
 one kernel it would go on running the old code inside the others. Needs no compiler.
+
+Of the ideal bearing's formulas kernels compile that of dampers, in a module of `lagrange`.
 """
 
 import hashlib
@@ -13,6 +15,8 @@ from functools import cache
 from pathlib import Path
 
 import platformdirs
+
+from lagrange.contact import damping
 
 notices: list[str] = []  # sentences on what was wrong with folders and files so far
 
@@ -32,9 +36,9 @@ def cache_folder() -> Path | None:
 
 
 def digest(folder: Path) -> str:
-    """Of the text of all modules of a folder: any of them may be part of a kernel."""
+    """Of the text of all modules of a folder, and of dampers: any of them may be part of a kernel."""
     text = hashlib.sha256()
-    for module in sorted(folder.glob("*.py")):
+    for module in (*sorted(folder.glob("*.py")), Path(damping.__file__)):
         text.update(module.name.encode() + module.read_bytes())
     return text.hexdigest()[:16]
 

@@ -14,6 +14,7 @@ from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import gather, gather_quads
 from fem.kernels.lanes import absolute, any_lane, select, square_root, to_float, to_int, with_sign
 from fem.kernels.state import STEEPEST as STEEPEST
+from lagrange.contact.damping import ContactDamping
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 
@@ -123,6 +124,10 @@ def distant_force(approach, A, B, Q_line, guess):
 def _slope_of_line(B, Q_line):
     """dδ/dQ above Q_line over A: STEEPEST but for B's ripple."""
     return B - 0.5 * log(Q_line) - 0.5
+
+
+# N s/m, by a `ContactDamping`, forces and stiffnesses
+damping_coefficient = part(ContactDamping.coefficient)
 
 
 @part

@@ -9,7 +9,7 @@ from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
-from fem.kernels.law import STEEPEST
+from fem.kernels.law import STEEPEST, damping_coefficient
 from fem.kernels.prescribed_rollers import hold
 from fem.kernels.reduced_housing import push_ring, ring_rates
 from fem.kernels.reduced_state import INNER, NEXT, OUTER, ReducedDampers
@@ -35,19 +35,18 @@ from fem.kernels.tilted_damping import (
 
 
 @part
-def damping_coefficient(dampers, law, Q):
+def _coefficient(dampers, law, Q):
     """N s/m, of eight contacts under forces of their laws, N; 0 of open ones."""
     closed = Q > 0.0
     soft = law.A * maximum(law.B - 0.5 * logarithm(select(closed, minimum(Q, law.Q_line), 1.0)) - 0.5, STEEPEST)
-    found = dampers.constant + dampers.time / soft + 1.5 * dampers.hunt_crossley * Q
-    return select(closed, found, 0.0)
+    return select(closed, damping_coefficient(dampers.law, Q, 1.0 / soft), 0.0)
 
 
 @verb
 def damping_coefficients(compliance, dampers, forces, columns, group, there):
     """The same of eight rollers' inner and outer contacts."""
-    c_i = damping_coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
-    return c_i, damping_coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
+    c_i = _coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
+    return c_i, _coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
 
 
 @part
@@ -62,7 +61,7 @@ def damped_neighbours(dampers, law, at, Q, P, rate, mobility_dt):
     """Kicks of eight contacts of two rollers, N, with their dampers'; `rate` : m/s, at which they close before."""
     if dampers is None:
         return P
-    c = damping_coefficient(dampers, law, Q)
+    c = _coefficient(dampers, law, Q)
     half = 0.5 * mobility_dt
     F = maximum(c * (rate - half * P) / (1.0 + c * half), -P)
     F = select(Q > 0.0, F, 0.0)

@@ -16,6 +16,7 @@ from fem.kernels.shaft import Shaft
 from fem.kernels.state import Law, LoadHistory
 from fem.kernels.tilted_damping import TiltedDampers
 from fem.kernels.tilts import TiltedForces, Tilts
+from lagrange.contact.damping import ContactDamping
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
@@ -124,9 +125,7 @@ class Compliance(NamedTuple):
 class ReducedDampers(NamedTuple):
     """Dampers of contacts: see `reduced_damping`. Arrays over rollers by row."""
 
-    constant: float  # N s/m
-    time: float  # s, of the contact's stiffness
-    hunt_crossley: float  # s/m
+    law: ContactDamping
     force: state("3, columns")  # N
     rate: room("2, columns")  # m/s, at which contacts close
     gain: room("1, columns")  # N s/m, of inner forces by the hub's velocity

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.fields import given, room, state
+from lagrange.contact.damping import ContactDamping
 
 STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 INNER, OUTER, ROLLER = 0, 1, 2  # rows of the pairs: inner raceway, outer raceway, roller j with j + 1
@@ -318,9 +319,7 @@ class Points(NamedTuple):
 class Dampers(NamedTuple):
     """Dampers of contacts, by pair and roller: see `damping_kernels`."""
 
-    constant: float  # N s/m
-    time: float  # s, of the contact's stiffness
-    hunt_crossley: float  # s/m
+    law: ContactDamping
     whole: given("pairs")  # level of the contacts' whole approach, A Q (level − ½ ln Q)
     rate: state("pairs, columns", np.nan)  # m/s, at which approaches have grown on the way to the last kick
     # m/s, the same by the nodes' velocities, after the last damping; NaN: not damped

@@ -207,9 +207,7 @@ def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]
     return filled(
         Dampers,
         dict(zip(("pairs", "columns"), shape, strict=True)),
-        constant=float(damping.constant),
-        time=float(damping.time),
-        hunt_crossley=float(damping.hunt_crossley),
+        law=damping,
         whole=levels,
     )
 
@@ -270,10 +268,4 @@ def rigid_dampers(damping: ContactDamping, columns: int) -> ReducedDampers | Non
     """Dampers of contacts between rigid bodies, at rest; None where a scene has none."""
     if not damping.acts:
         return None
-    return filled(
-        ReducedDampers,
-        {"columns": columns, "lanes": WIDTH},
-        constant=float(damping.constant),
-        time=float(damping.time),
-        hunt_crossley=float(damping.hunt_crossley),
-    )
+    return filled(ReducedDampers, {"columns": columns, "lanes": WIDTH}, law=damping)

@@ -7,13 +7,12 @@ Source: Krämer, Dynamics of Rotors and Foundations (1993), for the time, second
 Restitution Interpreted as Damping in Vibroimpact, ASME J. Applied Mechanics 42 (1975).
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 
-@dataclass(frozen=True, kw_only=True)
-class ContactDamping:
+class ContactDamping(NamedTuple):
     """How contacts damp; the sum of what the three laws give. A fitted constant may be negative, within its error."""
 
     constant: float = 0.0  # d, N s/m
@@ -25,7 +24,7 @@ class ContactDamping:
         return self != UNDAMPED
 
     def coefficient(self, force, stiffness):
-        """N s/m, of contacts under spring forces, N, that are so stiff, N/m; any shape."""
+        """N s/m, of contacts under spring forces, N, that are so stiff, N/m; any shape. Time loops compile it too."""
         return self.constant + self.time * stiffness + 1.5 * self.hunt_crossley * force
 
     @property

@@ -262,7 +262,9 @@ def evaluate(
     notes += [level.unresolved_note(x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += rate_notes(max(resonances), interval, order)
     settled = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
-    notes += [] if settled is None or settled.note is None else [settled.note]
+    tables = record.scene.operation
+    if settled is not None and settled.note is not None and not (tables.load_table or tables.speed_table):
+        notes.append(settled.note)  # what changes with the load or the speed is no transient
     floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
     reference = reference_force(used.load, budget.law_force if used.inner_force is None else used.inner_force)
     least = max(noise, FOLDED_SHARE * reference[0])

@@ -274,7 +274,7 @@ class Stationarity:
         if self.settled == 0:
             return None
         widths = "; ".join(
-            f"{name} {', '.join(f'{1e9 * value:.3g}' for value in values)} nm" for name, values in self.hub.items()
+            f"{name} {', '.join(text(1e9 * value, 3) for value in values)} nm" for name, values in self.hub.items()
         )
         moves = f"how far the hub swings changes over the quarters of the record (standard deviations of {widths})"
         if self.settled is None:

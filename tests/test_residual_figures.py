@@ -6,7 +6,7 @@ from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
 from residual.figures.comparison import point_contact
 from residual.figures.saved import TERM_COLOURS
-from residual.figures.spectra import short_time_figure
+from residual.figures.spectra import envelope_figure, short_time_figure
 from residual.report import render_report
 from residual.summary import ReportOptions
 from tests.reference.synthetic_run import make_run, recorded
@@ -41,6 +41,13 @@ def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
     assert "half a roller passage" in drawn.caption
     short = make_run(n_times=401)
     assert short_time_figure(evaluate(recorded(tmp_path / "a.nc", short)), tmp_path) is None
+
+
+def test_envelope_of_a_record_shorter_than_a_passage(tmp_path):
+    scene = parse_scene({"operation": {"speed_rpm": 5.0}}, "test")
+    drawn = envelope_figure(evaluate(recorded(tmp_path / "slow.nc", make_run(n_times=1201, scene=scene))), tmp_path)
+    assert drawn.png.stat().st_size > 10_000
+    assert {len(curve.points) for curve in drawn.curves} == {20}
 
 
 def test_terms_that_may_stand_in_one_figure_have_colours_of_their_own():

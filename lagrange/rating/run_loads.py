@@ -51,14 +51,16 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
 
     Errors
     ------
-    Unavailable: fewer than two samples, or the run stands. Tractions are left out of the resultant: they are some per
-    cent of the normal forces at most.
+    Unavailable: fewer than two samples, or its rings stand against each other. Tractions are left out of the
+    resultant: they are some per cent of the normal forces at most.
     """
     time, force = samples["time"], samples["inner_force"]
     if time.size < 2:
         raise Unavailable("the run has one sample: no load over time")
     acting = operation.at(time)
     speeds = acting.speed - acting.outer_speed + np.zeros(time.size)
+    if not speeds.any():
+        raise Unavailable("the rings of the run do not turn against each other; rate-bearing takes its scene instead")
     aside, up = (samples[f"roller_{axis}"] - samples[f"inner_{axis}"][:, None] for axis in "xy")
     distance = np.hypot(aside, up)
     load = np.hypot((force * aside / distance).sum(axis=1), (force * up / distance).sum(axis=1))

@@ -26,6 +26,7 @@ from residual.orders import HIGHEST, OrderSpectra, Tracking
 from residual.spectrum import ShortTime, short_time_spectrum
 
 DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
+LEAST_BINS = 20  # of an envelope's spectrum, of a record shorter than a passage
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
 SHORT_TIME_RANGE, RANGE = 1e-8, 1e-9  # of a density's plot over orders
 ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
@@ -75,7 +76,8 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         return None
     names = [f"envelope PSD, {direction.name}, N²/Hz" for direction, _ in found]
     figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2, x="frequency, Hz", y=names)
-    top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
+    finest = max(float(envelope.spectrum.frequency[1]) for _, envelope in found)
+    top = max(ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0), LEAST_BINS * finest)
     parts, families = [], []
     for axis, (direction, envelope) in zip(axes, found, strict=True):
         spectrum = envelope.spectrum

@@ -6,6 +6,7 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
+from fem.solver import rigid_state
 from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state, simulate
@@ -18,7 +19,8 @@ from residual.evaluation import evaluate
 from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
 from residual.tilt import largest_pressures
-from tests.reference.tilted_runs import defects, missed, moved, scene
+from tests.reference.going_on import assert_same_bits
+from tests.reference.tilted_runs import defects, missed, moved, moved_by, scene
 
 
 @pytest.mark.slow  # compiles a loop
@@ -205,6 +207,50 @@ def test_missing_rollers_and_a_turning_outer_ring_move_as_the_reference_says(key
     assert samples["roller_tilt"][loaded] == pytest.approx(reference.tilt.roller_tilt[loaded], abs=1e-2 * 5e-4)
     assert samples["inner_moment"] == pytest.approx(reference.tilt.inner_moment, abs=5e-3)  # N m, of 0.7
     assert missed(samples) < 1e-6
+
+
+STRUCK = {"spall": [{"width_mm": 2.0, "angle_deg": 4.0}], "operation__radial_load_N": 500.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_a_run_whose_contacts_leave_their_tables_restarts_with_tables_that_go_further(model):
+    plan, said = make_plan(scene(model, {"slices": 11}, **STRUCK, numerics__duration_ms=2.0)), []
+    samples = moved_by(plan, said)
+    assert said and all("µm; the run restarts with tables up to twice the force" in why for why in said)
+    assert samples["outer_force"].max() > 10.0 * samples["outer_force"][0].max()
+    wider = moved_by(plan.reaching(2 ** len(said)), none := [])
+    assert not none
+    for name, values in wider.items():
+        np.testing.assert_array_equal(samples[name], values, err_msg=name)
+    assert_same_bits(*reversed(rest_of_run_again(plan, len(said), 20, 31)))
+
+
+def rest_of_run_again(plan, restarts, first, rest):
+    """`rest_of_run` of a state that has restarted so often."""
+    whole, half, later = (plan.first_state() for _ in range(3))
+    for state in (whole, half):
+        state.take_restarts({"halvings": 0, "doublings": restarts})
+        state.advance(first)
+    arrays, numbers = half.to_keep()
+    later.done = half.done
+    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    return whole.advance(rest).samples, later.advance(rest).samples
+
+
+@pytest.mark.slow
+def test_tables_that_can_go_no_further_end_the_run_with_what_to_do(monkeypatch):
+    monkeypatch.setattr(rigid_state, "MOST_DOUBLINGS", 0)
+    with pytest.raises(RunFailed, match=r"tabulated up to \S+ µm; lower what makes rollers strike"):
+        moved(scene("lagrange", {"slices": 11}, **STRUCK, numerics__duration_ms=2.0))
+
+
+@pytest.mark.parametrize("coupling", [True, False])
+def test_tables_of_coupled_slices_go_no_further_than_these_are_wide(coupling):
+    plan = make_plan(scene("reduced", {"slices": 31, "coupling": coupling}))
+    assert plan.too_far(1) is None
+    found = plan.too_far(2)
+    assert ("axial.slices = 31 are 0.323 mm wide" in found) if coupling else found is None
 
 
 @pytest.mark.slow

@@ -22,6 +22,7 @@ from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import Block, sample_count
 from fem.solver.start import Start, Tilting, equilibrium_start, rest_start
+from fem.solver.tilted_arrays import LESS
 from fem.solver.tilted_elements import beyond_axes, check_slices, tilting_of, with_axes
 from fem.solver.validity import may_strike
 from fem.solver.warnings import plan_warnings
@@ -55,7 +56,7 @@ class ElementState(RowState):
     def advance(self, most: int) -> Block:
         block = super().advance(most)
         if block.trouble is None and (trouble := beyond_axes(self.arrays)) is not None:
-            return replace(block, trouble=trouble)
+            return replace(block, trouble=f"{trouble}; {LESS}")
         return block
 
     def frame(self):

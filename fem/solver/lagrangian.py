@@ -51,6 +51,7 @@ class LagrangianPlan(RigidPlan):
 
     problem: Problem
     law_warning: str | None  # on law and material, which concern this run alone
+    reach: int = 1  # times the usual, forces up to which tables of tilted contacts go
     model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
     lacks = "rings that bend, elastic waves"
@@ -58,9 +59,17 @@ class LagrangianPlan(RigidPlan):
     def halved(self, times: int) -> "LagrangianPlan":
         """The same with a step halved so many times."""
         finer = 2**times
-        found = replace(self, stride=self.stride * finer, sections=self.sections and self.sections.finer(finer))
-        found.__dict__["begin"] = self.begin
-        return found
+        return self._beginning(
+            replace(self, stride=self.stride * finer, sections=self.sections and self.sections.finer(finer))
+        )
+
+    def reaching(self, times: int) -> "LagrangianPlan":
+        return self._beginning(replace(self, reach=times * self.reach))
+
+    def _beginning(self, plan: "LagrangianPlan") -> "LagrangianPlan":
+        """Another plan that begins as this one."""
+        plan.__dict__["begin"] = self.begin
+        return plan
 
     @property
     def static_energy(self) -> float:

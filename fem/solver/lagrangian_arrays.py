@@ -81,13 +81,13 @@ def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.n
     return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
 
 
-def contact_laws_of(problem: Problem) -> Isolated | Tilted:
-    """Contact laws on the surfaces of a problem."""
+def contact_laws_of(problem: Problem, times: float) -> Isolated | Tilted:
+    """Contact laws on the surfaces of a problem; `times` : see `tables_of`."""
     reach, track = touching_distances(problem.bearing)
     if problem.axial is not None:
         columns = columns_for(problem.bearing.n_rollers)
         still = rigid_compliance(reach, track, columns)._replace(**_surfaces(problem.bearing))
-        return tilted(still, tables_of(problem, problem.axial), problem.bearing)
+        return tilted(still, tables_of(problem, problem.axial, times), problem.bearing)
     return Isolated(
         inner=_constants(problem.laws.inner),
         outer=_constants(problem.laws.outer),
@@ -105,9 +105,11 @@ def _surfaces(bearing: Bearing) -> dict[str, tuple]:
     }
 
 
-def tables_of(problem: Problem, axial: Axial) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
-    """Tables up to a few times the largest static force, made of the slices that the reference has."""
-    bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), expected_force(problem)
+def tables_of(
+    problem: Problem, axial: Axial, times: float = 1.0
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
+    """Tables made of the slices that the reference has, up to a few times the largest static force, or `times` that."""
+    bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), times * expected_force(problem)
     slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))
     return contact_tables(bearing, axial, laws, force, slope)
 

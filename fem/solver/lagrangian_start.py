@@ -138,7 +138,7 @@ class StartState(RunState):
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = self._judge.to_keep()
-        return arrays, numbers | {"halvings": 0}
+        return arrays, numbers | {"halvings": 0, "doublings": 0}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if self.done:

@@ -38,15 +38,14 @@ class LagrangianState(RigidState):
     def arrays_of(self, plan: "LagrangianPlan"):
         problem = plan.problem
         drive = outer_drive(problem.bearing, problem.operation, plan.time_step, problem.load_ramp)
-        return bodies_of(plan), contact_laws_of(problem), contact_forces(plan), drive
+        return bodies_of(plan), contact_laws_of(problem, plan.reach), contact_forces(plan), drive
 
     def _begin(self) -> None:
         super()._begin()
         self.judge = Judge(self.plan.problem, self.plan.time_step)
         self._base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
 
-    def advance(self, most: int) -> Block:
-        block = super().advance(most)
+    def judged(self, block: Block) -> Block:
         at_end = self.done == self.plan.n_samples and block.trouble is None
         if not (at_end or self._came_apart) or self.judge.verdict is Verdict.RESOLVED:
             return block
@@ -94,7 +93,7 @@ class LagrangianState(RigidState):
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = self.judge.to_keep()
         if self.done <= 1:  # as `StartState` does, whose run may go on
-            return arrays, numbers | {"halvings": self._halvings}
+            return arrays, numbers | self.restarts
         moving = super().to_keep()
         return moving[0] | arrays | {"base": self._base}, moving[1] | numbers
 
@@ -104,10 +103,10 @@ class LagrangianState(RigidState):
             self._base = arrays["base"]
             self.judge.take_back(arrays, numbers)
             return
-        self.take_halvings(numbers)
+        self.take_restarts(numbers)
         if self.done == 1:
             self.done = 0
-            super().advance(1)
+            super(RigidState, self).advance(1)
 
     def read(self, rows: np.ndarray) -> Samples:
         """Samples of rows: with the energy of what turns, held rollers exactly on their rays, and the start's own."""

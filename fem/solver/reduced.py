@@ -10,6 +10,7 @@ from math import ceil, pi
 import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.tilted import rounded_range, too_narrow
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
@@ -31,6 +32,8 @@ from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangent
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
+from lagrange.axial.tabulate import MORE
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import fastest_kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
@@ -54,6 +57,7 @@ class ReducedPlan(RigidPlan):
     start: ReducedStart
     # of contacts of rollers that tilt; None: axes stay parallel
     tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable] | None
+    largest_force: float  # N, about, of a contact at rest
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
@@ -85,6 +89,20 @@ class ReducedPlan(RigidPlan):
         while stride > looks * LONGEST_UNWATCHED and finer > 1:  # and divide the stride all the way
             looks, finer = 2 * looks, finer // 2
         return replace(self, stride=stride, looks=looks, sections=sections and sections.finer(finer))
+
+    def reaching(self, times: int) -> "ReducedPlan":
+        axial = self.scene.ideal_axial()
+        if axial is None or times == 1:
+            return self
+        tables = tables_of(self.model, self.operation, axial, times * self.largest_force)
+        return replace(self, tables=tables, start=tilted_start(self.model, self.operation, axial, tables, self.start))
+
+    def too_far(self, times: int) -> str | None:
+        axial, bearing = self.scene.ideal_axial(), self.model.bearing
+        if axial is None or not axial.coupling:
+            return None
+        force = MORE * rounded_range(times * self.largest_force, 0.0)[0]
+        return too_narrow(bearing, axial, max(pair.half_width(force) for pair in contact_pairs(bearing)[:2]))
 
     def first_state(self) -> ReducedState:
         return ReducedState(self)
@@ -170,6 +188,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         strikes=scene.cage is not None or may_strike(scene, bearing, operation),
         start=start,
         tables=tables,
+        largest_force=largest,
         seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
         static_energy=float(
             model.contacts.inner_law.energy(loaded.inner_force).sum()

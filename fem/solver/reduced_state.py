@@ -46,8 +46,7 @@ class ReducedState(RigidState):
         self._worst = 0.0  # J, the largest energy error of samples so far
         self._hub_sums = no_sums()
 
-    def advance(self, most: int) -> Block:
-        block = super().advance(most)
+    def judged(self, block: Block) -> Block:
         samples = block.samples
         lost = block.trouble is not None
         if samples is not None and len(samples):

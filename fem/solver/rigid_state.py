@@ -14,20 +14,24 @@ from fem.solver.row_state import RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers, Progress, Samples
-from fem.solver.tilted_arrays import beyond_tables
+from fem.solver.tilted_arrays import LESS, beyond_tables
+
+MOST_DOUBLINGS = 4  # of the force that tables go to
 
 
 class RigidState(RowState):
-    """Rigid bodies and contacts. A run whose steps turn out too long restarts with half of them.
+    """Rigid bodies and contacts. A run whose steps turn out too long restarts with half of them, one whose contacts
+    leave their tables with tables up to twice the force.
 
-    Its plan has `halved(times)`, the same with so many halvings of the step, and `sections` of two step lengths.
+    Its plan has `halved(times)`, the same with so many halvings of the step, `reaching(times)`, the same whose tables
+    of contacts that tilt go to so many times the force, and `sections` of two step lengths.
     """
 
     most_halvings: int
 
     def __init__(self, plan):
         super().__init__(plan)
-        self._whole, self._halvings = plan, 0
+        self._whole, self._halvings, self._doublings = plan, 0, 0
         self._begin()
 
     @abstractmethod
@@ -35,7 +39,7 @@ class RigidState(RowState):
         """Bodies, contacts' compliance and forces, and what acts from outside, at a plan's start."""
 
     def _begin(self) -> None:
-        self.plan = plan = self._whole.halved(self._halvings)
+        self.plan = plan = self._whole.reaching(2**self._doublings).halved(self._halvings)
         self.reader = SampleReader(plan)
         self._largest, self._missed, self._passed_on = np.zeros(3), 0.0, 0.0
         self.bodies, self.compliance, self.forces, self.drive = self.arrays_of(plan)
@@ -45,9 +49,21 @@ class RigidState(RowState):
     def advance(self, most: int) -> Block:
         block = super().advance(most)
         tables = getattr(self.compliance, "tables", ())
-        if block.trouble is None and (trouble := beyond_tables(self.bodies.tilts, tables)) is not None:
-            return replace(block, trouble=trouble)
-        return block
+        if block.trouble is None and (beyond := beyond_tables(self.bodies.tilts, tables)) is not None:
+            return self._further(block, beyond)
+        return self.judged(block)
+
+    @abstractmethod
+    def judged(self, block: Block) -> Block:
+        """The block, or the restart that it takes."""
+
+    def _further(self, block: Block, beyond: str) -> Block:
+        """The restart with tables that go further, or the end where they cannot."""
+        reason = LESS if self._doublings == MOST_DOUBLINGS else self.plan.too_far(2 ** (self._doublings + 1))
+        if reason is not None:
+            return replace(block, trouble=f"{beyond}; {reason}")
+        self._doublings += 1
+        return self._again(block.samples, f"{beyond}; the run restarts with tables up to twice the force")
 
     @property
     def may_restart(self) -> bool:
@@ -56,11 +72,14 @@ class RigidState(RowState):
 
     def restart(self, samples: Samples | None, reason: str) -> Block:
         """The block that makes all samples so far void, of a run that is at its start again with half the step."""
-        self.void_steps += self.progress.steps
         self._halvings += 1
+        return self._again(samples, f"{reason}; the run restarts with half of it")
+
+    def _again(self, samples: Samples | None, why: str) -> Block:
+        self.void_steps += self.progress.steps
         self.done, self.imbalance = 0, 0.0
         self._begin()
-        return Block(samples=samples, restarts=f"{reason}; the run restarts with half of it")
+        return Block(samples=samples, restarts=why)
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         moving = self.bodies, self.compliance, self.forces, self._before
@@ -97,18 +116,23 @@ class RigidState(RowState):
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = super().to_keep()
-        return arrays, numbers | {"halvings": self._halvings}
+        return arrays, numbers | self.restarts
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        self.take_halvings(numbers)
+        self.take_restarts(numbers)
         super().take_back(arrays, numbers)
 
-    def take_halvings(self, numbers: Numbers) -> None:
-        """Stand at the start with the step that another state of the same plan had."""
-        halvings = int(numbers["halvings"])
-        if not 0 <= halvings <= self.most_halvings:
-            raise ValueError(f"{halvings} halvings of the step")
-        self._halvings = halvings
+    @property
+    def restarts(self) -> Numbers:
+        """How often the run has restarted, by reason."""
+        return {"halvings": self._halvings, "doublings": self._doublings}
+
+    def take_restarts(self, numbers: Numbers) -> None:
+        """Stand at the start with the step and the tables that another state of the same plan had."""
+        halvings, doublings = int(numbers["halvings"]), int(numbers["doublings"])
+        if not (0 <= halvings <= self.most_halvings and 0 <= doublings <= MOST_DOUBLINGS):
+            raise ValueError(f"{halvings} halvings of the step, {doublings} doublings of tables")
+        self._halvings, self._doublings = halvings, doublings
         self._begin()
 
 

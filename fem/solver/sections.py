@@ -114,6 +114,10 @@ class RigidPlan(CompiledPlan):
     sections: Sections | None  # of two step lengths; None: of one
     warnings: tuple[str, ...] = ()
 
+    def too_far(self, times: int) -> str | None:
+        """Why tables of contacts that tilt can't go to so many times the force, and what to do; None: they can."""
+        return None
+
     @property
     def time_step(self) -> float:
         return self.interval / self.stride

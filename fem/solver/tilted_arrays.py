@@ -133,8 +133,11 @@ def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
     )  # fmt: skip
 
 
+LESS = "lower what makes rollers strike and tilt, or leave [axial] out"  # where tables go no further
+
+
 def beyond_tables(tilts: TiltArrays | None, tables: tuple[TiltedLaw, ...]) -> str | None:
-    """A sentence where closed contacts have been further than their tables go; None: they have not, or have none.
+    """A clause where closed contacts have been further than their tables go; None: they have not, or have none.
 
     `tables` : of the inner and the outer contact, or none
     """
@@ -146,13 +149,12 @@ def beyond_tables(tilts: TiltArrays | None, tables: tuple[TiltedLaw, ...]) -> st
         if approach > deepest:
             return (
                 f"a roller and the {side} raceway approached by {1e6 * approach:.3g} µm, and contacts that tilt are "
-                f"tabulated up to {1e6 * deepest:.3g} µm, three times the largest force at rest; lower what makes "
-                "rollers strike, or leave [axial] out"
+                f"tabulated up to {1e6 * deepest:.3g} µm"
             )
         steepest = law.first_slope + (law.columns + 1.0) / law.per_slope
         if slope > steepest:
             return (
                 f"a roller and a raceway were misaligned by {1e3 * slope:.3g} mrad, and contacts that tilt are "
-                f"tabulated up to {1e3 * steepest:.3g} mrad; lower clearance or operation.misalignment_mrad"
+                f"tabulated up to {1e3 * steepest:.3g} mrad"
             )
     return None

@@ -15,9 +15,14 @@ def scene(model, axial=(), **changes):
     return Scene().varied(fixed | keys | {key.replace("__", "."): value for key, value in changes.items()})
 
 
-def moved(found):
-    """Columns of a run by name."""
-    return whole_run(make_plan(found)).values
+def moved(found, said=None):
+    """Columns of a run by name; `said` : a list that gets why it restarted."""
+    return moved_by(make_plan(found), said)
+
+
+def moved_by(plan, said):
+    """The same of a plan."""
+    return whole_run(plan, said=said).values
 
 
 def missed(samples):

@@ -23,7 +23,7 @@ from lagrange.files.output import real_path
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
-FORMAT = 16
+FORMAT = 17
 LONGEST_META = 2**20  # bytes
 FIRST = b"meta.npy"  # in the archive
 LONGEST_START = 30 + len(FIRST)  # bytes of an archive up to the end of its first file's name

@@ -4,34 +4,30 @@ A part is a named tuple of arrays. `@verb.of(Part)` in its module gives the code
 concerns it; `parts_of` says in which order parts act. The loop names none of them.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.kernels.jit import every, part, verb
 
-if TYPE_CHECKING:  # they hold the parts
-    from fem.kernels.reduced_state import Before, ReducedDrive, ReducedForces, RigidBodies
-
-
 TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
 
 
 class Step(NamedTuple):
-    """A step of leapfrog, from the velocities half of it behind to those half of it ahead."""
+    """A step of leapfrog, from the velocities half of it behind to those half of it ahead; tuples of `reduced_state`."""
 
-    bodies: "RigidBodies"
+    bodies: tuple  # `RigidBodies`
     compliance: tuple  # of contacts: `Compliance`, `Isolated` or `Tilted`
-    forces: "ReducedForces"
-    before: "Before"
-    drive: "ReducedDrive"
+    forces: tuple  # `ReducedForces`
+    before: tuple  # `Before`
+    drive: tuple  # `ReducedDrive`
     time: float  # s, of the kick
 
 
 class Change(NamedTuple):
     """The change from one step length to another: see `reduced_paces`."""
 
-    drive: "ReducedDrive"  # with the new step
+    drive: tuple  # with the new step
     shift: float  # s², of an acceleration by which places change
     back: float  # of what a kick has given, by which velocities change
     step: np.ndarray  # (2, 3), a sensor's with the new step: see `housing_kernels.Resonator`

@@ -14,7 +14,7 @@ TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, s
 
 
 class Step(NamedTuple):
-    """A step of leapfrog, from the velocities half of it behind to those half of it ahead; tuples of `reduced_state`."""
+    """A step of leapfrog, from velocities half of it behind to those half of it ahead; tuples of `reduced_state`."""
 
     bodies: tuple  # `RigidBodies`
     compliance: tuple  # of contacts: `Compliance`, `Isolated` or `Tilted`

@@ -142,7 +142,8 @@ def _cycle(path: Path, decimal: str):
         loads, speeds, shares = columns_in_units(plain_text(path, LONGEST), CYCLE_COLUMNS, decimal).T
         return DutyCycle(loads=loads, speeds=speeds, shares=shares)
     except ValueError as error:
-        raise UsageError(f"--cycle {path}: {error}") from None
+        reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key
+        raise UsageError(f"--cycle {path}: {reason}") from None
 
 
 rate_main = partial(run_app_main, rate_app)

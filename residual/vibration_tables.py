@@ -14,7 +14,7 @@ from residual.tables import marked, yes_no
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, BandLevel, Vibration
 
 FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
-SHORTEST_GAP = 1.0  # degrees of a ring, listed as not seen
+SHORTEST_GAP, MOST_GAPS = 1.0, 4  # degrees of a ring that are called not seen; arcs that a sentence lists
 EXPECTED = {  # the line that a spall of a body leaves in an envelope, and the family about it
     "outer_ring": ("BPFO", "BPFO and multiples"),
     "inner_ring": ("BPFI", "BPFI ± shaft"),
@@ -204,11 +204,19 @@ def _seen(search: FaultSearch) -> str:
     shares, rollers = [], [100.0 * m.seen for m in search.maps if m.place.roller is not None]
     for each in search.maps:
         if each.place.roller is None:
-            gaps = "; ".join(f"{low:.0f} to {high:.0f}°".replace("-", "−") for low, high in unseen(each))
-            shares.append(f"{100 * each.seen:.0f} % of {body_name(each.place)}" + (f" (not {gaps})" if gaps else ""))
+            shares.append(f"{100 * each.seen:.0f} % of {body_name(each.place)}{unseen_in_words(each)}")
     low, high = min(rollers), max(rollers)
     span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
     return f"Seen by rollers that touch it: {', '.join([*shares, span])}."
+
+
+def unseen_in_words(each: SinkageMap) -> str:
+    """The longest arcs that no roller has touched, in brackets; "" where there are none."""
+    arcs = unseen(each)
+    longest = sorted(sorted(arcs, key=lambda arc: arc[0] - arc[1])[:MOST_GAPS])
+    named = [f"{low:.0f} to {high:.0f}°".replace("-", "−") for low, high in longest]
+    more = [f"and {len(arcs) - MOST_GAPS} shorter arcs"] if len(arcs) > MOST_GAPS else []
+    return f" (not {'; '.join([*named, *more])})" if named else ""
 
 
 def unseen(each: SinkageMap) -> list[tuple[float, float]]:

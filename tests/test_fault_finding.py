@@ -18,7 +18,7 @@ from residual.errors import InputError
 from residual.fault_finding import SinkageMap, find_faults
 from residual.record import Record
 from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
-from residual.vibration_tables import reported_angle, search_sentences, unseen
+from residual.vibration_tables import reported_angle, search_sentences, unseen, unseen_in_words
 from tests.reference.whole_run import whole_run
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
@@ -191,6 +191,14 @@ def test_arcs_that_were_not_seen_are_told_as_scenes_count_angles():
     roller = Place(body="roller", roller=3, radius=5e-3)
     assert unseen(SinkageMap(place=roller, height=height)) == [(0.0, 90.0)]
     assert reported_angle(OUTER, radians(-90.0)) == pytest.approx(0.0)
+
+
+def test_of_many_arcs_that_were_not_seen_the_longest_are_listed():
+    height = np.where(np.arange(360) % 10 < 5, np.nan, 0.0)  # every 10° an arc of 5°
+    height[90:130] = np.nan  # from the load's direction 180 to 225°, cut in two at ±180°
+    told = unseen_in_words(SinkageMap(place=OUTER, height=height))
+    assert told.count(" to ") == 4 and "−180 to −135°" in told and told.endswith("; and 28 shorter arcs)")
+    assert unseen_in_words(SinkageMap(place=OUTER, height=np.zeros(360))) == ""
 
 
 def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():

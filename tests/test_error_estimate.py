@@ -1,5 +1,7 @@
 """The stated discretisation error: Richardson's extrapolation, bracketing the true one, in the result file."""
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
@@ -48,6 +50,16 @@ def test_the_estimate_brackets_the_true_error_of_nine_bearings_in_ten():
         )
     assert len(bracketed) >= 10
     assert sum(bracketed.values()) >= 0.9 * len(bracketed), bracketed
+
+
+def test_quantities_at_rest_are_those_of_the_whole_load():
+    """A load that a pitch of the rollers has turned displaces the hub as far, a pitch further round."""
+    how = operation(gravity=0.0, radial_load=2000.0)
+    whole = model(SHAPES["paper"], 1e-3)
+    pitch = 2.0 * np.pi / whole.bearing.n_rollers
+    turned = replace(how, radial_load=2000.0 * np.cos(pitch), side_load=2000.0 * np.sin(pitch))
+    down, aside = (complex(*(each.value for each in static_quantities(whole, loads)[:2])) for loads in (how, turned))
+    assert aside == pytest.approx(down * np.exp(1j * pitch), rel=1e-3)
 
 
 def test_moving_quantities_are_those_of_a_made_up_record():

@@ -176,8 +176,7 @@ def static_quantities(model: Model, operation: Operation, tilted: TiltedBalance 
     NotFound: no equilibrium.
     """
     if tilted is None:
-        hub = operation.radial_load + operation.inner_mass * operation.gravity
-        loads = Loads(hub, operation.gravity, spring=hub_spring(operation, np.zeros(2)))
+        loads = Loads.of(operation)._replace(spring=hub_spring(operation, np.zeros(2)))
     else:
         loads = Loads.of(tilted.operation)
     found = equilibrium(model, standing(model.bearing, operation.first_roller_angle), loads, tilted=tilted)

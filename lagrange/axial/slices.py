@@ -145,4 +145,4 @@ def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray
             return law.force(own) / n
         matrix = np.eye(n) + coupling * (law.slope(w) / n)[:, None, :]
         own[left] = w + np.linalg.solve(matrix, missing[..., None])[..., 0]
-    raise RuntimeError(f"{left.size} of {len(deep)} contacts of {n} coupled slices do not settle; take fewer slices")
+    raise RuntimeError(f"{left.size} of {len(deep)} contacts of {n} coupled slices do not settle; lower axial.slices")

@@ -1,4 +1,4 @@
-"""The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
+"""The time loop of the reduced and the Lagrangian model: leapfrog steps of rigid bodies on contacts without mass."""
 
 # modules of parts, which give their code by being imported: see `rigid_parts`
 from fem.kernels import reduced_cage  # noqa: F401

@@ -120,11 +120,11 @@ def test_stiffness_is_the_slope_of_the_force(name):
 def bounce(law, mass, speed, dt, gap, force_of_a_kick):
     """Speed, m/s, at which a point mass thrown at the law comes back."""
     position, velocity = -gap, speed
-    before, Q_before, P, owed = np.nan, 0.0, 0.0, 0.0
+    before, Q_before, P, residual = np.nan, 0.0, 0.0, 0.0
     while position > -2.0 * gap or velocity > 0.0:
         Q = law.force(position)
-        last, now = (before, Q_before, law.B, P, owed), (position, Q, law.B)
-        P, owed = force_of_a_kick((law.A, law.Q_line), last, now)
+        last, now = (before, Q_before, law.B, P, residual), (position, Q, law.B)
+        P, residual = force_of_a_kick((law.A, law.Q_line), last, now)
         velocity -= dt / mass * P
         before, Q_before = position, Q
         position += dt * velocity

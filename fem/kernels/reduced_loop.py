@@ -112,7 +112,7 @@ damping_coefficients.of(Isolated)(isolated_damping)
 
 @part
 def _remember(step):
-    """Keep the velocities before a kick, of which a sample needs those of both half steps, and the drive's work."""
+    """Keep the velocities before a kick: a sample needs those of both half steps."""
     bodies, before = step.bodies, step.before
     for component in range(2):
         before.hub_velocity[component] = bodies.hub_velocity[component]
@@ -124,7 +124,7 @@ def _remember(step):
 
 @part
 def _accelerate_hub(step, push, load):
-    """The hub's acceleration by contacts and load, which `before` keeps for others."""
+    """The hub's acceleration by contacts and load; `before` keeps the load, and the drive's work, for parts."""
     before, drive, mass = step.before, step.drive, step.bodies.hub_mass
     before.load[0], before.load[1], before.driven[0] = load[0], load[1], drive.sums[1]
     before.hub_acceleration[0] = with_side_load(drive.history, push[0], load[0]) / mass

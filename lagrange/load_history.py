@@ -83,8 +83,8 @@ class LoadHistory:
         return np.cos(angle), np.sin(angle)
 
     def _rotating(self, time):
-        with_outer = self.rotating_load_with == "outer_ring" and self.outer_turn is not None
-        angle = (self.outer_turn if with_outer else self.turn)(time) + self.rotating_load_angle
+        inner, outer = self.ring_turns(time)
+        angle = (inner if self.rotating_load_with == "inner_ring" else outer) + self.rotating_load_angle
         return self.rotating_load * np.cos(angle), self.rotating_load * np.sin(angle)
 
     @cached_property

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from fem.commands.run_fem import run_main
 from fem.interface import simulate as run
 from fem.runner import RunOptions, run_scene
 from lagrange import contact_laws, kinematics, simulate, static_equilibrium
@@ -83,6 +85,32 @@ def test_a_load_turns_with_either_ring():
     assert operation.history.force(quarter) == pytest.approx((-100.0, 0.0), abs=1e-9)
     with_inner = turning(1000.0, -500.0, rotating=100.0).varied({"operation.rotating_load_with": "inner_ring"})
     assert with_inner.ideal_operation().history.force(0.5 * quarter) == pytest.approx((100.0, 0.0), abs=1e-9)
+
+
+def hub(file):
+    with h5py.File(file) as run:
+        return run["inner_x"][:], run["inner_y"][:]
+
+
+@pytest.mark.parametrize("model", ["lagrange", "reduced"])
+def test_a_load_that_turns_with_a_ring_that_stands_stands(tmp_path, model):
+    """600 N at 90° from the load's direction push the hub to +x throughout, beside a table of loads too."""
+    (tmp_path / "loads.csv").write_text("time_ms,x_N,y_N\n0,600,-2000\n2,600,-2000\n", encoding="utf-8")
+    turning_load = 'rotating_load_N = 600\nrotating_load_deg = 90\nrotating_load_with = "outer_ring"\n'
+    (tmp_path / "loads-alone.csv").write_text("time_ms,x_N,y_N\n0,0,-2000\n2,0,-2000\n", encoding="utf-8")
+    found = {}
+    for name, operation in {
+        "standing": 'load_table = "loads.csv"\n',
+        "with the ring": turning_load,
+        "with the ring, of a table": f'load_table = "loads-alone.csv"\n{turning_load}',
+    }.items():
+        scene = f'model = "{model}"\n[operation]\n{operation}[numerics]\nduration_ms = 2\n'
+        (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
+        assert run_main([str(tmp_path / "scene.toml"), "--output", str(tmp_path / f"{name}.nc"), "--quiet"]) == 0
+        found[name] = hub(tmp_path / f"{name}.nc")
+    assert found["standing"][0].min() > 1e-6
+    for each in list(found.values())[1:]:
+        np.testing.assert_allclose(each, found["standing"], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(

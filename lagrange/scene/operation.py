@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from functools import lru_cache
-from math import pi, radians
+from math import cos, pi, radians, sin
 from typing import Any, Literal
 
 import numpy as np
@@ -250,14 +250,18 @@ def _ideal(o: OperationTable) -> Operation:
                 raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
             unit = RPM if name in FIRST_SPEEDS else 1.0
             functions[name] = joined(1e-3 * points[0], unit * points[1], getattr(o, f"{name}_shape") or "smooth")
+    load, rotating, angle = functions["load_table"], o.rotating_load_N or 0.0, (o.rotating_load_deg or 0.0) + FROM_LOAD
+    if o.rotating_load_with == "outer_ring" and o.turns_outer_ring is None:  # it stands with that ring
+        load.c[-1] += rotating * cos(radians(angle)), rotating * sin(radians(angle))
+        rotating = 0.0
     return found.going_on(
         turn=turn_of(functions["speed_table"]),
         outer_turn=None if o.turns_outer_ring is None else turn_of(functions["outer_ring_speed_table"]),
-        load=functions["load_table"],
+        load=load,
         unbalance=1e-6 * (o.unbalance_g_mm or 0.0),
         unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD),
-        rotating_load=o.rotating_load_N or 0.0,
-        rotating_load_angle=radians((o.rotating_load_deg or 0.0) + FROM_LOAD),
+        rotating_load=rotating,
+        rotating_load_angle=radians(angle),
         rotating_load_with=o.rotating_load_with or "inner_ring",
     )
 

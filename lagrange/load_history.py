@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from lagrange.files.input import columns, header_of
+from lagrange.limits import exceeds
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
@@ -198,8 +199,8 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
     if np.abs(time).max() > LATEST:
         raise ValueError(f"{TIME} = {time[np.argmax(np.abs(time))]:g}: at most {LATEST:g} either way; in milliseconds?")
     steps = np.diff(time)
-    if np.any(steps < SHORTEST):
-        at = int(np.argmax(steps < SHORTEST))
+    if np.any(short := exceeds(SHORTEST, steps)):
+        at = int(np.argmax(short))
         raise ValueError(
             f"{TIME} must rise by at least {SHORTEST:g} from row to row: after {time[at]:g} comes {time[at + 1]:g}"
         )

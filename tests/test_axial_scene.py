@@ -41,6 +41,41 @@ def test_long_rollers_are_straight_in_their_middle():
     assert logarithmic_drop(x, 40.0, 8.0) == pytest.approx([0.0, 0.0, edge])
 
 
+def test_rollers_of_just_the_limit_s_length_have_the_profile_of_short_ones():
+    """L = 2.5 D as it is typed, whatever the rounding of metres: the long rollers' formula drops 1.43 times as much."""
+    for diameter in np.round(np.arange(8.0, 14.0, 0.1), 1).tolist():
+        sizes = {"roller_diameter_mm": diameter, "inner_raceway_diameter_mm": 60.0, "outside_diameter_mm": 120.0}
+        bearing = sizes | {"roller_length_mm": round(2.5 * diameter, 9), "clearance_um": 0.0}
+        scene = Scene(bearing=bearing, axial={"slices": 3})
+        drop = scene.ideal_axial().drops(scene.perfect_bearing())[0, 0]
+        assert drop == pytest.approx(0.35e-6 * diameter * np.log(9.0 / 5.0)), diameter
+
+
+def test_sizes_and_places_at_their_limits_are_taken_as_they_are_typed(tmp_path):
+    """What is refused beyond a limit, or has another formula there, at the limit; sizes that round differently."""
+    for k in range(30):
+        roller = round(8.0 + 0.1 * k, 1)
+        bearing = {"roller_diameter_mm": roller, "roller_length_mm": roller, "inner_raceway_diameter_mm": 36.0}
+        bearing |= {"outside_diameter_mm": 80.0, "rollers": 9}
+        for clearance in (200.0 * roller, -5.0 * roller):  # µm
+            Scene(bearing=bearing | {"clearance_um": round(clearance, 6)})
+        bearing["clearance_um"] = 20.0
+        deviation = [{"diameter_deviation_um": round(5.0 * roller, 6)}]
+        Scene(bearing=bearing, unequal_roller=deviation, model="reduced")
+        Scene(bearing=bearing, axial={"ring_width_mm": roller}, numerics={"mesh_size_mm": round(roller / 400.0, 6)})
+        part = {"length_mm": round(0.8 * roller, 6), "depth_um": 10.0}  # to the middles of the outermost slices of five
+        scene = Scene(bearing=bearing, axial={"slices": 5}, model="reduced", spall=[part | {"z_mm": 0.2 * roller}])
+        taken = scene.ideal_axial().parts(scene.ideal_bearing())[1]
+        assert taken.tolist() == [False, True, True, True, True], roller
+        Scene(bearing=bearing, axial={}, model="reduced", spall=[{"length_mm": roller, "depth_um": 10.0}])
+    for k in range(30):  # a run of one interval
+        Scene(numerics={"duration_ms": round(0.01 + 0.0007 * k, 4), "output_interval_us": round(10.0 + 0.7 * k, 1)})
+    rows = "".join(f"{60 + 0.001 * k:.3f},1000\n" for k in range(30))
+    (tmp_path / "speeds.csv").write_text(f"time_ms,speed_rpm\n0,1000\n{rows}")
+    (tmp_path / "scene.toml").write_text('[operation]\nspeed_table = "speeds.csv"\n')
+    assert read_scene(tmp_path / "scene.toml").operation.speed_rpm == 1000.0
+
+
 @pytest.mark.parametrize(
     "tables, words",
     [

@@ -245,6 +245,21 @@ def test_reference_viscosity(speed, pitch, viscosity):
     assert reference_viscosity(speed, pitch) == pytest.approx(viscosity, rel=1e-3)
 
 
+def test_formulas_change_at_their_limits_as_they_are_typed():
+    """ν1 at 1000 1/min, where its two formulas differ by 2 %; rollers of L = 2.5 D, which are no needles yet."""
+    for speed in (1000.0, -1000.0):
+        case = Case(read_scene(None, (f"operation.speed_rpm={speed}",)), Options())
+        assert reference_viscosity(case.rpm, 46.0) == pytest.approx(4500.0 / np.sqrt(1000.0 * 46.0))
+    for diameter in np.round(np.arange(8.0, 14.0, 0.1), 1).tolist():
+        keys = (f"roller_diameter_mm={diameter}", f"roller_length_mm={2.5 * diameter:.2f}", "clearance_um=0",
+                "inner_raceway_diameter_mm=60", "outside_diameter_mm=120")  # fmt: skip
+        scene = read_scene(None, tuple(f"bearing.{key}" for key in keys))
+        assert Case(scene, Options(viscosity=20.0)).torques["skf"].total > 0.0
+    for viscosity, speed in ((20.0, 100.0), (7.0, 2000.0 / 7.0)):
+        flow = 1e-7 * 2.2 * 2000.0 ** (2 / 3) * 46.0**3
+        assert palmgren_torque(36.0, 56.0, 1.0, speed, viscosity).rolling == pytest.approx(flow)
+
+
 def test_contamination_grows_with_the_film_up_to_its_limit():
     found = [contamination_factor(kappa, 46.0) for kappa in (0.1, 1.0, 4.0, 100.0)]
     assert found == sorted(found) and found[-1] == pytest.approx(1.0 - 0.5663 / 46.0 ** (1 / 3))

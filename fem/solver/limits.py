@@ -14,6 +14,7 @@ from fem.solver.guards import WIDEST_CONTACT
 from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.limits import exceeds
 from lagrange.scene.scene import Scene
 from lagrange.scene.surfaces import SURFACES
 from meshes import Mesh, bearing_shapes, quality
@@ -49,7 +50,7 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
         ("inner ring", bearing.inner_raceway_radius - bearing.bore_radius),
         ("outer ring", bearing.outside_radius - bearing.outer_raceway_radius),
     ):
-        if mesh_size > thickness:
+        if exceeds(mesh_size, thickness):
             raise UsageError(
                 f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
                 f"most {1e3 * thickness:.3g}"

@@ -9,6 +9,7 @@ import numpy as np
 from lagrange import Bearing, Operation, contact_laws
 from lagrange.bearing import CORE
 from lagrange.kinematics import kinematics_met, roller_angles
+from lagrange.limits import exceeds
 from lagrange.rating.capacity import Basic, speed_warning
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.operation import RPM
@@ -62,8 +63,8 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
 
 def _clearance(bearing: Bearing) -> str | None:
     """A clearance that no group of the standard has, as of one in other units."""
-    clearance, diameter = 2.0 * bearing.radial_clearance, 2.0 * bearing.element_radius
-    if clearance <= WIDEST_CLEARANCE * diameter:
+    clearance, diameter = round(2.0 * bearing.radial_clearance, 9), 2.0 * bearing.element_radius
+    if not exceeds(clearance, WIDEST_CLEARANCE * diameter):
         return None
     return (
         f"the clearance, {1e6 * clearance:.4g} µm in operation, is {100.0 * clearance / diameter:.2g} % of a roller's "

@@ -7,6 +7,7 @@ import numpy as np
 
 from lagrange.axial.profile import Profile
 from lagrange.bearing import Bearing
+from lagrange.limits import ROUND_OFF
 from lagrange.surface.faults import Spall
 
 
@@ -63,4 +64,5 @@ def centres(bearing: Bearing, slices: int) -> np.ndarray:
 def slices_over(bearing: Bearing, slices: int, spall: Spall) -> np.ndarray:
     """Which slices of a roller have their middles over a spall, (slices,)."""
     z, (first, last) = centres(bearing, slices), spall.along or (-np.inf, np.inf)
-    return (z >= first) & (z <= last)
+    near = ROUND_OFF * bearing.roller_length
+    return (z >= first - near) & (z <= last + near)

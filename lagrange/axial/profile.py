@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing
+from lagrange.limits import exceeds
 
 Kind = Literal["none", "logarithmic", "crowned", "lundberg", "measured"]
 LONG = 2.5  # L_we/D_we beyond which the middle of the standard's profile is straight
@@ -50,7 +51,7 @@ def logarithmic_drop(x, length: float, diameter: float) -> np.ndarray:
     Source: ISO/TS 16281:2008 (42), of long rollers (43), (44).
     """
     x = np.asarray(x, dtype=float)
-    if length <= LONG * diameter:
+    if not exceeds(length, LONG * diameter):
         return 0.00035 * diameter * _falling(2.0 * x / length)
     straight = length - LONG * diameter
     return 0.0005 * diameter * _falling(np.maximum(2.0 * np.abs(x) - straight, 0.0) / (LONG * diameter))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.contact.raceway_laws import STEEL
+from lagrange.limits import exceeds
 from lagrange.rating.sources import Unavailable
 
 OF_CAGED = 1.1  # b_m of cylindrical, tapered and machined needle roller bearings, ISO 281 table 6
@@ -58,7 +59,7 @@ def complete_and_of_steel(bearing: Bearing) -> None:
 def speed_warning(bearing: Bearing, rpm: float) -> str | None:
     """A sentence where a ring's speed, 1/min, is beyond those of catalogues, n d_m up to FASTEST."""
     factor = rpm * 2e3 * bearing.pitch_radius
-    if factor <= FASTEST:
+    if not exceeds(factor, FASTEST):
         return None
     return f"n d_m is {factor:.2g} mm/min, beyond {FASTEST:.2g}: catalogues' limiting speeds are lower"
 

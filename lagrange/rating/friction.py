@@ -7,6 +7,7 @@ better than ±30 %.
 from dataclasses import dataclass
 from math import asin, exp, pi, sqrt
 
+from lagrange.limits import exceeds
 from lagrange.rating.capacity import Dimensions
 from lagrange.rating.sources import Unavailable
 
@@ -40,7 +41,7 @@ def caged_cylinders(row: Dimensions) -> None:
         other = "a contact angle"
     elif (row.rollers + 1) * asin(min(row.diameter / row.pitch, 1.0)) > pi:
         other = "a full complement of rollers"
-    elif row.length > SLENDER * row.diameter:
+    elif exceeds(row.length, SLENDER * row.diameter):
         other = "needles"
     else:
         return
@@ -71,7 +72,7 @@ def palmgren_torque(
 ) -> Torque:
     """Palmgren's M0 + M1: M0 = f0 (ν n)^(2/3) d_m³ 1e-7, or f0 160 d_m³ 1e-7 below ν n = 2000; M1 = f1 F d_m."""
     mean, flow = 0.5 * (bore + outside), viscosity * abs(speed)
-    factor = flow ** (2.0 / 3.0) if flow >= STEADY else 160.0
+    factor = 160.0 if exceeds(STEADY, flow) else flow ** (2.0 / 3.0)
     return Torque(rolling=1e-7 * BATH[series] * factor * mean**3, sliding=LOADED[series] * load * mean)
 
 

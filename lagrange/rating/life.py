@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.limits import exceeds
 from lagrange.rating.sources import Unavailable
 
 EXPONENT = 10.0 / 3.0  # of roller bearings
@@ -11,6 +12,7 @@ OF_BALLS = 3.0
 RELIABILITY = {90.0: 1.0, 95.0: 0.64, 96.0: 0.55, 97.0: 0.47, 98.0: 0.37, 99.0: 0.25, 99.5: 0.175, 99.9: 0.093}
 KAPPA = 0.1, 4.0  # a_ISO is given between; beyond the upper one it stays
 LARGEST = 50.0  # a_ISO
+SLOW = 1000.0  # 1/min, below which ν1 has another formula
 MINUTES = 1e6 / 60.0  # hours of a million revolutions at 1/min
 
 
@@ -40,7 +42,7 @@ def reference_viscosity(speed: float, pitch: float) -> float:
     n = abs(speed)
     if n == 0.0:
         raise Unavailable("the bearing does not turn: no film forms")
-    return (45000.0 * n**-0.83 if n < 1000.0 else 4500.0 * n**-0.5) * pitch**-0.5
+    return (45000.0 * n**-0.83 if exceeds(SLOW, n) else 4500.0 * n**-0.5) * pitch**-0.5
 
 
 def life_modification(kappa: float, ratio: float, balls: bool = False) -> float:

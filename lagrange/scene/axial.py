@@ -11,6 +11,7 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.profile import Kind, Profile
 from lagrange.bearing import Bearing
 from lagrange.files.input import columns
+from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 
 MM, UM = 1e-3, 1e-6
@@ -154,7 +155,7 @@ def measured(text: str, decimal: str = ".") -> Points:
 def axial_faults(bearing: Bearing, table: AxialTable) -> Iterator[str]:
     """What does not fit the bearing: rings narrower than rollers, profiles shorter than them."""
     length = 1e3 * bearing.roller_length
-    if table.ring_width_mm is not None and table.ring_width_mm < length:
+    if table.ring_width_mm is not None and exceeds(length, table.ring_width_mm):
         yield (f"axial.ring_width_mm = {table.ring_width_mm:g} must be at least bearing.roller_length_mm = {length:g}")
     for surface in SURFACES:
         content = getattr(table, f"{surface}_profile_content")
@@ -162,7 +163,7 @@ def axial_faults(bearing: Bearing, table: AxialTable) -> Iterator[str]:
             continue
         place = 1e3 * np.array(measured(content, table.decimal or ".").place)
         reach = 0.5 * length * (1.0 - 1.0 / table.slices)
-        if place[0] > -reach or place[-1] < reach:
+        if exceeds(reach, -place[0]) or exceeds(reach, place[-1]):
             yield (
                 f'axial.{surface}_profile = "{getattr(table, f"{surface}_profile")}": its z_mm go from {place[0]:g} to '
                 f"{place[-1]:g}; slices of rollers of {length:g} mm have their middles from {-reach:g} to {reach:g}"

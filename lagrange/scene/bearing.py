@@ -8,6 +8,7 @@ from pydantic import Field
 
 from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
+from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, Table
 from lagrange.surface.film import Lubricant
 
@@ -16,6 +17,7 @@ USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
+ROUNDED = 6  # decimals of a clearance in mm, a difference of diameters
 
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
 
@@ -216,13 +218,14 @@ class BearingTable(Table):
 
     def _clearance(self) -> Iterator[str]:
         roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
-        clearance = (outer - self.inner_raceway_diameter_mm) / self.cosine - 2.0 * roller  # along the contacts
-        if clearance < -LARGEST_PRELOAD * roller:
+        along_contacts = (outer - self.inner_raceway_diameter_mm) / self.cosine
+        clearance = round(along_contacts - 2.0 * roller, ROUNDED)
+        if exceeds(-LARGEST_PRELOAD * roller, clearance):
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
                 f"bears (at least {-LARGEST_PRELOAD * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
             )
-        if clearance > LARGEST_CLEARANCE * roller:
+        if exceeds(clearance, LARGEST_CLEARANCE * roller):
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
                 f"{LARGEST_CLEARANCE * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
@@ -376,7 +379,7 @@ class CageTable(Table):
 def cage_faults(bearing: Bearing, table: CageTable) -> Iterator[str]:
     """Pockets that leave no bars between rollers."""
     room = room_between_rollers(bearing)
-    if MM * table.pocket_clearance_mm >= room:
+    if not exceeds(room, MM * table.pocket_clearance_mm):
         yield (
             f"cage.pocket_clearance_mm = {table.pocket_clearance_mm:g}: neighbouring rollers are {1e3 * room:.4g} mm "
             "apart, and a bar of the cage has to stand between them; take less, or fewer rollers"

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from math import pi
 
 from lagrange.contact.raceway_laws import OWN, law_names
+from lagrange.limits import exceeds
 from lagrange.scene.axial import axial_faults
-from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, cage_faults
+from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, ROUNDED, cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
 from lagrange.scene.operation import FIRST_SPEEDS
@@ -48,7 +49,7 @@ def _mesh(scene: SceneTables) -> Iterator[str]:
     if size > coarsest:
         yield (f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})")
     finest = roller / FINEST.get(scene.contact.model, FINEST_OTHERWISE)
-    if size < finest:
+    if exceeds(finest, size):
         yield (
             f"numerics.mesh_size_mm = {size} is finer than contact.model = '{scene.contact.model}' is made for "
             f"(at least {finest:.3g})"
@@ -58,7 +59,7 @@ def _mesh(scene: SceneTables) -> Iterator[str]:
 def _fields(scene: SceneTables) -> Iterator[str]:
     every = scene.output.fields_every_ms
     interval = 1e-3 * scene.numerics.output_interval_us
-    if 0.0 < every < interval * (1.0 - 1e-9):
+    if every > 0.0 and exceeds(interval, every):
         yield (
             f"output.fields_every_ms = {every} must not be below numerics.output_interval_us = "
             f"{scene.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
@@ -70,7 +71,7 @@ def _bore(scene: SceneTables) -> Iterator[str]:
     if bore is None:
         return
     most = 1e3 * LARGEST_FIT * diameter  # µm
-    if abs(bore.clearance) > 1e-6 * most:
+    if exceeds(abs(bore.clearance), 1e-6 * most):
         yield (
             f"{given}: more than {LARGEST_FIT:g} of the outer ring's outside diameter, {diameter:g} mm; between "
             f"{-most:g} and {most:g}"
@@ -90,7 +91,8 @@ def _fit(scene: SceneTables) -> Iterator[str]:
     if found is None:
         return
     yield from interference_faults(scene.bearing, found)
-    if -LARGEST_PRELOAD * roller <= 1e3 * found.total <= LARGEST_CLEARANCE * roller:
+    total = round(1e3 * found.total, ROUNDED)
+    if not (exceeds(-LARGEST_PRELOAD * roller, total) or exceeds(total, LARGEST_CLEARANCE * roller)):
         return
     parts = ", ".join(f"{name} {value} µm" for name, value, _ in found.rows())
     limit, remedy = (

@@ -7,6 +7,7 @@ from pydantic import Field
 
 from lagrange.bearing import Material
 from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit, OperatingClearance
+from lagrange.limits import exceeds
 from lagrange.scene.bearing import MM, BearingTable
 from lagrange.scene.faults import Table
 
@@ -106,7 +107,7 @@ def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
         )
     for name, diameter in (("shaft", bore), ("housing", outside)):
         given, most = getattr(fit, f"{name}_interference_um"), 1e3 * LARGEST_INTERFERENCE * diameter
-        if abs(given) > most > 0.0:
+        if exceeds(abs(given), most) and most > 0.0:
             yield (
                 f"fit.{name}_interference_um = {given:g}: more than {LARGEST_INTERFERENCE:g} of the diameter, "
                 f"{diameter:g} mm; between {-most:g} and {most:g}"
@@ -117,7 +118,7 @@ def interference_faults(bearing: BearingTable, found: OperatingClearance) -> Ite
     """Fits that temperatures make too tight."""
     for name, diameter in (("shaft", bearing.bore_diameter_mm), ("housing", bearing.outside_diameter_mm)):
         pressed = 1e6 * getattr(found, f"{name}_interference")
-        if pressed > 1e3 * LARGEST_INTERFERENCE * diameter:
+        if exceeds(pressed, 1e3 * LARGEST_INTERFERENCE * diameter):
             yield (
                 f"fit: {pressed:.4g} µm of interference in operation, more than {LARGEST_INTERFERENCE:g} of the "
                 f"diameter, {diameter:g} mm; check fit.{name}_interference_um, temperatures and expansions"

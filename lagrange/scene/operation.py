@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from lagrange.bearing import Operation
+from lagrange.limits import exceeds
 from lagrange.load_history import TIME, Shape, joined, points_of, steady, turn_of
 from lagrange.mounting import Shaft
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
@@ -191,7 +192,7 @@ class OperationTable(Table):
         """Tables that end before the run does, ms."""
         for name in TABLES:
             found = self.points(name)
-            if found is not None and found[0][-1] < duration * (1.0 - ENOUGH):
+            if found is not None and exceeds(duration, found[0][-1]):
                 yield (
                     f'operation.{name} = "{getattr(self, name)}": it ends at {TIME} = {found[0][-1]:g}, before the run '
                     f"(numerics.duration_ms = {duration:g}); give more rows, or shorten the run"

@@ -8,6 +8,7 @@ from pydantic import Field
 from lagrange.bearing import OwnLaw
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.raceway_laws import OWN
+from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 from lagrange.scene.law_table import fitted_law
 
@@ -78,7 +79,7 @@ class NumericsTable(Table):
         return (self._samples,)
 
     def _samples(self) -> Iterator[str]:
-        if 0.0 < 1e3 * self.duration_ms < self.output_interval_us:
+        if self.duration_ms > 0.0 and exceeds(self.output_interval_us, 1e3 * self.duration_ms):
             yield (
                 f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
                 f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}"

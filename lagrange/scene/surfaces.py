@@ -13,6 +13,7 @@ from pydantic import Field
 from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.files.input import HeightTable, height_table
+from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius, thickness
 
@@ -183,7 +184,7 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
         own = own_radius(bearing, spall)
         opening = spall.half_opening(bearing.roller_radius)
         widest = WIDEST * min(own, bearing.roller_radius)
-        if opening > widest:
+        if exceeds(opening, widest):
             yield (
                 f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an opening "
                 f"of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm "
@@ -197,7 +198,7 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
                 f"(at least {1e3 * narrowest:.3g})"
             )
         deepest = thickness(bearing, spall.body)
-        if spall.depth >= deepest:
+        if not exceeds(deepest, spall.depth):
             yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
         half = asin(opening / own)
         for k, other, other_half in edges:
@@ -248,9 +249,9 @@ def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str
         angle, height = heights.angle, heights.height
         own, roller = own_radius(bearing, table), bearing.roller_radius
         highest, range_ = float(height.max()), float(np.ptp(height))
-        if highest > 2.0 * LARGEST_DEVIATION * roller:
+        if exceeds(highest, 2.0 * LARGEST_DEVIATION * roller):
             yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"
-        if range_ > DEEPEST_PROFILE * roller:
+        if exceeds(range_, DEEPEST_PROFILE * roller):
             yield (
                 f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
                 f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off"
@@ -276,7 +277,7 @@ def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[Uneq
     largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
     for i, table in enumerate(waves):
         wave = table.fault()
-        if wave.amplitude > largest:
+        if exceeds(wave.amplitude, largest):
             yield f"waviness.{i}.amplitude_um = {table.amplitude_um:g} is too high (at most {1e6 * largest:.4g})"
         if wave.body == "inner_ring":
             curvature = 1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius
@@ -289,7 +290,7 @@ def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[Uneq
                 f"narrow for the rollers to follow (at most {1e6 * highest:.3g} at this order)"
             )
     for i, other in enumerate(unequal):
-        if abs(UM * other.diameter_deviation_um) > largest:
+        if exceeds(abs(UM * other.diameter_deviation_um), largest):
             yield (
                 f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large "
                 f"(at most {1e6 * largest:.4g} either way)"

@@ -10,6 +10,7 @@ from math import sqrt
 from typing import Literal
 
 from lagrange.files.input import HeightTable
+from lagrange.limits import exceeds
 
 Body = Literal["outer_ring", "inner_ring", "roller"]
 
@@ -29,7 +30,7 @@ class Spall:
     def is_part(self, bearing) -> bool:
         """Whether it takes a part of the rollers' length."""
         half = 0.5 * bearing.roller_length
-        return self.along is not None and (self.along[0] > -half or self.along[1] < half)
+        return self.along is not None and bool(exceeds(half, -self.along[0]) or exceeds(half, self.along[1]))
 
     def half_opening(self, roller_radius: float) -> float:
         """From the middle to where the surface leaves its circle, m.

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.files.output import read_sealed, write_sealed
+from lagrange.files.private import user_cache
 from meshes.graded import GradedDisc
 from meshes.shapes import Disc, Mesh, Shape, expected_points, make
 
@@ -26,8 +27,10 @@ def mesh_of(shape: Shape) -> Mesh:
     ------
     RuntimeError: it must be made and gmsh can't be loaded (the message says what to install).
     """
-    name = file_name(shape)
-    for folder in (Path(str(resources.files("meshes"))) / "data", cache_folder()):
+    name, folders = file_name(shape), [Path(str(resources.files("meshes"))) / "data"]
+    with suppress(OSError):
+        folders.append(cache_folder())
+    for folder in folders:
         mesh = _read(folder / name, shape)
         if mesh is not None:
             return mesh
@@ -44,10 +47,8 @@ def file_name(shape: Shape) -> str:
 
 
 def cache_folder() -> Path:
-    """Where meshes of this user are kept."""
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("roller-bearing-fem")) / "meshes"
+    """Where meshes of this user are kept. OSError: it can't be made, or others can write there."""
+    return user_cache("meshes")
 
 
 def write(path: Path, mesh: Mesh) -> None:

@@ -10,6 +10,7 @@ import sys
 import pytest
 
 from fem.kernels.kernel_folder import cache_folder, version
+from lagrange.files.output import write_sealed
 from tests.reference.commands import command, environment
 from tests.reference.run_files import same_data
 
@@ -47,29 +48,21 @@ class Touch:
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
-@pytest.mark.parametrize(
-    "rights",
-    ["writable by all", *(pytest.param(r, marks=pytest.mark.slow) for r in ("writable by the group", "a link"))],
-)
-def test_kernels_in_a_folder_that_others_can_write_are_not_loaded(rights, coarse_run, tmp_path):
+def test_kernels_in_a_folder_that_others_can_write_are_not_loaded(coarse_run, tmp_path):
     """The user's own cache, which is private, serves instead."""
     foreign, own = (tmp_path / name / "kernels" for name in ("foreign", "own/roller-bearing-fem"))
     own.mkdir(parents=True)
     shutil.copytree(cache_folder(), own / version())
     shutil.copytree(cache_folder(), foreign / version())
     for path in (foreign / version()).iterdir():
-        path.write_bytes(pickle.dumps(Touch(tmp_path / "executed")))
-    if rights == "a link":
-        (foreign / version()).rename(foreign / "elsewhere")
-        (foreign / version()).symlink_to("elsewhere")
-    else:
-        (foreign / version()).chmod(0o777 if "all" in rights else 0o770)
+        write_sealed(path, pickle.dumps(Touch(tmp_path / "executed")))
+    foreign.parent.chmod(0o777)
     done = command(
         "run-fem", *COARSE, "--output", tmp_path / "run.nc",
         NUMBA_CACHE_DIR=foreign.parent, XDG_CACHE_HOME=tmp_path / "own",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert f"warning: {foreign / version()}: the compiled kernels there are not used" in done.stderr
+    assert f"warning: {foreign / version()}: compiled kernels there are not used: {foreign.parent}: " in done.stderr
     assert done.stderr.count("\n") == 1 and not (tmp_path / "executed").exists()
 
 
@@ -92,6 +85,61 @@ def compiled(folder, prepare=None, **variables):
     value, hits, notices, *sentences = done.stdout.split(maxsplit=3)
     assert float(value) == 6.0
     return int(hits), int(notices), "".join(sentences)
+
+
+def of_another_user(path):
+    if os.geteuid():
+        pytest.skip("only root gives folders away")
+    os.chown(path, 54321, -1)
+
+
+CLOSED = "others can write there"
+OPENED = {  # what others can do with a folder above the kernels, how far above, and what is told
+    "writable by all": (lambda path: path.chmod(0o777), 0, CLOSED),
+    "writable by the group": (lambda path: path.chmod(0o775), 1, CLOSED),
+    "above, writable by all": (lambda path: path.chmod(0o777), 2, CLOSED),
+    "above, of another user": (of_another_user, 2, "belongs to another user"),
+    "above, sticky, of another user": (lambda path: [path.chmod(0o1777), of_another_user(path)], 2, "another user"),
+}
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
+@pytest.mark.parametrize("opened", OPENED)
+def test_kernels_that_another_user_could_have_exchanged_are_not_run(opened, tmp_path):
+    compiled(tmp_path)
+    (file,) = (tmp_path / "cache").rglob("*.twice-*.nbc")
+    write_sealed(file, pickle.dumps(Touch(tmp_path / "executed")))
+    open_to_others, above, told = OPENED[opened]
+    open_to_others(place := file.parents[above])
+    _, notices, sentence = compiled(tmp_path)
+    assert not (tmp_path / "executed").exists()
+    assert notices == 1 and str(place) in sentence and told in sentence
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
+def test_a_kernel_that_others_can_write_is_made_anew_and_a_sticky_folder_above_is_no_harm(tmp_path):
+    compiled(tmp_path)
+    (tmp_path / "cache").chmod(0o1777)
+    assert compiled(tmp_path)[:2] == (1, 0)
+    (file,) = (tmp_path / "cache").rglob("*.twice-*.nbc")
+    write_sealed(file, pickle.dumps(Touch(tmp_path / "executed")))
+    file.chmod(0o666)
+    assert compiled(tmp_path)[:2] == (0, 0) and not (tmp_path / "executed").exists()
+    assert compiled(tmp_path)[:2] == (1, 0), "replaced by one of the user's own"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
+def test_matrices_and_meshes_are_kept_where_nobody_else_can_write(tmp_path, monkeypatch):
+    from fem.solver import pace
+    from lagrange.files.private import user_cache
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    assert user_cache("meshes").stat().st_mode & 0o777 == 0o700
+    (tmp_path / "home").chmod(0o777)
+    with pytest.raises(PermissionError, match="others can write there"):
+        user_cache("meshes")
+    monkeypatch.setattr(pace, "pace_file", lambda: user_cache() / "pace.json")
+    assert pace.pace("fem") == 1.0  # as where nothing is kept
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ import numpy as np
 import lagrange
 import meshes
 from lagrange.files.output import read_sealed, write_sealed
+from lagrange.files.private import private_folder
 from meshes import cache as mesh_cache
 
 LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill the disk
@@ -29,21 +30,25 @@ def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict
     ----------
     kind : of entry; key : everything the arrays depend on beside the program, as text
     """
-    path = mesh_cache.cache_folder().with_name("kept") / f"{kind}-{_digest(key, _program())}.npz"
-    found = _read(path)
+    name = f"{kind}-{_digest(key, _program())}.npz"
+    found = _read(name)
     if found is None:
         found = {name: np.asarray(array, order="C") for name, array in make().items()}  # as they come back from there
         if sum(array.nbytes for array in found.values()) <= LARGEST:
             archive = io.BytesIO()
             np.savez(archive, **found)
             with suppress(OSError):  # a read-only home costs the next start what this one took
-                write_sealed(path, archive.getvalue())
+                write_sealed(_folder() / name, archive.getvalue())
     return found
 
 
-def _read(path: Path) -> dict[str, np.ndarray] | None:
+def _folder() -> Path:
+    return private_folder(mesh_cache.cache_folder().with_name("kept"))
+
+
+def _read(name: str) -> dict[str, np.ndarray] | None:
     try:
-        data = read_sealed(path)
+        data = read_sealed(_folder() / name)
         if data is None:
             return None
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:

@@ -60,7 +60,7 @@ class KernelCache(_Cache):
         """
         key = self._key(signature, context.codegen())
         try:
-            data = read_sealed(self._file(key))
+            data = read_sealed(self._file(key), private=True)
             kept_key, parts = pickle.loads(data) if data is not None else (None, None)
             if kept_key == key:  # names are shortened digests of keys
                 return self._rebuilt(context, *parts)

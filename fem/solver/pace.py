@@ -12,6 +12,7 @@ from statistics import median
 
 from lagrange.files.input import read_plain
 from lagrange.files.output import write_whole
+from lagrange.files.private import user_cache
 
 KEPT = 5  # runs of each model: their median forgives one that shared its caches
 SHORTEST = 0.01  # s, of a time loop that tells of the machine
@@ -19,10 +20,8 @@ LARGEST = 100.0  # and its inverse: what lies beyond was no run of this program
 
 
 def pace_file() -> Path:
-    """Where it is kept."""
-    import platformdirs
-
-    return Path(platformdirs.user_cache_dir("roller-bearing-fem")) / "pace.json"
+    """Where it is kept. OSError: the folder can't be made, or others can write there."""
+    return user_cache() / "pace.json"
 
 
 def pace(model: str) -> float:
@@ -44,11 +43,10 @@ def remember(model: str, expected: float, took: float) -> None:
     ratio = took / expected * pace(model)
     if not 1.0 / LARGEST < ratio < LARGEST:
         return
-    known, key, path = _read(), _key(model), pace_file()
+    known, key = _read(), _key(model)
     known[key] = [*known.get(key, []), ratio][-KEPT:]
     with suppress(OSError):  # a cache folder that can't be written is no reason to fail
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps(known).encode())
+        write_whole(pace_file(), json.dumps(known).encode())
 
 
 def _read() -> dict[str, list[float]]:

@@ -19,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.files.private import check_private
+
 ROOM = 2**16  # bytes, of files whose size the system does not know
 FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
     b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
@@ -37,18 +39,20 @@ def not_text(data: bytes, at: int) -> str:
     return f"not UTF-8 text (byte {at}): {what or 'save it as UTF-8, if it is text in Latin-1 or another code'}"
 
 
-def read_plain(path: str | Path, most: int = -1) -> bytes:
+def read_plain(path: str | Path, most: int = -1, private: bool = False) -> bytes:
     """The first `most` bytes of a plain file, or all.
 
     Errors
     ------
-    OSError: it can't be read, or is no plain file: a pipe would be waited for, a device may never end. ValueError: its
-    name holds a null character.
+    OSError: it can't be read, or is no plain file: a pipe would be waited for, a device may never end; of a private one
+    also that others own it or can write it. ValueError: its name holds a null character.
     """
     with open(path, "rb", opener=_without_waiting) as file:
         about = os.fstat(file.fileno())
         if not stat.S_ISREG(about.st_mode):
             raise OSError(errno.EINVAL, "a pipe or a device, not a plain file", str(path))
+        if private:
+            check_private(path, about)
         return file.read(min(most, max(about.st_size + 1, ROOM)))  # room for all that is asked for is made beforehand
 
 

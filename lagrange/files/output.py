@@ -106,13 +106,13 @@ def write_sealed(path: Path, data: bytes) -> None:
     write_whole(path, data + hashlib.sha256(data).digest())
 
 
-def read_sealed(path: Path) -> bytes | None:
+def read_sealed(path: Path, private: bool = False) -> bytes | None:
     """The data of a sealed file; None if it is not what was written.
 
     Errors
     ------
-    OSError: there is no such file, or it can't be read.
+    OSError: there is no such file, or it can't be read; of a private one also that others own it or can write it.
     """
-    whole = read_plain(path)
+    whole = read_plain(path, private=private)
     data, seal = whole[:-_SIZE], whole[-_SIZE:]
     return data if len(seal) == _SIZE and hashlib.sha256(data).digest() == seal else None

@@ -5,6 +5,7 @@ reached in a headless browser that draws without a graphics card, on this machin
 """
 
 import asyncio
+import json
 import shutil
 import sys
 import time
@@ -14,10 +15,8 @@ from threading import Thread
 from rich.console import Console
 
 from benchmarks.measuring import new_table, timed
-from fem.live.messages import Pace, frame_message
 from fem.live.player import Player
-from fem.live.playing import FRAME
-from fem.live.server import LiveServer
+from fem.live.server import FRAME, LiveServer
 from lagrange.scene.scene import read_scene
 
 SCENES = {
@@ -40,9 +39,9 @@ def costs(player: Player) -> list[str]:
     work, frames = [], []
     for _ in range(TURNS):
         work.append(timed(player.advance, count)[0])
-        seconds, message = timed(frame_message, player, 1.0)
+        seconds, frame = timed(player.frame)
         frames.append(seconds)
-    return [f"{min(work) / FRAME:.2f}", f"{1e3 * min(frames):.1f}", f"{1e-3 * len(message.text):.0f}"]
+    return [f"{min(work) / FRAME:.2f}", f"{1e3 * min(frames):.1f}", f"{1e-3 * len(json.dumps(frame)):.0f}"]
 
 
 def watched(browser, player: Player, slowness: float) -> list[str]:
@@ -54,7 +53,7 @@ def watched(browser, player: Player, slowness: float) -> list[str]:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         page.goto(addresses.get())
         page.wait_for_function("() => window.live && window.live.frames > 0")
-        server.playing.change_pace(Pace(slowness=slowness))
+        page.evaluate("pace => window.live.send({ pace: { slowness: pace, playing: true } })", slowness)
         time.sleep(WARM)
         look = "[window.live.frames, window.live.frame().time, performance.now()]"
         first = page.evaluate(look)

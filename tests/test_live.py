@@ -1,25 +1,18 @@
 """The reduced model played live: the run is the solver's, values are the scene's, frames are for those who wait."""
 
-import json
-from queue import Queue
-
 import numpy as np
 import pytest
 
 from fem.commands.run_live import live_main
 from fem.errors import UsageError
 from fem.live import player as player_module
-from fem.live import playing as playing_module
-from fem.live.controls import Values, sliders
-from fem.live.messages import Pace, frame_message, read_wish
+from fem.live.controls import changed, controls, values_of
 from fem.live.player import MOST_PLACES, Player, Record
-from fem.live.playing import Playing
 from fem.live.server import make_page
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.live_server import SECONDS
 
 REDUCED = "model=reduced"
 
@@ -33,57 +26,60 @@ def player() -> Player:
     return Player(scene_of())
 
 
-def changed(values: Values, **some: float) -> Values:
-    return values.model_copy(update=some)
+@pytest.fixture(scope="module")
+def paper():
+    return scene_of()
 
 
 def test_values_of_a_scene_put_back_leave_it_as_it_was():
     scene = scene_of("bearing.outer_raceway_diameter_mm=56.0123456789", "spall.0.width_mm=0.7")
-    assert Values.of(scene).put_into(scene) == scene
+    assert changed(scene, values_of(scene)) == scene
 
 
 @pytest.mark.parametrize("some", [
     {"speed_rpm": -1200.0}, {"radial_load_N": 123.0}, {"clearance_um": -13.0}, {"clearance_um": 40.0},
-    {"friction_coefficient": 0.0}, {"spall_width_mm": 0.4}, {"speed_rpm": 900.0, "clearance_um": 7.5},
+    {"friction_coefficient": 0.0}, {"speed_rpm": 900.0, "clearance_um": 7.5},
+    {"outer_ring_spall_mm": 0.4, "outer_ring_spall_deg": -30.0}, {"inner_ring_spall_mm": 0.3, "roller_spall_mm": 1.0},
 ])  # fmt: skip
-def test_values_are_those_of_the_scene_they_are_put_into(some):
-    scene = scene_of()
-    values = changed(Values.of(scene), **some)
-    assert Values.of(values.put_into(scene)) == values
+def test_values_are_those_of_the_scene_they_are_put_into(some, paper):
+    values = values_of(paper) | some
+    assert values_of(changed(paper, values)) == values
 
 
-def test_a_shaft_whose_rollers_tilt_has_a_slope_to_be_changed():
+def test_spalls_of_both_rings_and_of_a_roller_change_apart_and_the_first_of_each():
+    scene = scene_of("spall.0.body=inner_ring", "spall.1.width_mm=0.5", "spall.1.depth_um=30")
+    values = values_of(scene)
+    assert (values["inner_ring_spall_mm"], values["outer_ring_spall_mm"], values["roller_spall_mm"]) == (1.0, 0.5, 0.0)
+    found = changed(scene, values | {"outer_ring_spall_mm": 0.8, "outer_ring_spall_deg": 12.0, "roller_spall_mm": 0.6})
+    assert [(s.body, s.width_mm, s.roller) for s in found.spall] == [
+        ("inner_ring", 1.0, None), ("outer_ring", 0.8, None), ("roller", 0.6, 0)]  # fmt: skip
+    assert (found.spall[1].depth_um, found.spall[1].angle_deg) == (30.0, 12.0)
+    assert [s.body for s in changed(scene, values | {"inner_ring_spall_mm": 0.0}).spall] == ["outer_ring"]
+    assert "roller_spall_mm" not in values_of(scene_of("bearing.missing_rollers=[2]"))  # not both in a scene
+
+
+def test_a_shaft_whose_rollers_tilt_has_a_slope_to_be_changed(paper):
     scene = scene_of("axial.slices=11", "operation.misalignment_mrad=1.0")
-    assert Values.of(scene).put_into(scene) == scene
-    values = changed(Values.of(scene), misalignment_mrad=-0.4)
-    assert values.put_into(scene).operation.misalignment_mrad == -0.4
-    shown = {slider.key: slider for slider in sliders(scene)}
+    assert changed(scene, values_of(scene)) == scene
+    tilted = changed(scene, values_of(scene) | {"misalignment_mrad": -0.4})
+    assert tilted.operation.misalignment_mrad == -0.4
+    shown = {control.key: control for control in controls(scene)}
     assert (shown["misalignment_mrad"].low, shown["misalignment_mrad"].high) == (-3.0, 3.0)
-    assert "misalignment_mrad" not in {slider.key for slider in sliders(scene_of())}
+    assert "misalignment_mrad" not in values_of(paper)
 
 
 @pytest.mark.slow  # compiles a loop
 def test_pressures_along_rollers_are_those_of_their_forces_and_moments():
     player = Player(scene_of("axial.slices=11", "operation.misalignment_mrad=1.0"))
     player.advance(3)
-    frame = json.loads(frame_message(player, None).text)["frame"]
+    frame = player.frame()
     pressure, force = 1e6 * np.array(frame["pressures"]), np.array(frame["inner"])
     pair = contact_pairs(player.bearing)[0]
     by_hertz = pressure**2 * np.pi * pair.relative_radius * pair.length / 11 / pair.modulus
     assert by_hertz.sum(axis=1) == pytest.approx(force, abs=2e-3 * force.max())
     moment = by_hertz @ player.scene.ideal_axial().centres(player.bearing)
     assert moment == pytest.approx(player.now["inner_moment"], abs=2e-3 * np.abs(moment).max())
-    assert make_page(player.scene, "ws://x").text.count('id="pressure"') == 1
-
-
-def test_the_outer_rings_first_spall_is_the_one_that_changes():
-    scene = scene_of("spall.0.body=inner_ring", "spall.1.width_mm=0.5", "spall.1.depth_um=30")
-    values = Values.of(scene)
-    assert values.spall_width_mm == 0.5
-    wider = changed(values, spall_width_mm=0.8).put_into(scene)
-    assert [(s.body, s.width_mm) for s in wider.spall] == [("inner_ring", 1.0), ("outer_ring", 0.8)]
-    assert wider.spall[1].depth_um == 30.0
-    assert [s.body for s in changed(values, spall_width_mm=0.0).put_into(scene).spall] == ["inner_ring"]
+    assert make_page(player, "ws://x")[0].count('id="pressure"') == 1
 
 
 MACHINE = ("support.kind=housing", "sensor.frequency_Hz=12000", "damping.contact_time_us=12.5")
@@ -93,15 +89,18 @@ MACHINE = ("support.kind=housing", "sensor.frequency_Hz=12000", "damping.contact
     {"contact_time_us": 25.0}, {"mass_kg": 3.0, "stiffness_N_per_m": 1e8}, {"damping_N_s_m": 500.0},
     {"frequency_Hz": 2e4, "damping_ratio": 0.1}, {"contact_time_us": 0.0},
 ])  # fmt: skip
-def test_damping_housing_and_sensor_have_controls_where_the_scene_has_them(some):
+def test_damping_housing_and_sensor_have_controls_where_the_scene_has_them(some, paper):
     scene = scene_of(*MACHINE)
-    shown = {slider.key: slider for slider in sliders(scene)}
-    assert {"contact_time_us", "mass_kg", "stiffness_N_per_m", "damping_N_s_m", "frequency_Hz"} <= set(shown)
-    assert not {"contact_N_s_m", "mass_kg", "frequency_Hz"} & {slider.key for slider in sliders(scene_of())}
-    values = changed(Values.of(scene), **some)
-    assert Values.of(values.put_into(scene)) == values
-    assert Values.of(scene).put_into(scene) == scene
-    page = make_page(scene, "ws://here").text
+    own = {"contact_time_us", "mass_kg", "stiffness_N_per_m", "damping_N_s_m", "frequency_Hz", "damping_ratio"}
+    assert own <= {control.key for control in controls(scene)}
+    assert not own & {control.key for control in controls(paper)}
+    values = values_of(scene) | some
+    assert values_of(changed(scene, values)) == values
+    assert changed(scene, values_of(scene)) == scene
+
+
+def test_the_page_has_the_controls_of_the_scene():
+    page, _ = make_page(Player(scene_of(*MACHINE)), "ws://here")
     assert 'id="mass_kg"' in page and "Sensor&#39;s frequency" in page and "(of the sensor)" in page
 
 
@@ -111,23 +110,24 @@ REFUSED = [
     ({"clearance_um": 5000.0}, "too large"),
     ({"clearance_um": -500.0}, "preload"),
     ({"friction_coefficient": 2.0}, "friction_coefficient = 2.0"),
-    ({"spall_width_mm": -1.0}, "width_mm = -1.0"),
-    ({"spall_width_mm": 50.0}, "too wide"),
+    ({"outer_ring_spall_mm": -1.0}, "width_mm = -1.0"),
+    ({"inner_ring_spall_mm": 50.0}, "too wide"),
 ]
 
 
 @pytest.mark.parametrize(("some", "words"), REFUSED)
-def test_values_that_are_no_scene_are_refused_by_the_scene(some, words):
-    scene = scene_of()
+def test_values_that_are_no_scene_are_refused_by_the_scene(some, words, paper):
     with pytest.raises(SceneError, match="^these values: .*" + words):
-        changed(Values.of(scene), **some).put_into(scene)
+        changed(paper, values_of(paper) | some)
 
 
 def test_a_load_that_the_model_refuses_leaves_the_run_as_it_was(player):
     before = player.plan
     with pytest.raises(UsageError, match="beyond Hertz's theory"):
-        player.change(changed(player.values, radial_load_N=2e6))
-    assert player.plan is before and player.values.radial_load_N == 2000.0
+        player.change(values_of(player.scene) | {"radial_load_N": 2e6})
+    with pytest.raises(UsageError, match="values: give speed_rpm, "):
+        player.change({"speed_rpm": 100.0})
+    assert player.plan is before and values_of(player.scene)["radial_load_N"] == 2000.0
     assert player.advance(5) == 5
 
 
@@ -135,8 +135,8 @@ def test_sliders_hold_the_scenes_own_values():
     for settings in ((), ("bearing.outer_raceway_diameter_mm=57.9", "operation.speed_rpm=-30000"),
                      ("operation.radial_load_N=0", "operation.speed_rpm=0", "spall.0.width_mm=5")):  # fmt: skip
         scene = scene_of(*settings)
-        values = Values.of(scene).model_dump()
-        for slider in sliders(scene):
+        values = values_of(scene)
+        for slider in controls(scene):
             assert slider.low <= values[slider.key] <= slider.high and slider.high - slider.low > slider.step
 
 
@@ -153,25 +153,25 @@ def test_what_is_played_is_the_solvers_run_whatever_it_is_cut_into(player):
 def test_other_values_begin_a_run_with_roller_0_where_it_was(player):
     player.advance(2345)
     before = float(player.now["roller_theta"][0])
-    player.change(changed(player.values, radial_load_N=500.0, clearance_um=10.0))
+    player.change(values_of(player.scene) | {"radial_load_N": 500.0, "clearance_um": 10.0})
     turned = (float(player.now["roller_theta"][0]) - before + np.pi) % (2.0 * np.pi) - np.pi
     assert abs(turned) < 1e-9 and player.now["time"] == 0.0
-    assert player.given_values.radial_load_N == 2000.0 and player.values.radial_load_N == 500.0
+    assert player.facts()["given"]["radial_load_N"] == 2000.0 and player.facts()["values"]["radial_load_N"] == 500.0
 
 
 def test_a_run_that_has_come_to_its_end_restarts(player, monkeypatch):
     monkeypatch.setattr(player_module, "LONGEST_MS", 1.0)
-    player.change(player.values)
+    player.change(values_of(player.scene))
     assert player.advance(250) == 250
     assert player.now["time"] == pytest.approx(0.5e-3)  # a run of 1 ms, another, half a third
 
 
 def test_a_run_whose_energy_does_not_balance_is_warned_of(player, monkeypatch):
     player.advance(100)
-    assert player.warnings == ()
+    assert player.warnings() == ()
     monkeypatch.setattr(player_module, "LIMIT", 1e-12)
-    assert player.warnings == (player_module.UNBALANCED,)
-    assert json.loads(frame_message(player, None).text)["frame"]["balanced"] is False
+    assert player.warnings() == (player_module.UNBALANCED,)
+    assert player.frame()["balanced"] is False
 
 
 def test_forces_of_a_frame_carry_the_load(player):
@@ -180,7 +180,7 @@ def test_forces_of_a_frame_carry_the_load(player):
     carried = []
     for _ in range(20):
         player.advance(13)
-        frame = json.loads(frame_message(player, None).text)["frame"]
+        frame = player.frame()
         assert min(frame["angle"]) >= -np.pi and max(frame["angle"]) <= np.pi
         carried.append(np.dot(frame["outer"], np.cos(frame["angle"])))
     rollers = player.bearing.n_rollers * player.bearing.roller_mass
@@ -232,56 +232,14 @@ def test_an_orbit_is_given_once_and_not_too_finely():
     assert record.orbit().shape == (2, 0)
 
 
-@pytest.mark.parametrize("text", [
-    "", "{", "[]", "7", '{"more": 1}', '{"pace": {"slowness": 0.5}}', '{"pace": {"slowness": 1e9}}',
-    '{"values": {"speed_rpm": 1}}', '{"frame": "yes"}', b"\xff",
-    json.dumps({"values": Values.of(read_scene()).model_dump() | {"speed_rpm": float("nan")}}),
-])  # fmt: skip
-def test_what_is_no_wish_is_told_in_a_sentence(text):
-    with pytest.raises(UsageError):
-        read_wish(text)
-
-
-def test_frames_are_made_for_those_who_wait_and_no_others(player):
-    messages = Queue()
-    playing = Playing(player, messages.put, messages.put)
-    playing.start()
-
-    def next_frame():
-        while (message := messages.get(timeout=SECONDS)).kind != "frame":
-            pass
-        return json.loads(message.text)["frame"]
-
-    playing.change_pace(Pace(slowness=50.0, playing=False))
-    playing.ask_for_frame()
-    first = next_frame()  # a paused run shows where it stands
-    playing.ask_for_frame()
-    playing.ask_for_step()
-    second = next_frame()
-    assert second["time"] - first["time"] == pytest.approx(1.0)  # ms: a twentieth of a second at 1/50
-    playing.change_pace(Pace(slowness=500.0))
-    for _ in range(2):
-        playing.ask_for_frame()
-        third = next_frame()
-        assert third["time"] > second["time"]
-        second = third
-    playing.end()
-    playing.join(SECONDS)
-    left = [messages.get_nowait() for _ in range(messages.qsize())]
-    assert not playing.is_alive() and not [message for message in left if message.kind == "frame"]
-
-
-def test_a_run_that_nobody_watches_stands_still(player, monkeypatch):
-    monkeypatch.setattr(playing_module, "PATIENCE", 0.0)
-    messages = Queue()
-    playing = Playing(player, messages.put, messages.put)
-    playing.start()
-    playing.ask_for_frame()
-    while (message := messages.get(timeout=SECONDS)).kind != "frame":
-        pass
-    playing.end()
-    playing.join(SECONDS)
-    assert 1e3 * player.now["time"] == pytest.approx(json.loads(message.text)["frame"]["time"]) and messages.empty()
+def test_a_bearing_of_few_small_rollers_has_all_its_lines_in_the_envelope():
+    """Of five small rollers 2×BSF lies far above BPFI."""
+    player = Player(scene_of("bearing.rollers=5", "bearing.roller_diameter_mm=3", "bearing.clearance_um=5"))
+    player.advance(5000)
+    lines, envelope = player.fault_lines(), player.frame()["envelope"]
+    assert lines["2×BSF"] > 2.3 * lines["BPFI"]
+    assert envelope["lines"].keys() == lines.keys()
+    assert envelope["bin"] * len(envelope["amplitude"]) > lines["2×BSF"]
 
 
 @pytest.mark.parametrize(("setting", "words"), [

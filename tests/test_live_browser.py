@@ -1,5 +1,7 @@
 """The live page as a student meets it, in a real browser, on a desk and on a phone."""
 
+import re
+
 import pytest
 
 from lagrange.scene.scene import read_scene
@@ -114,12 +116,12 @@ def test_a_value_that_is_refused_is_explained_and_the_bearing_goes_on(page):
 
 @on_a_desk
 def test_a_spall_is_drawn_and_its_shocks_are_warned_of(page):
-    type_value(page, "spall_width_mm", "0.8")
-    wait_for_value(page, "spall_width_mm", 0.8)
+    type_value(page, "outer_ring_spall_mm", "0.8")
+    wait_for_value(page, "outer_ring_spall_mm", 0.8)
     page.locator("#cautions").wait_for()
     page.wait_for_function("() => document.querySelector('#cautions').textContent.includes('elastic waves')")
     page.get_by_role("button", name="Reset").click()
-    wait_for_value(page, "spall_width_mm", 0)
+    wait_for_value(page, "outer_ring_spall_mm", 0)
     page.locator("#cautions").wait_for(state="hidden")
 
 
@@ -140,6 +142,41 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
     page.wait_for_function("() => window.live.frame().time > 2")
     assert page.locator("#pace").inner_text().startswith("One second here is")
     page.locator("#slowness").fill("5")
+
+
+@on_a_desk
+def test_numbers_of_an_axis_differ_however_small_its_steps(page):
+    """An envelope of thousandths of g had the ticks 0, 0, 0."""
+    shown = page.evaluate(
+        "[[0, 2e-4, 4e-4], [-2.5, 0, 2.5], [0, 500, 1000]].map(v => charts.plain(null, v, 0, 0, v[1] - v[0]))"
+    )
+    assert shown == [["0.0000", "0.0002", "0.0004"], ["−2.5", "0.0", "2.5"], ["0", "500", "1000"]]
+
+
+def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is(browser):
+    """Of a housing and spalls of all three bodies; on a phone it stays while the controls are moved."""
+    spalls = ("spall.0.width_mm=0.5", "spall.1.body=inner_ring", "spall.2.body=roller", "spall.2.roller=1")
+    with command_served(
+        "--set", "support.kind=housing", *(part for key in spalls for part in ("--set", key))
+    ) as address:
+        for width, controls_at in ((1280, "0"), (390, "document.querySelector('#mass_kg').offsetTop - 500")):
+            page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme="dark")
+            page.set_default_timeout(1e3 * GIVE_UP)
+            page.goto(address)
+            wait_for_frames(page)
+            page.evaluate(f"window.scrollTo(0, {controls_at})")
+            box = page.locator("#bearing").bounding_box()
+            assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0
+            assert coloured(page, "#bearing") > 500
+            colours = "[document.body, document.querySelector('.card')].map(e => getComputedStyle(e).backgroundColor)"
+            light = [[int(part) for part in re.findall(r"\d+", colour)] for colour in page.evaluate(colours)]
+            assert max(max(colour) for colour in light) < 60
+            assert page.evaluate("live.bearing().spalls.map(spall => spall.body)") == [
+                "outer_ring",
+                "inner_ring",
+                "roller",
+            ]
+            page.close()
 
 
 @pytest.mark.slow  # another server and page

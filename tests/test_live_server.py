@@ -98,7 +98,9 @@ def test_it_listens_on_one_loopback_address_alone(live):
 
 def test_nonsense_is_told_so_and_ends_nothing(live):
     with live.connected() as viewer:
-        for text in ("{", '{"values": 1}', b"\x00"):
+        for text in ("", "{", "[]", "7", '{"more": 1}', '{"pace": {"slowness": 0.5}}', '{"pace": {"slowness": 1e9}}',
+                     '{"values": 1}', '{"values": {"speed_rpm": 1}}', '{"frame": "yes"}', b"\xff", b"\x00",
+                     '{"values": {"speed_rpm": NaN}}'):  # fmt: skip
             viewer.send(text)
             assert told(viewer, "refused")
         ask(viewer, frame=True)
@@ -127,6 +129,23 @@ def test_what_one_viewer_changes_all_see_and_what_is_refused_changes_nothing(liv
         assert told(late, "bearing")["values"]["radial_load_N"] == 700.0
         assert told(late, "pace")["playing"] is False
         assert sum(told(late, "frame")["outer"]) > 700.0
+
+
+def test_a_paused_run_goes_on_by_steps_and_stands_while_nobody_asks(live):
+    """A step is a twentieth of a second of the page: 1 ms at 1/50."""
+    with live.connected() as viewer:
+        ask(viewer, pace={"slowness": 50.0, "playing": False}, values=told(viewer, "bearing")["values"], frame=True)
+        told(viewer, "bearing")  # of the new run
+        assert told(viewer, "frame")["time"] == 0.0
+        for time in (1.0, 2.0):
+            ask(viewer, step=True, frame=True)
+            assert told(viewer, "frame")["time"] == pytest.approx(time)
+        ask(viewer, pace={"slowness": 50.0, "playing": True}, frame=True)
+        last = told(viewer, "frame")["time"]
+    with live.connected() as late:
+        assert told(late, "frame")["time"] == last
+        ask(late, frame=True)
+        assert told(late, "frame")["time"] > last
 
 
 def test_ctrl_c_ends_it_with_viewers_watching():

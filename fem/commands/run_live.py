@@ -12,8 +12,8 @@ live_app = new_app(
     "run-live",
     """Play a bearing in the browser while it is computed, by the reduced model, in slow motion or in real time.
 
-Prints an address to open on this machine; it holds until the command ends. Speed, load, clearance, friction and a
-spall of the outer ring can be changed as it runs. No result file is written: the page saves its scene, for run-fem.
+Prints an address to open on this machine; it holds until the command ends. Speed, load, clearance, friction and
+spalls can be changed as it runs. No result file is written: the page saves its scene, for run-fem.
 
 Example: run-live my-bearing.toml --set operation.speed_rpm=3000
 

@@ -1,4 +1,4 @@
-"""The reduced model played in a browser's page while it runs.
+"""A bearing in the browser while it is computed: `server` plays a `player` whose scene `controls` change.
 
-The run's state belongs to a thread (`playing`), connections to the server; between them go messages alone.
+Read `player` first.
 """

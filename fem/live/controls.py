@@ -1,17 +1,12 @@
-"""What viewers may change while a bearing runs, and the scene that follows."""
+"""What a viewer may change while a bearing runs, and the scene that follows."""
 
 import tomllib
 from dataclasses import dataclass
 
-from pydantic import BaseModel, ConfigDict
-
 from lagrange.scene.files import content_of
 from lagrange.scene.scene import Scene, parse_scene
 
-NAME = "these values"  # of what viewers send, in messages
-MM_PER_UM = 1e-3
-NANOMETRE_DIGITS = 6  # of a diameter in mm
-FURTHER = {  # controls of what not every scene has, by key of their table: its name, label, unit, hint
+OWN = {  # controls of what not every scene has, by key of its table: table, label, unit, hint
     "contact_N_s_m": ("damping", "Contact damping", "N s/m", "of every closed contact"),
     "contact_time_us": ("damping", "Contact damping", "µs", "times the contact's stiffness"),
     "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt and Crossley's α"),
@@ -21,119 +16,101 @@ FURTHER = {  # controls of what not every scene has, by key of their table: its 
     "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "its own, undamped"),
     "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
 }
-PLACES = {"misalignment_mrad": "operation", **{key: table for key, (table, *_) in FURTHER.items()}}  # tables of keys
-STEEPEST, SLOPE = 3.0, "slope of the shaft, its +z end towards the load"  # mrad
+TABLES = {"friction_coefficient": "contact"} | {key: table for key, (table, *_) in OWN.items()}  # else [operation]
+SPALLED = {"outer_ring": "Spall, outer raceway", "inner_ring": "Spall, inner raceway", "roller": "Spall of a roller"}
+SPALL_KEYS = {"mm": "width_mm", "deg": "angle_deg"}
+STEEPEST = 3.0  # mrad
 LONGER = 4.0  # times the scene's own value: the end of such a slider
 
 
-class Values(BaseModel):
-    """What can be changed. Limits are the scene's own."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
-
-    speed_rpm: float
-    radial_load_N: float
-    clearance_um: float  # diametral
-    friction_coefficient: float
-    spall_width_mm: float  # of the outer ring's first spall; 0: there is none
-    misalignment_mrad: float | None = None  # where rollers tilt; as of all below None: as the scene has it
-    contact_N_s_m: float | None = None  # of [damping]
-    contact_time_us: float | None = None
-    hunt_crossley_s_m: float | None = None
-    mass_kg: float | None = None  # of the housing
-    stiffness_N_per_m: float | None = None
-    damping_N_s_m: float | None = None
-    frequency_Hz: float | None = None  # of the sensor
-    damping_ratio: float | None = None
-
-    @classmethod
-    def of(cls, scene: Scene) -> "Values":
-        """Those of a scene."""
-        b, at = scene.bearing, _outer_spall(scene)
-        clearance = (b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm) / b.cosine - 2.0 * b.roller_diameter_mm
-        return cls(
-            speed_rpm=scene.operation.speed_rpm,
-            radial_load_N=scene.operation.radial_load_N,
-            clearance_um=round(clearance / MM_PER_UM, 3),
-            friction_coefficient=scene.contact.friction_coefficient,
-            spall_width_mm=0.0 if at is None else scene.spall[at].width_mm,
-            misalignment_mrad=None if scene.axial is None else scene.operation.misalignment_mrad,
-            **{key: getattr(getattr(scene, table), key, None) for key, (table, *_) in FURTHER.items()},
-        )
-
-    def put_into(self, scene: Scene) -> Scene:
-        """The scene with these values; what is not changed keeps its digits. SceneError: it is none."""
-        data, before = tomllib.loads(scene.to_toml()), Values.of(scene)
-        data["operation"]["speed_rpm"] = self.speed_rpm
-        data["operation"]["radial_load_N"] = self.radial_load_N
-        data["contact"]["friction_coefficient"] = self.friction_coefficient
-        for key, table in PLACES.items():
-            if getattr(self, key) not in (None, getattr(before, key)):
-                data.setdefault(table, {})[key] = getattr(self, key)
-        if self.clearance_um != before.clearance_um:
-            b = scene.bearing
-            apart = 2.0 * b.roller_diameter_mm + MM_PER_UM * self.clearance_um
-            diameter = round(b.inner_raceway_diameter_mm + apart * b.cosine, NANOMETRE_DIGITS)
-            data["bearing"]["outer_raceway_diameter_mm"] = diameter
-        if self.spall_width_mm != before.spall_width_mm:
-            spalls, at = data.setdefault("spall", []), _outer_spall(scene)
-            if at is None:
-                spalls.append({"body": "outer_ring", "width_mm": self.spall_width_mm})
-            elif self.spall_width_mm == 0.0:
-                del spalls[at]
-            else:
-                spalls[at]["width_mm"] = self.spall_width_mm
-        content_of(data, scene.files)
-        return parse_scene(data, NAME)
-
-
-def _outer_spall(scene: Scene) -> int | None:
-    """Place of the first spall of the outer ring."""
-    return next((i for i, spall in enumerate(scene.spall) if spall.body == "outer_ring"), None)
-
-
 @dataclass(frozen=True)
-class Slider:
-    """One of the page's sliders; what lies beyond its ends can still be typed."""
+class Control:
+    """A slider and a box; values beyond the slider's ends can be typed."""
 
-    key: str  # of `Values`
+    key: str  # of `values_of`
     label: str
     unit: str
+    hint: str
     low: float
     high: float
     step: float
-    hint: str
+    needs: str = ""  # another control: while that is 0, this one has no effect
 
 
-def sliders(scene: Scene) -> tuple[Slider, ...]:
-    """Those for a scene, long enough for its own values."""
-    values, b = Values.of(scene), scene.bearing
-    fastest = 2.0 * abs(values.speed_rpm) or 3000.0
-    heaviest = max(5.0 * values.radial_load_N, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
-    tightest, widest = -2.0 * b.roller_diameter_mm, 10.0 * b.roller_diameter_mm
-    spalled = max(0.3 * b.roller_diameter_mm, values.spall_width_mm)
-    rubbing = max(0.3, values.friction_coefficient)
-    steepest = max(STEEPEST, abs(values.misalignment_mrad or 0.0))
-    slowest = -fastest if values.speed_rpm < 0.0 else 0.0
-    low, high = min(tightest, values.clearance_um), max(widest, values.clearance_um)
-    return (
-        Slider("speed_rpm", "Speed", "rpm", slowest, fastest, 10.0, "of the inner ring and the shaft"),
-        Slider("radial_load_N", "Radial load", "N", 0.0, heaviest, 10.0, "on the shaft, downwards"),
-        Slider("clearance_um", "Clearance", "µm", low, high, 1.0, "diametral; below 0 it is preload"),
-        Slider("friction_coefficient", "Friction", "", 0.0, rubbing, 0.01, "Coulomb's, in every contact"),
-        Slider("spall_width_mm", "Spall width", "mm", 0.0, spalled, 0.05, "of the outer raceway; 0: none"),
-        *(
-            ()
-            if values.misalignment_mrad is None
-            else (Slider("misalignment_mrad", "Misalignment", "mrad", -steepest, steepest, 0.1, SLOPE),)
-        ),
-        *(
-            Slider(key, label, unit, 0.01 * own, _end(key, own), 0.01 * own, hint)
-            for key, (_, label, unit, hint) in FURTHER.items()
-            if (own := getattr(values, key))
-        ),
-    )
+def values_of(scene: Scene) -> dict[str, float]:
+    """Values of all controls that the scene has."""
+    b = scene.bearing
+    clearance = (b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm) / b.cosine - 2.0 * b.roller_diameter_mm
+    found = {
+        "speed_rpm": scene.operation.speed_rpm,
+        "radial_load_N": scene.operation.radial_load_N,
+        "clearance_um": round(1e3 * clearance, 3),
+        "friction_coefficient": scene.contact.friction_coefficient,
+    }
+    spalls = {spall.body: spall for spall in reversed(scene.spall)}  # the first of each body
+    for body in SPALLED:
+        if body != "roller" or not b.missing_rollers:  # of which a scene can have one
+            found[f"{body}_spall_mm"] = spalls[body].width_mm if body in spalls else 0.0
+    found["outer_ring_spall_deg"] = spalls["outer_ring"].angle_deg if "outer_ring" in spalls else 0.0
+    if scene.axial is not None:
+        found["misalignment_mrad"] = scene.operation.misalignment_mrad or 0.0
+    own = {key: getattr(getattr(scene, table), key, None) for key, (table, *_) in OWN.items()}
+    return found | {key: value for key, value in own.items() if value is not None}
 
 
-def _end(key: str, own: float) -> float:
-    return max(own, min(LONGER * own, 0.99)) if key == "damping_ratio" else LONGER * own
+def changed(scene: Scene, values: dict[str, float]) -> Scene:
+    """The scene with other values; what is not changed keeps its digits. SceneError: there is no such scene."""
+    data, before = tomllib.loads(scene.to_toml()), values_of(scene)
+    for key, value in values.items():
+        if value == before[key]:
+            continue
+        if key == "clearance_um":
+            del data["bearing"]["outer_raceway_diameter_mm"]
+            data["bearing"][key] = value
+        elif "_spall_" in key:
+            _change_spall(data.setdefault("spall", []), *key.split("_spall_"), value)
+        else:
+            data.setdefault(TABLES.get(key, "operation"), {})[key] = value
+    content_of(data, scene.files)
+    return parse_scene(data, "these values")
+
+
+def _change_spall(spalls: list[dict], body: str, part: str, value: float) -> None:
+    first = next((spall for spall in spalls if spall["body"] == body), None)
+    if first is not None and (part == "deg" or value):
+        first[SPALL_KEYS[part]] = value
+    elif first is not None:
+        spalls.remove(first)
+    elif part == "mm":
+        spalls.append({"body": body, "width_mm": value, **({"roller": 0} if body == "roller" else {})})
+
+
+def controls(scene: Scene) -> tuple[Control, ...]:
+    """Those of a scene, long enough for its own values."""
+    values, b = values_of(scene), scene.bearing
+    speed, load, play = values["speed_rpm"], values["radial_load_N"], values["clearance_um"]
+    fastest = 2.0 * abs(speed) or 3000.0
+    heaviest = max(5.0 * load, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
+    tightest, widest = min(-2.0 * b.roller_diameter_mm, play), max(10.0 * b.roller_diameter_mm, play)
+    friction = max(0.3, values["friction_coefficient"])
+    found = [
+        Control("speed_rpm", "Speed", "rpm", "inner ring", min(0.0, -fastest * (speed < 0.0)), fastest, 10.0),
+        Control("radial_load_N", "Radial load", "N", "on the shaft, downwards", 0.0, heaviest, 10.0),
+        Control("clearance_um", "Clearance", "µm", "diametral; below 0: preload", tightest, widest, 1.0),
+        Control("friction_coefficient", "Friction", "", "Coulomb's, in every contact", 0.0, friction, 0.01),
+    ]
+    if "misalignment_mrad" in values:
+        steepest = max(STEEPEST, abs(values["misalignment_mrad"]))
+        hint = "slope of the shaft, its +z end towards the load"
+        found.append(Control("misalignment_mrad", "Misalignment", "mrad", hint, -steepest, steepest, 0.1))
+    for key, (_, label, unit, hint) in OWN.items():
+        if own := values.get(key):
+            end = max(own, min(LONGER * own, 0.99)) if key == "damping_ratio" else LONGER * own
+            found.append(Control(key, label, unit, hint, 0.01 * own, end, 0.01 * own))
+    for body, label in SPALLED.items():
+        if (own := values.get(key := f"{body}_spall_mm")) is not None:
+            found.append(Control(key, label, "mm", "width; 0: none", 0.0, max(0.3 * b.roller_diameter_mm, own), 0.05))
+        if body == "outer_ring":
+            at = "Place of that spall", "°", "from the load, counter-clockwise", -180.0, 180.0, 1.0
+            found.append(Control("outer_ring_spall_deg", *at, needs=key))
+    return tuple(found)

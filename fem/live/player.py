@@ -2,29 +2,47 @@
 
 from collections.abc import Callable, Container
 from contextlib import suppress
+from dataclasses import asdict
 from math import degrees, pi, remainder
 
 import numpy as np
 
 from fem.errors import RunFailed, UsageError
-from fem.live.controls import Values
+from fem.live.controls import changed, controls, values_of
 from fem.solver.reduced_state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from fem.statics.tilted_pressures import scene_slices, slice_pressures
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import OUTER_RING, kinematics
+from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.operation import TABLES
 from lagrange.scene.scene import Scene
+from lagrange.scene.surfaces import FROM_LOAD, own_radius
+from lagrange.surface.faults import Spall
 
+MM, UM, MPA = 1e-3, 1e-6, 1e6
 LONGEST = 2**15  # samples that a spectrum is of
 SHORTEST = 256
 LOWEST, HIGHEST = 20.0, 20e3  # Hz, of the spectrum shown; beyond, bodies without mass are not those of steel
 BANDS = 300
 MOST_PLACES = 500  # of an orbit, a frame
-ENVELOPE_FROM, ENVELOPE_TO = 3.0, 2.3  # times BPFI: the band that is demodulated, up to HIGHEST; the spectrum shown
+ENVELOPE_FROM, ENVELOPE_TO = 3.0, 2.3  # the band demodulated, from so many BPFI to HIGHEST; the end over the last line
 FEWEST_PASSES = 8.0  # of rolling elements over a place of the outer ring, for an envelope
 SLOWER, FASTER = 0.02, 0.005  # shares of a line's frequency by which slip moves it
+LONGEST_MS = 1e5  # simulated; then the run restarts
+INTERVAL_US = 10.0  # between samples
+STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
+UNBALANCED = f"the energy balance is off by more than {100 * LIMIT:g} %: results are approximate"
+NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
+LINES = {  # of the spectrum, by `Kinematics.frequencies`
+    "shaft": "turns of the shaft",
+    OUTER_RING: "turns of the outer ring",
+    "FTF": "turns of the cage",
+    "BSF": "turns of a roller",
+    "BPFO": "rollers over a place of the outer ring",
+    "BPFI": "rollers over a place of the inner ring",
+}
 
 
 def measured(names: Container[str]) -> tuple[str, str]:
@@ -34,23 +52,22 @@ def measured(names: Container[str]) -> tuple[str, str]:
 
 
 class Record:
-    """The last samples of a run, for charts: the hub's orbit since the last frame, the spectrum of an acceleration."""
+    """The last samples of a run: acceleration for spectra, the hub's places since the last frame."""
 
     def __init__(self, interval: float):
         self._interval = interval  # s, between samples
-        self._acceleration = np.zeros((2, 0))
-        self._orbit = np.zeros((2, 0))
+        self._acceleration = self._way = np.zeros((2, 0))
 
     def add(self, samples: Samples) -> None:
         """Take the next samples."""
-        acceleration = np.array([samples[name] for name in measured(samples.values)])
-        self._acceleration = np.concatenate([self._acceleration, acceleration], axis=1)[:, -LONGEST:]
+        found = np.array([samples[name] for name in measured(samples.values)])
+        self._acceleration = np.concatenate([self._acceleration, found], axis=1)[:, -LONGEST:]
         place = np.array(from_outer_ring(samples, "inner"))
-        self._orbit = np.concatenate([self._orbit, place], axis=1)[:, -LONGEST:]
+        self._way = np.concatenate([self._way, place], axis=1)[:, -LONGEST:]
 
     def orbit(self) -> np.ndarray:
         """Places of the hub since the last call, at most MOST_PLACES, evenly chosen, (2, n), m."""
-        way, self._orbit = self._orbit, np.zeros((2, 0))
+        way, self._way = self._way, np.zeros((2, 0))
         return way[:, :: -(-way.shape[1] // MOST_PLACES) or 1]
 
     @property
@@ -82,9 +99,9 @@ class Record:
 
         Returns
         -------
-        step between frequencies, Hz; amplitudes, (n,), m/s², from 0 to 2.3 BPFI; that of each line, m/s², the highest
-        within its slip, up to 15 % low where it lies between two frequencies; none where the bearing stands or the
-        record holds fewer than eight passes
+        step between frequencies, Hz; amplitudes, (n,), m/s², from 0 to 2.3 times the highest line; that of each line
+        in the band, m/s², the highest within its slip, up to 15 % low where it lies between two frequencies; none where
+        the bearing stands or the record holds fewer than eight passes
         """
         passing, inner, n = lines["BPFO"], lines["BPFI"], self._acceleration.shape[1]
         if passing * self.length < FEWEST_PASSES or ENVELOPE_FROM * inner >= HIGHEST:
@@ -93,39 +110,19 @@ class Record:
 
         transform = fft.rfft(self._acceleration[1])
         frequency = fft.rfftfreq(n, self._interval)
+        step, window = float(frequency[1]), np.hanning(n)
         analytic = np.zeros(n, dtype=complex)
         inside = (frequency >= ENVELOPE_FROM * inner) & (frequency <= HIGHEST)
         analytic[: transform.size][inside] = 2.0 * transform[inside]
         level = np.abs(fft.ifft(analytic))
-        window = np.hanning(n)
-        step = float(frequency[1])
         amplitude = 2.0 * np.abs(fft.rfft((level - level.mean()) * window)) / window.sum()
-        amplitude = amplitude[: int(ENVELOPE_TO * inner / step) + 1]
-        at = step * np.arange(amplitude.size)
-        found = {
-            name: float(
-                amplitude[(at > line * (1.0 - SLOWER) - 0.5 * step) & (at < line * (1.0 + FASTER) + 0.5 * step)].max()
-            )
-            for name, line in lines.items()
-        }
-        return step, amplitude, found
-
-
-def fault_lines(scene: Scene) -> dict[str, float]:
-    """Kinematic lines of damage of outer ring, inner ring and rolling element, Hz."""
-    found = kinematics(scene.perfect_bearing(), *scene.ideal_operation().ring_speeds).frequencies
-    return {"BPFO": abs(found["BPFO"]), "BPFI": abs(found["BPFI"]), "2×BSF": 2.0 * abs(found["BSF"])}
-
-
-LONGEST_MS = 1e5  # simulated; then the run restarts
-INTERVAL_US = 10.0  # between samples
-STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
-UNBALANCED = (
-    f"energy has not balanced to {100 * LIMIT:g} % of what was exchanged, where run-fem restarts with half the "
-    "step: take what you see as rough"
-)
-NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
-FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
+        end = min(ENVELOPE_TO * max(lines.values()), HIGHEST)
+        found = {}
+        for name, line in lines.items():
+            if line < HIGHEST:
+                low, high = line * (1.0 - SLOWER) / step - 0.5, line * (1.0 + FASTER) / step + 0.5
+                found[name] = float(amplitude[int(np.ceil(low)) : int(high) + 1].max())
+        return step, amplitude[: int(end / step) + 1], found
 
 
 class Player:
@@ -145,30 +142,22 @@ class Player:
         for key in TABLES:
             if (name := getattr(scene.operation, key)) is not None:
                 raise UsageError(
-                    f'operation.{key} = "{name}": run-live goes on without end, under a speed and a load that are '
-                    "set by sliders; leave it out, or take run-fem"
+                    f'operation.{key} = "{name}": run-live has sliders for speed and load and no end; leave the table '
+                    "out, or take run-fem"
                 )
-        self._given = scene
+        self.given, self.controls = scene, controls(scene)
         self._begin(scene, scene.operation.first_roller_deg, tell)
 
-    @property
-    def values(self) -> Values:
-        """Those in use."""
-        return Values.of(self.scene)
-
-    @property
-    def given_values(self) -> Values:
-        """Those of the scene as it was given."""
-        return Values.of(self._given)
-
-    def change(self, values: Values, tell: Callable[[str], None] | None = None) -> None:
+    def change(self, values: dict[str, float], tell: Callable[[str], None] | None = None) -> None:
         """Begin again with other values.
 
         Errors
         ------
         SceneError, UsageError, RunFailed: they can't be used; the run is as before.
         """
-        self._begin(values.put_into(self._given), self._first_roller(), tell)
+        if values.keys() != values_of(self.given).keys():
+            raise UsageError(f"values: give {', '.join(values_of(self.given))}, and no others")
+        self._begin(changed(self.given, values), self._first_roller(), tell)
 
     def _begin(self, scene: Scene, first_roller: float, tell: Callable[[str], None] | None) -> None:
         numerics = {"duration_ms": LONGEST_MS, "output_interval_us": INTERVAL_US}
@@ -182,15 +171,13 @@ class Player:
         state = plan.prepare(tell)
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
-        self.bearing = played.ideal_bearing()
-        self._slices = None if (axial := scene.ideal_axial()) is None else scene_slices(scene)[0]
-        self._pressures = None if axial is None else np.zeros((self.bearing.n_rollers, axial.slices))
-        self._restarted = None
+        self.bearing, self._axial = played.ideal_bearing(), scene.ideal_axial()
+        self._pressures = None if self._axial is None else np.zeros((self.bearing.n_rollers, self._axial.slices))
+        self._restarted: str | None = None
         self._start(samples)
 
     def _start(self, samples: Samples) -> None:
         self.record = Record(self.plan.interval)
-        self.fault_lines = fault_lines(self.scene)
         self.turn = np.zeros(self.bearing.n_rollers)  # rad, of rollers about their own axes
         self._worst = 0.0  # J
         self._take(samples)
@@ -201,7 +188,7 @@ class Player:
         self.now = {name: values[-1] for name, values in samples.values.items()}
         self._worst = max(self._worst, float(np.abs(samples.error).max()))
         least = NO_ENERGY * abs(float(samples["energy_kinetic"][-1]))
-        self.imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
+        self._imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
 
     def _first_roller(self) -> float:
         """Angle of roller 0 from the load, degrees."""
@@ -228,28 +215,82 @@ class Player:
                 done += len(block.samples)
         return done
 
-    def pressures(self) -> np.ndarray | None:
-        """Pressures now along rollers on the inner raceway, (n_rollers, n_slices), Pa; None: axes stay parallel."""
-        if self._slices is None:
-            return None
-        now = self.now | {"roller_turn": self.turn}
-        with suppress(ValueError, RuntimeError):  # a roller that all but lifts: the frame before is shown
-            self._pressures = slice_pressures(self.scene, "inner", self._slices, now.__getitem__)[0]
-        return self._pressures
+    def fault_lines(self) -> dict[str, float]:
+        """Kinematic lines of damage of outer ring, inner ring and rolling element, Hz."""
+        found = kinematics(self.scene.perfect_bearing(), *self.scene.ideal_operation().ring_speeds).frequencies
+        return {"BPFO": abs(found["BPFO"]), "BPFI": abs(found["BPFI"]), "2×BSF": 2.0 * abs(found["BSF"])}
 
-    @property
     def warnings(self) -> tuple[str, ...]:
         """What plan and run warn of so far; not of samples, which are the page's own and which nobody stores."""
-        kept = (sentence for sentence in self.plan.warnings if not sentence.startswith("numerics.output_interval_us"))
-        found = (*kept, *self._state.warnings)
-        if self._restarted is not None:
-            found = (*found, self._restarted)
-        return found if self.is_balanced else (*found, UNBALANCED)
+        kept = [sentence for sentence in self.plan.warnings if not sentence.startswith("numerics.output_interval_us")]
+        late = (self._restarted, UNBALANCED if self._imbalance > LIMIT else None)
+        return (*kept, *self._state.warnings, *filter(None, late))
 
-    @property
-    def is_balanced(self) -> bool:
-        """Whether the largest error of the run's energy is small beside what was exchanged."""
-        return self.imbalance <= LIMIT
+    def facts(self) -> dict[str, object]:
+        """What a page needs of a run that begins: lengths in mm, angles in rad, from +x; frequencies in Hz."""
+        bearing, scene, axial = self.bearing, self.scene, self._axial
+        frequencies = kinematics(bearing, *scene.ideal_operation().ring_speeds).frequencies
+        return {
+            "values": values_of(scene),
+            "given": values_of(self.given),
+            "rollers": bearing.n_rollers,
+            "roller": bearing.roller_radius / MM,
+            "inner": bearing.inner_raceway_radius / MM,
+            "outer": bearing.outer_raceway_radius / MM,
+            "bore": bearing.core_radius / MM,
+            "outside": bearing.outside_radius / MM,
+            "spalls": [
+                {**{key: value for key, value in asdict(fault).items() if key in ("body", "roller", "angle")},
+                 "half": fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault)}
+                for fault in bearing.faults if isinstance(fault, Spall)
+            ],
+            "lines": [{"name": k, "frequency": f, "meaning": LINES[k]} for k, f in frequencies.items() if f > 0.0],
+            "faults": [{"name": k, "frequency": f} for k, f in self.fault_lines().items() if f > 0.0],
+            "slices": None if axial is None else _short(axial.centres(bearing) / MM),
+            "length": bearing.roller_length / MM,
+            "step": self.plan.time_step / UM,
+            "start": scene.numerics.start,
+            "toml": scene.to_toml(),
+        }  # fmt: skip
+
+    def frame(self) -> dict[str, object]:
+        """An instant: ms, µm, N, MPa, rad, m/s², envelope in g; angles of rollers from the load, counter-clockwise."""
+        now = self.now
+        if self._axial is not None:
+            with suppress(ValueError, RuntimeError):  # a roller that all but lifts: the frame before is shown
+                at = now | {"roller_turn": self.turn}
+                self._pressures = slice_pressures(self.scene, "inner", scene_slices(self.scene)[0], at.__getitem__)[0]
+        frequency, amplitude = self.record.spectrum()
+        step, envelope, at_lines = self.record.envelope(self.fault_lines())
+        shaft, ring = (float(np.remainder(s * now["time"], 2 * pi)) for s in self.scene.ideal_operation().ring_speeds)
+        return {
+            "time": float(now["time"]) / MM,
+            "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
+            "shaft": shaft,
+            "ring": ring,
+            "angle": _short(np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi, 5),
+            "rise": _short((now["roller_rho"] - self.bearing.pitch_radius) / UM),
+            "turn": _short(np.remainder(self.turn, 2.0 * pi), 4),
+            "inner": _short(now["inner_force"], 2),
+            "outer": _short(now["outer_force"], 2),
+            "pressures": None if self._pressures is None else _short(self._pressures / MPA, 0),
+            "orbit": _short(self.record.orbit() / UM, 4),
+            "frequency": _short(frequency, 1),
+            "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
+            "envelope": {
+                "bin": step,
+                "amplitude": [float(f"{value:.3g}") for value in envelope / G],
+                "lines": {name: value / G for name, value in at_lines.items()},
+            },
+            "record": self.record.length / MM,
+            "imbalance": self._imbalance,
+            "balanced": self._imbalance <= LIMIT,
+            "cautions": self.warnings(),
+        }
+
+
+def _short(values: np.ndarray, digits: int = 3) -> list:
+    return np.round(values, digits).tolist()
 
 
 def _good(block) -> Samples:

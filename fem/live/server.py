@@ -1,146 +1,177 @@
-"""The page and its messages over the loopback interface, for browsers that know the address alone.
+"""The page and its bearing over the loopback interface, for browsers that know the address alone.
 
 Every request needs the run's random token in its path and this server's own name in its Host header (another site's
 name that resolves to 127.0.0.1 is refused); a page of another origin gets no connection. There is nothing to ask for
-but the page and the connection, by GET.
+but the page and the connection, by GET. Over it the page sends a `Wish` and gets {"bearing": facts of a run that
+begins}, {"frame": an instant}, {"pace": how it plays}, {"refused": a sentence}, {"telling": a sentence, "" for none}.
 """
 
 import asyncio
+import json
 import logging
 import secrets
 import socket
+import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
 from http import HTTPStatus
 from pathlib import Path
+from threading import Thread
 
+from pydantic import BaseModel, Field, ValidationError
 from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from fem.errors import UsageError
-from fem.live.controls import sliders
-from fem.live.messages import FASTEST, SLOWEST, Message, message, read_wish
+from fem.errors import RunFailed, UsageError
 from fem.live.player import Player, measured
-from fem.live.playing import Playing
 from fem.result.acceleration import channels
 from lagrange.files.pages import as_it_is, render_page
-from lagrange.scene.scene import Scene
+from lagrange.scene.scene import SceneError
 
 PARTS = Path(__file__).parent / "template"
-SCRIPTS = ("drawing.js", "charts.js", "live.js")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Page:
-    """A page and its content security policy: own scripts and styles, and one connection."""
-
-    text: str
-    policy: str
-
-
-def make_page(scene: Scene, connection: str) -> Page:
-    """The page of a scene in one file, which connects to an address (ws://host:port)."""
-    mark = secrets.token_urlsafe(16)
-    text = render_page(
-        PARTS / "live.html.j2",
-        name=scene.name,
-        mark=mark,
-        style=as_it_is(PARTS / "live.css"),
-        scripts=[as_it_is(PARTS / name) for name in SCRIPTS],
-        measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
-        tilts=scene.axial is not None,
-        sliders=[asdict(slider) for slider in sliders(scene)],
-        fastest=FASTEST,
-        slowest=SLOWEST,
-    )
-    rules = (
-        "default-src 'none'",
-        f"script-src 'nonce-{mark}'",
-        f"style-src 'nonce-{mark}'",
-        f"connect-src 'self' {connection}",
-        "img-src data:",
-        "base-uri 'none'",
-        "form-action 'none'",
-        "frame-ancestors 'none'",
-    )
-    return Page(text=text, policy="; ".join(rules))
-
-
 LOOPBACK = "127.0.0.1"
 LONGEST_MESSAGE = 4096  # bytes, of a page
-CLOSING = 1.0  # s, that pages have to say goodbye, and the player to leave off
+CLOSING = 1.0  # s, that pages have to say goodbye
 LASTING = ("bearing", "pace", "telling", "frame")  # messages that whoever comes later needs too
+FASTEST, SLOWEST = 1.0, 2000.0  # s of wall time per simulated second; a frame of the slowest holds two samples
+FRAME = 0.04  # s of wall time: 25 frames a second, so that waiting leaves 20
+STEP = 0.05  # s of the page's time: how far a paused run goes on when asked to
+WORK = 0.85  # of a frame's time at most that steps take: the rest is for its spectra
+PATIENCE = 0.5  # s between two frames; time in which nobody looked is not caught up with
+MEMORY = 0.1  # a frame's share in the mean pace shown
 
 _silent = logging.getLogger(__name__)  # whoever sends nonsense to the port is no news for the terminal
 _silent.addHandler(logging.NullHandler())
 _silent.propagate = False
 
 
+class Pace(BaseModel, extra="forbid", allow_inf_nan=False, frozen=True, strict=True):
+    """How a run is played."""
+
+    slowness: float = Field(50.0, ge=FASTEST, le=SLOWEST)
+    playing: bool = True
+
+
+class Wish(BaseModel, extra="forbid", allow_inf_nan=False, frozen=True, strict=True):
+    """What a page asks for; what is left out stays as it is."""
+
+    frame: bool = False  # the next one, when there is one
+    step: bool = False  # STEP further, where the run is paused
+    values: dict[str, float] | None = None
+    pace: Pace | None = None
+
+
 class LiveServer:
-    """Serves a player until it is ended."""
+    """Serves a player until it is ended; the bearing goes on while a page asks for frames."""
 
     def __init__(self, player: Player):
         self._player, self._token = player, secrets.token_urlsafe(16)
         self._viewers: dict[ServerConnection, bool] = {}  # whether each waits for a frame
         self._last: dict[str, str] = {}
-        self.playing: Playing | None = None
+        self._pace, self._values, self._step = Pace(), None, False
+        self._new = True  # whether the run stands where no frame has been made
 
     async def run(self, announce: Callable[[str], None]) -> None:
         """Serve; `announce` is given the address. Ends by `end` or cancellation, or with what ends the player."""
-        self._loop, self._ended = asyncio.get_running_loop(), asyncio.get_running_loop().create_future()
+        self._loop, self._changed = asyncio.get_running_loop(), asyncio.Event()
+        self._ended = self._loop.create_future()
         with socket.create_server((LOOPBACK, 0)) as door:
             self._port = door.getsockname()[1]
-            self._page = make_page(self._player.scene, f"ws://{LOOPBACK}:{self._port}")
-            publish, fail = self._in_loop(self._publish), self._in_loop(self._finish)
-            playing = self.playing = Playing(self._player, publish, fail)
-            playing.start()
-            try:
-                async with serve(
-                    self._attend, sock=door, process_request=self._answer, compression=None, server_header=None,
-                    max_size=LONGEST_MESSAGE, close_timeout=CLOSING, logger=_silent,
-                ):  # fmt: skip
-                    announce(f"http://{LOOPBACK}:{self._port}/{self._token}/")
-                    await self._ended
-            finally:
-                playing.end()
-                playing.join(CLOSING)
+            self._page, self._policy = make_page(self._player, f"ws://{LOOPBACK}:{self._port}")
+            playing = asyncio.create_task(self._play())
+            async with serve(
+                self._attend, sock=door, process_request=self._answer, compression=None, server_header=None,
+                max_size=LONGEST_MESSAGE, close_timeout=CLOSING, logger=_silent,
+            ):  # fmt: skip
+                announce(f"http://{LOOPBACK}:{self._port}/{self._token}/")
+                done, _ = await asyncio.wait([self._ended, playing], return_when=asyncio.FIRST_COMPLETED)
+                playing.cancel()
+                done.pop().result()
 
     def end(self) -> None:
         """End it, from any thread."""
-        self._loop.call_soon_threadsafe(self._finish, None)
+        self._loop.call_soon_threadsafe(self._ended.set_result, None)
 
-    def _finish(self, error: BaseException | None) -> None:
-        if not self._ended.done():
-            self._ended.set_result(None) if error is None else self._ended.set_exception(error)
+    async def _play(self) -> None:
+        """Frames of a bearing that goes on while somebody waits for them; new values first, of many only the last."""
+        publish = self._publish
+        publish("bearing", self._player.facts())
+        publish("pace", self._pace.model_dump())
+        began, residue, slowness = 0.0, 0.0, None
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            if self._values is not None:
+                values, self._values = self._values, None
+                tell = lambda sentence: self._loop.call_soon_threadsafe(publish, "telling", sentence)  # noqa: E731
+                try:
+                    await self._in_thread(self._player.change, values, tell)
+                    publish("refused", "")
+                    publish("bearing", self._player.facts())
+                    self._new, began = True, 0.0
+                except (SceneError, UsageError, RunFailed) as error:
+                    publish("refused", f"{error}\nThe bearing goes on with the values it had before.")
+                publish("telling", "")
+            if not any(self._viewers.values()) or not (self._pace.playing or self._step or self._new):
+                continue
+            await asyncio.sleep(began + FRAME - self._loop.time())
+            before, began = began, self._loop.time()
+            pace, step, self._step = self._pace, self._step, False
+            if pace.playing or step:
+                is_watched = began - before < PATIENCE and not step
+                since = STEP if step else began - before if is_watched else FRAME
+                wanted = residue + since / pace.slowness / self._player.plan.interval
+                try:
+                    done = await self._in_thread(self._advance, max(1, int(wanted)))
+                except RunFailed as error:
+                    publish("refused", f"{error}; change a value to restart")
+                    self._change_pace(Pace(slowness=pace.slowness, playing=False))
+                    continue
+                residue = max(0.0, wanted - max(1, int(wanted)))
+                reached = since / (done * self._player.plan.interval)
+                slowness = slowness + MEMORY * (reached - slowness) if is_watched and slowness else pace.slowness
+            frame = await self._in_thread(self._player.frame)
+            self._new = False
+            publish("frame", frame | {"slowness": slowness if pace.playing and pace == self._pace else None})
 
-    def _in_loop(self, function: Callable) -> Callable[[object], None]:
-        """The function as another thread may call it."""
+    def _advance(self, count: int) -> int:
+        end = time.monotonic() + WORK * FRAME
+        return self._player.advance(count, lambda: time.monotonic() > end)
 
-        def call(argument: object) -> None:
+    def _in_thread(self, work: Callable, *arguments: object) -> asyncio.Future:
+        """The work's outcome, by a thread for which the process need not wait: it may be compiling."""
+        outcome = self._loop.create_future()
+
+        def settle(method: str, value: object) -> None:
+            if not outcome.done():
+                getattr(outcome, method)(value)
+
+        def do() -> None:
+            try:
+                found = "set_result", work(*arguments)
+            except BaseException as error:
+                found = "set_exception", error
             with suppress(RuntimeError):  # the loop has ended
-                self._loop.call_soon_threadsafe(function, argument)
+                self._loop.call_soon_threadsafe(settle, *found)
 
-        return call
+        Thread(target=do, daemon=True).start()
+        return outcome
 
-    def _publish(self, message: Message) -> None:
-        """Send to all; a frame to those who wait for one."""
-        if message.kind in LASTING:
-            self._last[message.kind] = message.text
-        to = [viewer for viewer, waits in self._viewers.items() if waits or message.kind != "frame"]
-        if message.kind == "frame":
+    def _change_pace(self, pace: Pace) -> None:
+        self._pace = pace
+        self._publish("pace", pace.model_dump())
+
+    def _publish(self, kind: str, content: object) -> None:
+        """Send a message to all; a frame to those who wait for one."""
+        text = _message(kind, content)
+        if kind in LASTING:
+            self._last[kind] = text
+        to = [viewer for viewer, waits in self._viewers.items() if waits or kind != "frame"]
+        if kind == "frame":
             self._viewers |= dict.fromkeys(to, False)
-        broadcast(to, message.text)
-
-    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        status = refusal(request, self._port, self._token)
-        if status is not None:
-            return _response(status, f"{status.value} {status.phrase}\n", "text/plain; charset=utf-8")
-        if request.path.endswith("/live"):
-            return None
-        return _response(HTTPStatus.OK, self._page.text, "text/html; charset=utf-8", self._page.policy)
+        broadcast(to, text)
 
     async def _attend(self, viewer: ServerConnection) -> None:
         """One browser, as long as it is there."""
@@ -153,45 +184,70 @@ class LiveServer:
                 self._hear(viewer, text)
         except ConnectionClosed:
             pass
-        except Exception as error:  # a mistake of this program, which the connection alone would hide
-            self._finish(error)
         finally:
             del self._viewers[viewer]
 
     def _hear(self, viewer: ServerConnection, text: str | bytes) -> None:
-        playing = self.playing
         try:
-            wish = read_wish(text)
-        except UsageError as error:
-            broadcast([viewer], message("refused", str(error)).text)
+            wish = Wish.model_validate_json(text)
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(map(str, first["loc"]))
+            broadcast([viewer], _message("refused", f"{place}: {first['msg']}".removeprefix(": ")))
             return
-        if wish.frame:
-            self._viewers[viewer] = True
-            playing.ask_for_frame()
+        self._viewers[viewer] |= wish.frame
+        self._step |= wish.step
+        self._values = wish.values or self._values
         if wish.pace is not None:
-            playing.change_pace(wish.pace)
-        if wish.step:
-            playing.ask_for_step()
-        if wish.values is not None:
-            playing.change_values(wish.values)
+            self._change_pace(wish.pace)
+        self._changed.set()
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        status = refusal(request, self._port, self._token)
+        if status is not None:
+            return _response(status, f"{status.value} {status.phrase}\n", "text/plain; charset=utf-8")
+        if request.path.endswith("/live"):
+            return None
+        return _response(HTTPStatus.OK, self._page, "text/html; charset=utf-8", self._policy)
+
+
+def _message(kind: str, content: object) -> str:
+    return json.dumps({kind: content}, allow_nan=False, separators=(",", ":"))
+
+
+def make_page(player: Player, connection: str) -> tuple[str, str]:
+    """The page in one file, which connects to an address (ws://host:port), and its content security policy."""
+    mark, scene = secrets.token_urlsafe(16), player.given
+    text = render_page(
+        PARTS / "live.html.j2",
+        name=scene.name,
+        mark=mark,
+        style=as_it_is(PARTS / "live.css"),
+        scripts=[as_it_is(PARTS / name) for name in ("drawing.js", "charts.js", "live.js")],
+        measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
+        tilts=scene.axial is not None,
+        controls=player.controls,
+        fastest=FASTEST,
+        slowest=SLOWEST,
+    )
+    own = f"script-src 'nonce-{mark}'; style-src 'nonce-{mark}'; connect-src 'self' {connection}; img-src data:"
+    return text, f"default-src 'none'; {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 
 
 def refusal(request: Request, port: int, token: str) -> HTTPStatus | None:
     """Why a request is not answered; None: it is."""
-    names = {f"{LOOPBACK}:{port}", f"localhost:{port}"}
-    if request.headers.get_all("Host") not in [[name] for name in names]:
-        return HTTPStatus.FORBIDDEN
-    origins = request.headers.get_all("Origin")
-    if origins and origins not in [[f"http://{name}"] for name in names]:
-        return HTTPStatus.FORBIDDEN
-    known = [f"/{token}/", f"/{token}/live"]
-    if not any(secrets.compare_digest(request.path.encode(), path.encode()) for path in known):
+    names = (f"{LOOPBACK}:{port}", f"localhost:{port}")
+    origins, joins = request.headers.get_all("Origin"), request.path.endswith("/live")
+    known = [secrets.compare_digest(request.path.encode(), f"/{token}/{part}".encode()) for part in ("", "live")]
+    if (
+        request.headers.get_all("Host") not in [[name] for name in names]
+        or (origins and origins not in [[f"http://{name}"] for name in names])
+        or not any(known)
+    ):
         return HTTPStatus.FORBIDDEN
     if request.method != "GET":
         return HTTPStatus.METHOD_NOT_ALLOWED
-    if request.path.endswith("/live") and not origins:
-        return HTTPStatus.FORBIDDEN
-    return None
+    return HTTPStatus.FORBIDDEN if joins and not origins else None
 
 
 def _response(status: HTTPStatus, text: str, kind: str, policy: str = "default-src 'none'") -> Response:

@@ -1,13 +1,22 @@
 // Load zone, orbit and spectrum: axes by uPlot, what moves by its drawing hooks.
 const charts = (function () {
-  const BLUE = "#0072b2", RED = "#d55e00", SOFT = "#57606a";
-  const AXIS = { stroke: SOFT, grid: { stroke: "#e6eaee", width: 1 }, ticks: { stroke: "#d8dee4" }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18, labelGap: 2 };
+  const { theme } = drawing;
+  const SOFT = () => theme.soft, RULE = () => theme.rule;
+  const FONT = "12px system-ui, sans-serif";
+  const AXIS = { stroke: SOFT, grid: { stroke: RULE, width: 1 }, ticks: { stroke: RULE }, values: plain, font: FONT, labelFont: FONT, labelSize: 18, labelGap: 2 };
   const ACROSS = { ...AXIS, size: 30 }; // room for its numbers
   const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
   function power(value) {
     const exponent = Math.round(Math.log10(value));
     return "10" + (exponent < 0 ? "⁻" : "") + String(Math.abs(exponent)).replace(/\d/g, (digit) => RAISED[digit]);
+  }
+
+  // numbers of an axis with the decimals of its steps
+  function plain(u, values, axis, space, step) {
+    let decimals = 0;
+    while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals++;
+    return values.map((value) => value.toFixed(decimals).replace("-", "−"));
   }
 
   function plot(holder, options, data) {
@@ -41,9 +50,9 @@ const charts = (function () {
     }, [[-180, 180], [0, 1]]);
 
     function paint(ctx, ratio) {
-      ctx.fillStyle = "rgba(213, 94, 0, 0.25)";
+      ctx.fillStyle = theme.zone;
       for (const [angle, force] of past) dot(ctx, angle, force, 1.2 * ratio);
-      ctx.strokeStyle = ctx.fillStyle = "#8c2d04";
+      ctx.strokeStyle = ctx.fillStyle = theme.deep;
       ctx.lineWidth = 1.5 * ratio;
       now[0].forEach((angle, j) => {
         const x = u.valToPos(angle, "x", true);
@@ -94,7 +103,7 @@ const charts = (function () {
       const high = Math.abs(u.valToPos(length / slices.length, "y", true) - u.valToPos(0, "y", true));
       now[0].forEach((angle, j) => {
         const left = u.valToPos(angle, "x", true) - 0.5 * wide;
-        ctx.strokeStyle = "#d8dee4";
+        ctx.strokeStyle = theme.rule;
         ctx.strokeRect(left, u.bbox.top, wide, u.bbox.height);
         now[1][j].forEach((value, k) => {
           if (value <= 0) return;
@@ -142,13 +151,15 @@ const charts = (function () {
       const pieces = 12;
       for (let k = 0; k < pieces; k++) {
         const from = Math.floor((n * k) / pieces), to = Math.min(n - 1, Math.floor((n * (k + 1)) / pieces));
-        ctx.strokeStyle = "rgba(0, 114, 178, " + (0.12 + (0.88 * (k + 1)) / pieces) + ")";
+        ctx.strokeStyle = theme.accent;
+        ctx.globalAlpha = 0.12 + (0.88 * (k + 1)) / pieces;
         ctx.beginPath();
         for (let i = from; i <= to; i++) ctx.lineTo(u.valToPos(x[i], "x", true), u.valToPos(y[i], "y", true));
         ctx.stroke();
       }
+      ctx.globalAlpha = 1;
       if (n === 0) return;
-      ctx.fillStyle = "#8c2d04";
+      ctx.fillStyle = theme.deep;
       ctx.beginPath();
       ctx.arc(u.valToPos(x[n - 1], "x", true), u.valToPos(y[n - 1], "y", true), 4 * scale, 0, 2 * Math.PI);
       ctx.fill();
@@ -183,7 +194,7 @@ const charts = (function () {
     for (const line of lines) {
       const x = u.valToPos(line.frequency, "x", true);
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
-      ctx.strokeStyle = line.faint ? "#c9d1d9" : "#8b949e";
+      ctx.strokeStyle = line.faint ? theme.rule : theme.soft;
       ctx.lineWidth = ratio;
       ctx.setLineDash([4 * ratio, 3 * ratio]);
       ctx.beginPath();
@@ -193,7 +204,7 @@ const charts = (function () {
       const wide = ctx.measureText(line.name).width;
       const row = last.findIndex((end) => x - 0.5 * wide >= end + 4 * ratio);
       if (row < 0) continue;
-      ctx.fillStyle = SOFT;
+      ctx.fillStyle = theme.soft;
       ctx.fillText(line.name, x, bbox.top - (6 + 12 * row) * ratio);
       last[row] = x + 0.5 * wide;
     }
@@ -216,7 +227,7 @@ const charts = (function () {
           values: (u, values) => values.map((value) => (NAMED.includes(value) ? (value < 1e3 ? String(value) : value / 1e3 + "k") : "")) },
         { ...AXIS, label: "amplitude of acceleration, m/s²", size: 58, splits: decades, filter: (u, splits) => splits, values: (u, values) => values.map(power) },
       ],
-      series: [{}, { stroke: BLUE, width: 1.3, points: { show: false } }, { stroke: RED, width: 1.3, points: { show: false } }],
+      series: [{}, { stroke: () => theme.accent, width: 1.3, points: { show: false } }, { stroke: () => theme.load, width: 1.3, points: { show: false } }],
       hooks: { drawClear: [(u) => mark(u, lines, 1)] },
     }, data);
 
@@ -249,7 +260,7 @@ const charts = (function () {
       padding: [32, 12, 0, 0],
       scales: { x: { time: false, range: () => [0, end] }, y: { range: () => [0, top] } },
       axes: [{ ...ACROSS, label: "frequency, Hz" }, { ...AXIS, label: "amplitude of the envelope, g", size: 64 }],
-      series: [{}, { stroke: RED, width: 1.3, points: { show: false } }],
+      series: [{}, { stroke: () => theme.load, width: 1.3, points: { show: false } }],
       hooks: { drawClear: [(u) => mark(u, lines, 2)] },
     }, data);
     return {
@@ -284,5 +295,5 @@ const charts = (function () {
     };
   }
 
-  return { all };
+  return { all, plain };
 })();

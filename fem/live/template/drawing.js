@@ -1,12 +1,23 @@
 // The bearing's cross-section on a canvas. World: mm, x right, y up, the middle of the outer ring at 0.
 const drawing = (function () {
-  const RAMP = [[223, 229, 236], [240, 178, 122], [213, 94, 0], [140, 45, 4]];
+  const scheme = matchMedia("(prefers-color-scheme: dark)");
+  const theme = {}; // colours of live.css
   const SHOWN = 0.12; // of a roller's radius: how far the largest displacement is drawn
   const NICE = [1, 2, 5];
   const BINS = 240; // of the load zone around the outer ring
   const SHARE = 0.12; // of a frame in the zone shown, which is a mean of the last ones
   const FADING = 0.99; // of the largest force, a frame: colours come back after a blow
   const LADDER = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
+  const MOST = 1e4; // magnification: beyond, nanometres would be shown as if they mattered
+
+  function readTheme() {
+    const style = getComputedStyle(document.documentElement);
+    for (const name of ["ink", "soft", "rule", "accent", "load", "steel", "edge", "hub", "fault", "zone", "deep", "mark"])
+      theme[name] = style.getPropertyValue("--" + name).trim();
+    theme.ramp = style.getPropertyValue("--ramp").split(",").map((text) => [1, 3, 5].map((at) => parseInt(text.trim().slice(at, at + 2), 16)));
+  }
+  readTheme();
+  scheme.addEventListener("change", readTheme);
 
   function niceBelow(value) {
     const decade = Math.pow(10, Math.floor(Math.log10(value)));
@@ -19,9 +30,9 @@ const drawing = (function () {
   }
 
   function colour(share) {
-    const at = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
-    const k = Math.min(Math.floor(at), RAMP.length - 2);
-    const mixed = RAMP[k].map((low, i) => Math.round(low + (at - k) * (RAMP[k + 1][i] - low)));
+    const at = Math.min(Math.max(share, 0), 1) * (theme.ramp.length - 1);
+    const k = Math.min(Math.floor(at), theme.ramp.length - 2);
+    const mixed = theme.ramp[k].map((low, i) => Math.round(low + (at - k) * (theme.ramp[k + 1][i] - low)));
     return "rgb(" + mixed.join(",") + ")";
   }
 
@@ -71,7 +82,7 @@ const drawing = (function () {
       c.setTransform(1, 0, 0, 1, 0, 0);
       c.clearRect(0, 0, canvas.width, canvas.height);
       c.setTransform(ratio / pixel, 0, 0, -ratio / pixel, (width * ratio) / 2, (height * ratio) / 2);
-      const magnified = niceBelow((1e3 * SHOWN * bearing.roller) / furthest);
+      const magnified = Math.min(MOST, niceBelow((1e3 * SHOWN * bearing.roller) / furthest));
       const mm = magnified * 1e-3;
       const gap = 0.5 * magnified * (bearing.outer - bearing.inner - 2 * bearing.roller);
       const pitch = 0.5 * (bearing.inner + bearing.outer);
@@ -94,7 +105,7 @@ const drawing = (function () {
         c.lineTo(radius * Math.cos(angle), radius * Math.sin(angle));
       }
       c.arc(0, 0, base, -Math.PI / 2, (-5 * Math.PI) / 2, true);
-      c.fillStyle = "rgba(213, 94, 0, 0.28)";
+      c.fillStyle = theme.zone;
       c.fill();
     }
 
@@ -114,17 +125,17 @@ const drawing = (function () {
 
     function drawOuterRing(c, bearing, shape) {
       c.lineWidth = 1.2 * shape.pixel;
-      annulus(c, 0, 0, shape.outer, bearing.outside, "#b9c4cf", "#68727d");
+      annulus(c, 0, 0, shape.outer, bearing.outside, theme.steel, theme.edge);
     }
 
     function drawInnerRing(c, bearing, frame, shape) {
       const x = frame.hub[0] * shape.mm, y = frame.hub[1] * shape.mm;
-      annulus(c, x, y, bearing.bore, shape.inner, "#b9c4cf", "#68727d");
-      annulus(c, x, y, 0, bearing.bore, "#eef1f4", "#68727d");
+      annulus(c, x, y, bearing.bore, shape.inner, theme.steel, theme.edge);
+      annulus(c, x, y, 0, bearing.bore, theme.hub, theme.edge);
       c.save();
       c.translate(x, y);
       c.rotate(frame.shaft);
-      c.fillStyle = "#68727d"; // the shaft's key shows how it turns
+      c.fillStyle = theme.edge; // the shaft's key shows how it turns
       const key = 0.16 * bearing.bore;
       c.fillRect(bearing.bore - key, -key, 2 * key, 2 * key);
       c.restore();
@@ -140,12 +151,13 @@ const drawing = (function () {
       const load = Math.max(frame.inner[j], frame.outer[j]);
       c.fillStyle = colour(load / shape.top);
       c.fill();
-      c.strokeStyle = "#4a535c";
+      c.strokeStyle = theme.edge;
       c.stroke();
       c.rotate(frame.turn[j]);
       c.beginPath();
       c.moveTo(0.35 * bearing.roller, 0);
       c.lineTo(0.85 * bearing.roller, 0);
+      c.strokeStyle = theme.mark;
       c.lineWidth = 2 * shape.pixel;
       c.stroke();
       c.lineWidth = 1.2 * shape.pixel;
@@ -171,10 +183,11 @@ const drawing = (function () {
         c.beginPath();
         c.arc(0, 0, radius, angle - half, angle + half);
         c.arc(0, 0, radius + side * deep, angle + half, angle - half, true);
-        c.fillStyle = "#b00020";
+        c.fillStyle = theme.fault;
         c.fill();
+        const inside = spall.body === "inner_ring" ? bearing.bore : bearing.outside;
+        if (spall.body !== "roller") write(c, shape, "spall", 0.5 * (radius + inside) + side * 1.5 * shape.pixel, angle, theme.fault, 12);
         c.restore();
-        if (spall.body === "outer_ring") write(c, shape, "spall", 0.5 * (shape.outer + bearing.outside) + 1.5 * shape.pixel, angle, "#b00020", 12);
       }
     }
 
@@ -206,7 +219,7 @@ const drawing = (function () {
       const x = frame.hub[0] * shape.mm, y = frame.hub[1] * shape.mm, bore = bearing.bore;
       c.save();
       c.translate(x, y);
-      c.strokeStyle = c.fillStyle = "#8c2d04";
+      c.strokeStyle = c.fillStyle = theme.deep;
       c.lineWidth = 3 * shape.pixel;
       if (bearing.values.radial_load_N > 0) {
         c.beginPath();
@@ -219,19 +232,19 @@ const drawing = (function () {
       const speed = bearing.values.speed_rpm;
       if (speed !== 0) {
         const way = Math.sign(speed), end = Math.PI / 2 + way * 0.75, radius = 0.78 * bore;
-        c.strokeStyle = c.fillStyle = "#0072b2";
+        c.strokeStyle = c.fillStyle = theme.accent;
         c.beginPath();
         c.arc(0, 0, radius, Math.PI / 2 - way * 0.75, end, way < 0);
         arrow(c, shape, radius * Math.cos(end), radius * Math.sin(end), -way * Math.sin(end), way * Math.cos(end));
       }
       const size = Math.max(10, Math.min(14, (0.24 * bore) / shape.pixel));
-      write(c, shape, speed + " rpm", 0.27 * bore, Math.PI / 2, "#0072b2", size);
-      write(c, shape, bearing.values.radial_load_N + " N", 0.66 * bore, -Math.PI / 2, "#8c2d04", size);
+      write(c, shape, speed + " rpm", 0.27 * bore, Math.PI / 2, theme.accent, size);
+      write(c, shape, bearing.values.radial_load_N + " N", 0.66 * bore, -Math.PI / 2, theme.deep, size);
       c.restore();
     }
 
     return { draw, forget, remember };
   }
 
-  return { over, niceAbove, colour };
+  return { over, niceAbove, colour, theme };
 })();

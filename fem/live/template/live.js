@@ -18,8 +18,7 @@
       canvas.forget();
       plots.forget(bearing);
       showValues((input) => !input.matches("[type=range]:active")); // not what is being dragged
-      const begins = bearing.start === "rest" ? "from rest" : "in its own steady state";
-      $("restarts").textContent = "A change begins a new run, " + begins + ", with the first roller where it is now.";
+      $("restarts").textContent = "Every change restarts the run, from " + (bearing.start === "rest" ? "rest." : "its new steady state.");
       $("timestep").textContent = round(bearing.step, 3) + " µs";
       $("lines").textContent = bearing.lines.map((line) => line.name + ": " + line.meaning).join("; ") + ".";
       if (address) URL.revokeObjectURL(address);
@@ -121,6 +120,7 @@
   function showValues(which) {
     chosen = { ...bearing.values };
     for (const input of [...document.querySelectorAll("[data-key]")].filter(which)) input.value = chosen[input.dataset.key];
+    for (const input of document.querySelectorAll("[data-needs]")) input.disabled = !chosen[input.dataset.needs];
   }
 
   function change(key, value) {
@@ -143,5 +143,5 @@
   $("play").addEventListener("click", () => send({ pace: { slowness: pace.slowness, playing: !pace.playing } }));
   $("step").addEventListener("click", () => send({ pace: { slowness: pace.slowness, playing: false }, step: true }));
   $("reset").addEventListener("click", () => send({ values: bearing.given }));
-  window.live = { frames: 0, frame: () => frame, bearing: () => bearing };
+  window.live = { frames: 0, send, frame: () => frame, bearing: () => bearing };
 })();

@@ -12,7 +12,13 @@ from fem.commands.progress import progress_display
 from fem.commands.start_up import Outcome, imported, stop_signals
 from fem.commands.summary import print_estimates, print_plan, print_run
 from fem.errors import RunFailed, UsageError
-from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
+from fem.result.checkpoint import (
+    checkpoint_path,
+    load_checkpoint,
+    refuse_no_place,
+    refuse_nothing_to_resume,
+    save_checkpoint,
+)
 from fem.result.later_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.run_summary import summary_columns
@@ -57,9 +63,17 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 
     Errors
     ------
-    UsageError: a solver can't take the scene or estimate its error; see also `simulate`.
+    UsageError: a solver can't take the scene or estimate its error; there is no place for a checkpoint, or none to
+    resume from; see also `simulate`.
     """
     began = time.perf_counter()
+    refuse_no_place(path)
+    if options.resume:
+        refuse_nothing_to_resume(path)
+    if options.estimate_error and scene.model == "fem":
+        from fem.solver.error_estimate import coarser_scene
+
+        coarser_scene(scene)
     plan = _planned(scene, None if options.quiet else say)
     estimate = programs_named(plan.error_estimate) if options.estimate_error else None
     plan.prepare(None if options.quiet else say)
@@ -85,7 +99,6 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     ------
     UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written.
     """
-    refuse_no_place(path)
     try:
         state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:

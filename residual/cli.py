@@ -125,19 +125,20 @@ def _command(
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
     _check_law(law, record.bearing)
     check_replaceable(folder)
-    evaluation = evaluate(record, law, seconds, order, line, limits)
-    found = find_faults(evaluation.record) if search else None
-    for note in evaluation.notes:
-        say(f"warning: {path}: {note}")
-    other = None
+    other, compared = None, None
     if against is not None:
         compared, its_law = _compared(against, record, law, (scene, resample, kinematic_rollers))
-        other = evaluate(compared, its_law, seconds, order, band=limits)
-    if no_equations and other is not None and other.record.source == record.source:
+    if no_equations and compared is not None and compared.source == record.source:
         raise InputError(
             f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
             "leave either option out"
         )
+    evaluation = evaluate(record, law, seconds, order, line, limits)
+    found = find_faults(evaluation.record) if search else None
+    for note in evaluation.notes:
+        say(f"warning: {path}: {note}")
+    if compared is not None:
+        other = evaluate(compared, its_law, seconds, order, band=limits)
     options = ReportOptions(
         tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations, exports=export,
         other=other,

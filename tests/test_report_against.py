@@ -59,7 +59,8 @@ def test_a_run_is_compared_in_words_and_without_equations_by_its_motion_alone(ru
 
 
 @pytest.mark.parametrize("other", ["nothing.nc", "hariss"])
-def test_what_is_neither_a_file_nor_a_law_is_refused_by_name(runs, tmp_path, capsys, other):
+def test_what_is_neither_a_file_nor_a_law_is_refused_by_name(runs, tmp_path, capsys, other, monkeypatch):
+    monkeypatch.setattr("residual.evaluation.evaluate", lambda *given, **more: pytest.fail("evaluated"))
     assert main([str(runs[0]), "--against", other, "--output", str(tmp_path / "out")]) == 2
     assert f"--against {other}: neither a file nor a contact law" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -6,7 +6,7 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
-from fem.solver import rigid_state
+from fem.solver import finite_elements, rigid_state, tilted_start
 from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state, simulate
@@ -162,6 +162,17 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
     found = scene("reduced", {"slices": 21}, **heavy)
     with pytest.raises(UsageError, match=r"axial.slices = 21 are 0.476 mm wide.*take at most 1\d"):
         make_plan(found)
+
+
+@pytest.mark.parametrize("model", ["reduced", "fem"])
+def test_slices_are_refused_before_contacts_are_tabulated_or_bodies_meshed(model, monkeypatch):
+    """Which for 41 slices took nearly two minutes, and statics of 201 four: their equilibrium is not unique."""
+    for module, name in ((tilted_start, "tilted_tables"), (finite_elements, "model_of")):
+        monkeypatch.setattr(module, name, lambda *given: pytest.fail("computed"))
+    for slices, load in ((41, 4000.0), (201, 2000.0)):
+        found = scene(model, {"slices": slices, "roller_profile": "logarithmic"}, operation__radial_load_N=load)
+        with pytest.raises(UsageError, match=rf"axial.slices = {slices} are .*take at most (40|5\d),"):
+            make_plan(found)
 
 
 def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):

@@ -92,9 +92,9 @@ def _rate(
         cycle=None if cycle is None else _cycle(cycle, decimal),
         run=run,
     )
-    rated = rating(chosen, options)
     folder = Path() if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
+    rated = rating(chosen, options)
     written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]
     write_json(written[0], rated)
     if output is not None:

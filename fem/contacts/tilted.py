@@ -14,8 +14,9 @@ from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact, in_series
 from lagrange.axial.tabulate import contact_slices, without_part
 from lagrange.bearing import Bearing
-from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw, contact_pairs
 
+FEWEST = 3  # slices
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
 ROUND_OFF = 1e-9
@@ -148,8 +149,20 @@ def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
     return (
         f"axial.slices = {axial.slices} are {1e3 * bearing.roller_length / axial.slices:.3g} mm wide, less than "
         f"{WIDTHS:g} half-widths of the contact, {1e3 * half_width:.3g} mm, below which coupled slices have no sure "
-        f"equilibrium; take at most {int(bearing.roller_length / (WIDTHS * half_width))}, or axial.coupling = false"
+        f"equilibrium; take at most {_most_slices(bearing, half_width)}, or axial.coupling = false"
     )
+
+
+def _most_slices(bearing: Bearing, half_width: float) -> int:
+    """How many coupled slices carry contacts of a half-width, m."""
+    return int(bearing.roller_length / (WIDTHS * half_width))
+
+
+def no_narrower(bearing: Bearing, axial: Axial, forces: tuple[np.ndarray, np.ndarray]) -> Axial:
+    """With no more coupled slices than inner and outer forces, N, allow that are even along the rollers."""
+    pairs = zip(contact_pairs(bearing), forces, strict=False)
+    widest = max(pair.half_width(max(float(force.max()), 1e-3)) for pair, force in pairs)
+    return replace(axial, slices=max(min(axial.slices, _most_slices(bearing, widest)), FEWEST))
 
 
 def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:

@@ -7,9 +7,9 @@ from typing import cast
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import tilted_slices, too_narrow
+from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
 from fem.statics.contact_balance import NotFound
-from fem.statics.exact_statics import exact_contacts
+from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, sharp_ends
 from lagrange.axial.slices import Slices
@@ -110,7 +110,27 @@ def tilted_pitch(
     bearing = replace(bearing, faults=())
     down = operation.radial_load + operation.inner_mass * operation.gravity
     still = replace(operation, speed=0.0, gravity=0.0, radial_load=down)
-    hub, first = hub_tilt(operation, axial), roller_angles(bearing, operation.first_roller_angle)
+    if laws is not None or not axial.coupling:
+        return _tilted_pitch(bearing, axial, still, laws, samples)
+    try:
+        plane = exact_statics(bearing, float(np.hypot(still.side_load, down)), operation.first_roller_angle)
+    except NotFound as error:
+        raise Unavailable(str(error)) from None
+    tried = no_narrower(bearing, axial, (plane.inner_force, plane.outer_force))
+    for these, angles in ((tried, 1), (axial, samples)):
+        answer = _tilted_pitch(bearing, these, still, laws, angles)
+        pairs = zip(contact_pairs(bearing), answer.loads, strict=False)
+        widest = max(pair.half_width(these.slices * float(loads.max())) for pair, loads in pairs)
+        if (reason := too_narrow(bearing, axial, widest)) is not None:
+            raise Unavailable(reason)
+    return answer
+
+
+def _tilted_pitch(
+    bearing: Bearing, axial: Axial, still: Operation, laws: ContactLaws | None, samples: int
+) -> TiltedPitch:
+    """Whatever the slices' width. Unavailable."""
+    hub, first = hub_tilt(still, axial), roller_angles(bearing, still.first_roller_angle)
     nothing, found = np.zeros(2 * bearing.n_rollers), []
     try:
         slices, compliance = contacts_of(bearing, axial, laws, first)
@@ -125,16 +145,10 @@ def tilted_pitch(
                 stiffness=now.radial_stiffness, damping=np.zeros((2, 2)),
             )  # fmt: skip
 
-        pitch = over_pitch(bearing, operation.first_roller_angle, solve, samples)
+        pitch = over_pitch(bearing, still.first_roller_angle, solve, samples)
     except (RuntimeError, NotFound) as error:
         raise Unavailable(str(error)) from None
-    answer = TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
-    if laws is None and axial.coupling:
-        pairs = zip(contact_pairs(bearing), answer.loads, strict=False)
-        widest = max(pair.half_width(axial.slices * float(loads.max())) for pair, loads in pairs)
-        if (reason := too_narrow(bearing, axial, widest)) is not None:
-            raise Unavailable(reason)
-    return answer
+    return TiltedPitch(bearing=bearing, axial=axial, pitch=pitch, statics=tuple(found), slices=slices)
 
 
 def _pushed(bearing: Bearing, slices: Slices, operation: Operation, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

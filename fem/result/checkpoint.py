@@ -46,6 +46,13 @@ def refuse_no_place(result: Path) -> None:
         )
 
 
+def refuse_nothing_to_resume(result: Path) -> None:
+    """UsageError: there is no checkpoint to go on from."""
+    path = checkpoint_path(result)
+    if not path.is_file():
+        raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
+
+
 def _is_ours(start: bytes) -> bool:
     """Whether a file begins as a checkpoint does, whatever has become of the rest; an empty one may go."""
     return not start or (start.startswith(b"PK\x03\x04") and start.endswith(FIRST))
@@ -92,9 +99,8 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     UsageError: no checkpoint, a damaged one, another scene or another version of the program (the difference is
     named), or a duration that is behind already.
     """
+    refuse_nothing_to_resume(result)
     path = checkpoint_path(result)
-    if not path.is_file():
-        raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
     state = plan.first_state()
     try:
         with zipfile.ZipFile(path) as archive:

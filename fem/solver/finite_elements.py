@@ -23,7 +23,7 @@ from fem.solver.run_arrays import Arrays
 from fem.solver.solver import Block, sample_count
 from fem.solver.start import Start, Tilting, equilibrium_start, rest_start
 from fem.solver.tilted_arrays import LESS
-from fem.solver.tilted_elements import beyond_axes, check_slices, tilting_of, with_axes
+from fem.solver.tilted_elements import beyond_axes, check_slices, check_slices_unmeshed, tilting_of, with_axes
 from fem.solver.validity import may_strike
 from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
@@ -167,12 +167,14 @@ def make_plan(scene: Scene) -> ElementPlan:
     RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """
-    numerics = scene.numerics
+    numerics, axial, tilting = scene.numerics, scene.ideal_axial(), None
     operation = scene.ideal_operation()
+    if axial is not None:
+        check_slices_unmeshed(scene.ideal_bearing(), operation, axial)
     forces = expected_forces(scene)
+    fastest = kinematics_met(forces.bearing, operation)
+    check_speed(forces.bearing, fastest)
     model = model_of(scene, forces)
-    fastest = kinematics_met(model.bearing, operation)
-    check_speed(model, fastest)
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
@@ -185,7 +187,6 @@ def make_plan(scene: Scene) -> ElementPlan:
         float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
-    axial, tilting = scene.ideal_axial(), None
     if axial is not None:
         tilting = tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
         loaded = equilibrium_start(model, operation, tilting)

@@ -132,12 +132,11 @@ def check_meshes(model: "Model") -> None:
             )
 
 
-def check_speed(model: "Model", ideal: Kinematics) -> None:
+def check_speed(bearing: Bearing, ideal: Kinematics) -> None:
     """Refuse speeds, (n,), whose centrifugal strain ρ v²/E leaves linear elasticity.
 
     v is the surface speed: of the inner raceway, of a roller about its own axis, of a turning outer ring's outside.
     """
-    bearing = model.bearing
     shaft, ring, roller = (float(np.abs(each).max()) for each in (ideal.shaft, ideal.outer_ring, ideal.roller))
     key, fastest = ("speed_rpm", shaft) if shaft >= ring else ("outer_ring_speed_rpm", ring)
     bodies = {

@@ -24,7 +24,7 @@ from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.sections import RigidPlan, sections_of, time_along_a_wave
 from fem.solver.solver import sample_count
-from fem.solver.tilted_start import narrow_slices, tables_of, tilted_start
+from fem.solver.tilted_start import check_slices, tables_of, tilted_start
 from fem.solver.validity import may_strike
 from fem.solver.vibrations import longest_with_modes
 from fem.solver.warnings import plan_warnings
@@ -141,9 +141,9 @@ def make_plan(scene: Scene) -> ReducedPlan:
     ideal = kinematics(bearing, *operation.ring_speeds)
     highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
     modes = bearing_modes(bearing, operation.inner_mass, highest)
+    check_speed(bearing, kinematics_met(bearing, operation))
     model = reduced_bearing(bearing, ideal, modes, operation.gravity)
     fastest = fastest_kinematics(bearing, operation)
-    check_speed(model, kinematics_met(bearing, operation))
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)
@@ -166,10 +166,9 @@ def make_plan(scene: Scene) -> ReducedPlan:
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
     axial, tables = scene.ideal_axial(), None
     if axial is not None:
+        check_slices(model, operation, axial, loaded)
         tables = tables_of(model, operation, axial, largest)
         start = tilted_start(model, operation, axial, tables, start)
-        if (reason := narrow_slices(bearing, axial, (model.inner_law, model.outer_law), start)) is not None:
-            raise UsageError(reason)
     of_start = () if start.warning is None else (start.warning,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)

@@ -12,12 +12,13 @@ from fem.kernels.fields import at_line, filled
 from fem.kernels.state import INNER, Raceway, RingProfile, RollerProfiles
 from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
 from fem.kernels.tilted_surfaces import PartProfiles, SpalledRest
+from fem.solver import reduced_start, tilted_start
 from fem.solver.part_arrays import part_profiles
 from fem.solver.start import Start, Tilting
 from fem.solver.tilted_arrays import axes_at, beyond_tables, laws_of
 from fem.solver.tilted_start import MOVING, narrow_slices
-from fem.statics.reduced_bearing import kept_contacts
-from lagrange import Operation
+from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
+from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import Axial
 from lagrange.axial.tabulate import MORE, steepest_slope
 from lagrange.surface.deviation import profiles
@@ -56,6 +57,14 @@ def tilting_of(model: "Model", operation: Operation, axial: Axial, force: float,
 
 def _too_fine(why: str) -> str:
     return f"[axial]: the mesh {why}, where slices have no law of their own; take a larger numerics.mesh_size_mm"
+
+
+def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) -> None:
+    """The same before anything is meshed, of an outer ring that is held all around. UsageError."""
+    if operation.mounting.points is not None or operation.mounting.bore is not None:
+        return
+    model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), gravity=operation.gravity)
+    tilted_start.check_slices(model, operation, axial, reduced_start.equilibrium_start(model, operation))
 
 
 def check_slices(model: "Model", axial: Axial, start: Start) -> None:

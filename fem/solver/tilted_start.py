@@ -6,7 +6,8 @@ from math import inf
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import tilted_slices, tilted_tables, too_narrow
+from fem.contacts.tilted import no_narrower, tilted_slices, tilted_tables, too_narrow
+from fem.errors import UsageError
 from fem.solver.reduced_start import LOOK_AHEAD, ReducedStart
 from fem.statics.contact_balance import NotFound
 from fem.statics.reduced_bearing import ReducedBearing
@@ -50,22 +51,12 @@ def tilted_start(
     ------
     NotFound: no equilibrium.
     """
-    bearing, share, n = model.bearing, 12.0 / model.bearing.roller_length**2, model.bearing.n_rollers
-    hub, laws, ring = hub_tilt(operation, axial), TiltedLaws(*tables), plane.ring
-    first = roller_angles(bearing, operation.first_roller_angle)
+    bearing, n = model.bearing, model.bearing.n_rollers
     if not plane.steady:
         operation = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
 
     def balanced(time: float) -> TiltedStatics:
-        angle = first + turned(bearing, operation, time).cage
-        contacts = model.at(angle, UNTURNED)
-        elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
-        acting, start = operation.at(time), (plane.hub, plane.rho)
-        try:
-            placement = Placement(angle, ring, Turns.rolling(bearing, operation, time))
-            return tilted_equilibrium(bearing, acting, laws, hub, placement, start, elastic)
-        except RuntimeError as error:
-            raise NotFound(str(error)) from None
+        return _balanced(model, operation, axial, TiltedLaws(*tables), plane, time)
 
     now, rates, warning = balanced(0.0), np.zeros(4 + 2 * n), None
     speed = surface_speed(bearing, operation)
@@ -89,15 +80,53 @@ def tilted_start(
     )  # fmt: skip
 
 
+def _balanced(
+    model: ReducedBearing, operation: Operation, axial: Axial, laws: TiltedLaws, plane: ReducedStart, time: float
+) -> TiltedStatics:
+    """Equilibrium at a time, s, near that of parallel axes. NotFound."""
+    bearing, share = model.bearing, 12.0 / model.bearing.roller_length**2
+    angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
+    contacts = model.at(angle, UNTURNED)
+    elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
+    placement = Placement(angle, plane.ring, Turns.rolling(bearing, operation, time))
+    acting, start = operation.at(time), (plane.hub, plane.rho)
+    try:
+        return tilted_equilibrium(bearing, acting, laws, hub_tilt(operation, axial), placement, start, elastic)
+    except RuntimeError as error:
+        raise NotFound(str(error)) from None
+
+
+def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, loaded: ReducedStart) -> None:
+    """Refuse coupled slices that are too narrow at rest under the load, before tables are made for them.
+
+    Where there are more than forces allow that are even along the rollers, fewer say how wide contacts are.
+
+    Errors
+    ------
+    UsageError: too narrow. NotFound: no equilibrium.
+    """
+    if not axial.coupling:
+        return
+    bearing, laws = model.bearing, (model.inner_law, model.outer_law)
+    tried = no_narrower(bearing, axial, (loaded.inner_force, loaded.outer_force))
+    slices = TiltedLaws(*tilted_slices(bearing, tried, laws))
+    still = _balanced(model, operation, tried, slices, loaded, 0.0)
+    if (reason := too_narrow(bearing, axial, _widest_contact(bearing, tried, laws, still))) is not None:
+        raise UsageError(reason)
+
+
 def narrow_slices(
-    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: ReducedStart | TiltedStatics
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: TiltedStatics
 ) -> str | None:
     """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do.
 
     `laws` : plane ones of whole contacts, inner and outer
     """
-    if not axial.coupling:
-        return None
+    return too_narrow(bearing, axial, _widest_contact(bearing, axial, laws, start)) if axial.coupling else None
+
+
+def _widest_contact(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: TiltedStatics) -> float:
+    """Half-width of the most loaded slice's contact, m."""
     widest, slices = 0.0, tilted_slices(bearing, axial, laws)
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
@@ -106,7 +135,7 @@ def narrow_slices(
             held = exerted(each, force, moment)[j]
             carried = each.forces(*placed(each, float(force[j]), float(held)))
             widest = max(widest, pair.half_width(axial.slices * float(carried.max())))
-    return too_narrow(bearing, axial, widest)
+    return widest
 
 
 def _along(compliance: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """The whole check of a run, as one call."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import hypot
 
 import numpy as np
@@ -16,14 +17,17 @@ from residual.budget import (
     near_contact_change,
     rank_laws,
 )
+from residual.contradictions import LOADED, contradictions
 from residual.differentiate import Floor, derivative, floor
 from residual.errors import InputError
 from residual.fitted_laws import FITTED, Identification, Law, identify, inner_law
 from residual.formatting import NOISE
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.load_zone import chatter_gap
+from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
+from residual.measured.signals import Signal
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
-from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, varies
+from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, first_sample, varies
 from residual.sampling import (
     WITHIN,
     PositionNoise,
@@ -47,7 +51,6 @@ from residual.spectrum import (
 from residual.tilt import TiltErrors, has_tilts, tilt_errors
 from residual.vibration import Vibration, measured, vibration
 
-LOADED = 0.01  # of the largest load: a roller with more is loaded
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
 SOUND = 0.01  # of the reference force: what the momentum balance of sound trajectories may leave, rms
 
@@ -96,6 +99,7 @@ class Evaluation:
     position_noise: PositionNoise | None  # of a table
     tilt: TiltErrors | None  # of rollers that tilt
     notes: tuple[str, ...]
+    contradictions: tuple[str, ...] = ()  # of a table and its scene
 
     @property
     def directions(self) -> tuple[Direction, Direction]:
@@ -155,6 +159,17 @@ class Evaluation:
         left, noise = self.balance, self.position_noise
         return left is not None and noise is not None and SOUND * self.reference[0] < left <= WITHIN * noise.balance
 
+    @cached_property
+    def diagnosis(self) -> Diagnosis | str:
+        """What check-vibration says of the acceleration along y, or why it says nothing."""
+        record, measured = self.record, self.y.vibration
+        name = f"{record.name}, {measured.body}"
+        signal = Signal(name=name, values=measured.acceleration, rate=1.0 / record.interval, unit="m/s²")
+        try:
+            return diagnose(signal, *geometry_and_shaft(record))
+        except InputError as error:
+            return str(error)
+
     @property
     def loaded_count(self) -> np.ndarray:
         """How many rollers carry more than LOADED of the largest load at a time, (n_times,)."""
@@ -205,7 +220,7 @@ def evaluate(
     if isinstance(law, str) and law not in FITTED:
         notes += filter(None, [warning(law, record.bearing)])
     interval = record.interval
-    first, why = _first_sample(record, start)
+    first, why = first_sample(record, start)
     notes += why
     hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
     ring_x, ring_y = (
@@ -280,7 +295,7 @@ def evaluate(
     errs = found.position_noise
     if errs is not None and hypot(*errs.error) > max(SOUND * reference[0], found.noise):
         notes.insert(0, errs.note)
-    return replace(found, notes=tuple(dict.fromkeys(notes)))
+    return replace(found, notes=tuple(dict.fromkeys(notes)), contradictions=contradictions(found))
 
 
 def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
@@ -290,23 +305,6 @@ def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
     """
     contact = float(force.max(initial=0.0))
     return (load, "load") if load > SMALL_LOAD * contact else (contact, "largest contact force")
-
-
-def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
-    """The first sample in use, and what to note of those left out; arguments and errors as in `evaluate`."""
-    numerics, notes, time = record.scene.numerics, [], record.time
-    if start is None:
-        start = 0.0
-        if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
-            start = numerics.load_ramp_ms * 1e-3
-            notes.append(f"started from rest: the load ramp of {numerics.load_ramp_ms:g} ms is left out")
-    first = int(np.searchsorted(time, time[0] + start - 0.5 * record.interval))
-    if time.size - first < FEWEST_SAMPLES:
-        raise InputError(
-            f"{record.source}: starting at {1e3 * start:g} ms leaves {time.size - first} samples of the run's "
-            f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
-        )
-    return first, notes
 
 
 def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:

@@ -94,13 +94,24 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
     deviation = static / most - 1.0
     deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(evaluation.record.inner_y.mean())
     words = (
-        f"Solved for itself, standing, the model puts {text(static)} N on the most loaded roller, the run at most "
-        f"{text(most)} N ({text(100.0 * deviation, 2)} %), and the inner ring {text(deep)} µm down, the run "
-        f"{text(found)} µm on average"
+        f"Solved for itself in equilibrium{_at_speed(evaluation)}, the model puts {text(static)} N on the most loaded "
+        f"roller, the run at most {text(most)} N ({text(100.0 * deviation, 2)} %), and the inner ring {text(deep)} µm "
+        f"down, the run {text(found)} µm on average"
     )
     if abs(deviation) < ALIKE and abs(deep - found) > ALIKE * abs(found):
         words += ": loads follow from equilibrium and hardly depend on the law, displacements are the law's"
     return words + "."
+
+
+def _at_speed(evaluation: Evaluation) -> str:
+    """The speed at which elements' centrifugal force acts in an equilibrium."""
+    return " at the run's speed" if evaluation.record.operation.fastest else " at rest"
+
+
+def contradiction_sentence(evaluation: Evaluation) -> str:
+    """What speaks against the scene of a table; "" where nothing does."""
+    found = evaluation.contradictions
+    return f"The table is not of this scene, by what it holds: {'; '.join(found)}." if found else ""
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
@@ -113,9 +124,10 @@ def verdict(evaluation: Evaluation, tolerance: float | None = None, equations: b
 
 
 def _share(evaluation: Evaluation, force: float, named: bool = True) -> str:
-    """A force as a part of the reference force, after a comma; nothing where no force acts."""
-    scale, name = evaluation.reference
-    return (f", {share(force, scale)}" + (f" of the {name}" if named else "")) if scale > 0.0 else ""
+    """A force in per cent of the load, and of the contact forces where those are what it is compared with."""
+    wholes = dict([("load", evaluation.record.load), evaluation.reference[::-1]])
+    parts = {name: share(force, whole) for name, whole in wholes.items() if whole > 0.0}
+    return "".join(f", {part}" + (f" of the {name}" if named or len(parts) > 1 else "") for name, part in parts.items())
 
 
 def _sound(evaluation: Evaluation) -> str:

@@ -9,7 +9,7 @@ from rich.table import Table
 from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.formatting import hertz
-from residual.interpretation import verdict
+from residual.interpretation import contradiction_sentence, verdict
 from residual.run_comparison import difference_rows, headings, same_run
 from residual.summary import ReportOptions
 from residual.tables import error_rows, fit_sentences, peak_name, ranking_rows, ranking_span, watched_rows
@@ -22,6 +22,8 @@ LAW_COLUMNS = ("law", "mean x", "rms x", "mean y", "rms y", "contact")
 def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
     """Print the findings, and where the report is."""
     console, other = Console(highlight=False), options.other
+    if words := contradiction_sentence(evaluation):
+        console.print(words, soft_wrap=True, markup=False)
     if options.equations:
         _print_errors(console, evaluation)
     if options.search is not None:

@@ -207,6 +207,35 @@ class Record:
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
+def first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
+    """The first sample in use, and what to note of those left out.
+
+    `start` : s, of what is skipped; None: the load ramp of a run from rest
+
+    Errors
+    ------
+    InputError: fewer than 32 samples are left.
+    """
+    numerics, notes, time = record.scene.numerics, [], record.time
+    if start is None:
+        start = 0.0
+        if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
+            start = numerics.load_ramp_ms * 1e-3
+            notes.append(f"started from rest: the load ramp of {numerics.load_ramp_ms:g} ms is left out")
+    first = int(np.searchsorted(time, time[0] + start - 0.5 * record.interval))
+    if time.size - first < FEWEST_SAMPLES:
+        raise InputError(
+            f"{record.source}: starting at {1e3 * start:g} ms leaves {time.size - first} samples of the run's "
+            f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
+        )
+    return first, notes
+
+
+def after_ramp(record: Record) -> Record:
+    """The record without the load ramp of a run from rest."""
+    return record.samples(slice(first_sample(record, None)[0], None))
+
+
 def varies(speed) -> bool:
     """Whether a speed changes by more than lines in Hz bear; any shape."""
     return bool(np.ptp(np.abs(speed)) > SAME_SPEED * np.max(np.abs(speed)))

@@ -19,7 +19,7 @@ from residual import tables, vibration_tables
 from residual.evaluation import Evaluation
 from residual.figures.saved import LARGEST_SVG, LINE_COLOURS, SavedFigure, family
 from residual.formatting import text
-from residual.interpretation import interpretation, verdict
+from residual.interpretation import contradiction_sentence, interpretation, verdict
 from residual.load_zone import QuasiStatic
 from residual.ratings import rating_rows
 from residual.record import Record, varies
@@ -54,6 +54,7 @@ def render_report(
         TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
+        contradiction=contradiction_sentence(evaluation),
         verdict=verdict(evaluation, tolerance, options.equations),
         against=[] if other is None else difference_rows(evaluation, other, options.equations),
         headings=() if other is None else headings(evaluation, other),
@@ -157,13 +158,13 @@ def _operation(record: Record) -> str:
     """Speed and load in words; of what changes the range."""
     acting, rpm = record.acting, record.scene.operation.speed_rpm
     if record.operation.history is None:
-        return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
+        return f"{text(rpm)} rpm, {tables.load_words(record.bearing, float(acting.radial_load))} along −y"
     load, turning = np.hypot(acting.radial_load, acting.side_load), []
     for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):
         low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
         if not of or low or high:
             turning.append(of + (f"{text(low)} to {text(high)} rpm" if varies(speeds) else f"{text(high)} rpm"))
-    return f"{''.join(turning)}, {text(load.min())} to {text(load.max())} N"
+    return f"{''.join(turning)}, {tables.load_words(record.bearing, load.min(), load.max())}"
 
 
 def _elements(bearing: Bearing) -> str:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from lagrange.messages import shown
+from lagrange.section import load_factor
 from residual.budget import LawScore
 from residual.evaluation import Evaluation
 from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
@@ -79,7 +80,8 @@ KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
     BandLevel: {"rms_m_s2": "rms", "kurtosis": "kurtosis", "crest_factor": "crest"},
     FaultLine: {
         "line": "name", "frequency_Hz": "frequency", "amplitude_m_s2": "amplitude", "floor_m_s2": "floor",
-        "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "record_needed_s": "record_needed",
+        "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "nearest": "nearest",
+        "record_needed_s": "record_needed",
     },
     FoundSpall: {
         "body": "place.body", "roller": "place.roller", "angle_deg": lambda s: reported_angle(s.place, s.angle),
@@ -148,16 +150,19 @@ def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> d
         **{f"peaks_{d.name}": numbers(d.peaks) for d in directions},
         **{f"lines_{d.name}": numbers(d.levels) for d in directions},
         **{f"vibration_{d.name}": numbers(d.vibration) for d in directions},
+        "diagnosis": _diagnosis(evaluation),
         "orders": _orders(evaluation),
         **({} if search is None else _search(search)),
         "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": dict(zip("xy", floor_newtons(evaluation), strict=True)),
-        "load_N": t.load,
+        "load_N": t.load,  # of the plane section
+        "bearing_load_N": load_factor(t.bearing) * t.load,
         "position_noise": None if noise is None else noise | {"within": evaluation.within_noise},
         "quarters": numbers(evaluation.quarters),
         "tolerance_N": tolerance,
         "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
+        "contradictions": list(evaluation.contradictions),
         "notes": list(evaluation.notes),
         "laws": numbers(evaluation.laws),
         "identification": _identification(evaluation),
@@ -185,6 +190,14 @@ def _cage(t: Record, cage: CageMotion, rolling: float) -> dict[str, float | None
         "largest_pocket_force_N": float(np.abs(cage.force).max()),
         "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
     }
+
+
+def _diagnosis(evaluation: Evaluation) -> dict[str, Any]:
+    """Verdict of check-vibration on the run, or why there is none."""
+    found = evaluation.diagnosis
+    if isinstance(found, str):
+        return {"verdict": None, "reasons": [found]}
+    return {"verdict": found.verdict, "reasons": list(found.reasons)}
 
 
 def _orders(evaluation: Evaluation) -> dict | None:

@@ -1,6 +1,8 @@
 """Rows of the tables in the report and on the terminal, as text without layout."""
 
+from lagrange.bearing import Bearing
 from lagrange.messages import engineering
+from lagrange.section import is_plain, load_factor
 from residual.evaluation import Evaluation
 from residual.fitted_laws import Identification, Interval
 from residual.formatting import hertz, term_label, text
@@ -30,6 +32,15 @@ def budget_rows(evaluation: Evaluation) -> list[list[str]]:
     if sums:
         sums["sum = error"] = [d.error for d in directions]
     return [[name, *(text(v, noise=noise) for s in cells for v in (s.mean, s.rms))] for name, cells in sums.items()]
+
+
+def load_words(bearing: Bearing, *forces: float) -> str:
+    """A load on the plane section, or its range, N, and beside it that on the bearing, where they differ."""
+    section = " to ".join(map(text, forces))
+    if is_plain(bearing):
+        return f"{section} N"
+    whole = " to ".join(text(load_factor(bearing) * force) for force in forces)
+    return f"{whole} N on the bearing ({section} N on its plane section)"
 
 
 def yes_no(is_so: bool) -> str:

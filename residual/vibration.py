@@ -1,6 +1,7 @@
 """Vibration as bearing engineers read it: levels of an acceleration, and fault lines in its envelope."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from residual.spectrum import (
     rms,
 )
 
-Measured = tuple[str, np.ndarray]  # a body and its acceleration along an axis, (n_times,), m/s²
+Measured = tuple[str, Any]  # a body and its acceleration along an axis, (n_times,), m/s²; None: the source has none
 VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
 BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
@@ -46,9 +47,13 @@ class FaultLine:
     floor: float  # m/s², median of the amplitudes at cage multiples from the line
     ratio: float  # amplitude over floor
     resolved: bool  # no other fault line within the main lobe
-    stands_out: bool
+    is_high: bool  # ratio at least STANDS_OUT, and no leakage of another line
     nearest: str  # of the other lines
     record_needed: float  # s, to resolve it from that
+
+    @property
+    def stands_out(self) -> bool:
+        return self.is_high and self.resolved
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +70,7 @@ class Vibration:
     """Acceleration of a body in one direction, its mean removed."""
 
     body: str  # "sensor", "housing" or "hub"
+    acceleration: np.ndarray  # (n_times,), m/s²
     peak: float  # m/s²
     rms: float  # m/s²
     kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise; None without any vibration
@@ -76,20 +82,28 @@ class Vibration:
     lines: list[FaultLine]  # of the envelope
 
     @property
+    def high_lines(self) -> list[FaultLine]:
+        """Lines that are high above their floors, whether or not the record resolves them."""
+        return [line for line in self.lines if line.is_high]
+
+    @property
     def tells_lines(self) -> bool:
         """Whether the record is long enough to tell any fault line from the others."""
         return any(line.resolved for line in self.lines)
 
 
-def measured(record: Record, accelerations: Accelerations) -> tuple[Measured, Measured]:
+def measured(record: Record, accelerations: Accelerations | None = None) -> tuple[Measured, Measured]:
     """Body and acceleration along x and along y, in the fixed frame: what an accelerometer on the machine would show.
 
     The sensor's where a run has one, else the housing's (that of the outer ring in it, or its own beside a ring with a
     fit), else the hub's; the integrator's own where the source holds it, else from positions. A sensor measures along y
     alone; along x stands the housing beside it.
+
+    `accelerations` : from positions; None: the integrator's own alone count
     """
-    mounting, found = record.scene.mounting(), []
-    for axis, hub, ring in zip("xy", accelerations.whole, accelerations.outer_ring, strict=True):
+    mounting, found, none = record.scene.mounting(), [], (None, None)
+    hubs, rings = (none, none) if accelerations is None else (accelerations.whole, accelerations.outer_ring)
+    for axis, hub, ring in zip("xy", hubs, rings, strict=True):
         own = {name: getattr(record, f"{name}_a{axis}") for name in ("inner", "outer_ring", "housing")}
         place = "hub", hub if own["inner"] is None else own["inner"]
         moved = (
@@ -135,7 +149,7 @@ def vibration(
     spectrum = power_spectrum(motion, interval, cage)
     moving = level > 0.0
     return Vibration(
-        body=body, peak=peak, rms=level, crest=peak / level if moving else None,
+        body=body, acceleration=motion, peak=peak, rms=level, crest=peak / level if moving else None,
         kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
         bands=band_levels(motion, interval, spectrum), velocity=velocity_level(spectrum), spectrum=spectrum,
         envelope=found,
@@ -211,11 +225,10 @@ def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
         ratio = amplitude / floor if floor > 0.0 else 0.0
         nearest, gap = nearest_line(wanted[name], wanted)
         resolved = gap >= MAIN_LOBE * step
-        stands_out = resolved and ratio >= STANDS_OUT and amplitude >= least
         described.append(
             FaultLine(
                 name=name, frequency=wanted[name], amplitude=amplitude, floor=floor, ratio=ratio, resolved=resolved,
-                stands_out=stands_out, nearest=nearest, record_needed=MAIN_LOBE / gap,
+                is_high=ratio >= STANDS_OUT and amplitude >= least, nearest=nearest, record_needed=MAIN_LOBE / gap,
             )
         )  # fmt: skip
     return sorted(described, key=lambda line: line.frequency)

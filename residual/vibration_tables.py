@@ -11,15 +11,13 @@ from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, FoundSpall, Sink
 from residual.formatting import text
 from residual.roller_motion import Place
 from residual.tables import marked, yes_no
-from residual.vibration import ENVELOPE_FROM, STANDS_OUT, BandLevel, Vibration
+from residual.vibration import ENVELOPE_FROM, STANDS_OUT, BandLevel, FaultLine, Vibration
 
 FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
 SHORTEST_GAP, MOST_GAPS = 1.0, 4  # degrees of a ring that are called not seen; arcs that a sentence lists
-EXPECTED = {  # the line that a spall of a body leaves in an envelope, and the family about it
-    "outer_ring": ("BPFO", "BPFO and multiples"),
-    "inner_ring": ("BPFI", "BPFI ± shaft"),
-    "roller": ("2×BSF", "2×BSF ± FTF"),
-}
+EXPECTED = {  # lines that a spall of a body leaves in an envelope
+    "outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF",
+}  # fmt: skip
 
 
 def vibration_headings(evaluation: Evaluation) -> list[str]:
@@ -57,7 +55,7 @@ def _or_dash(value: float | None) -> str:
 
 
 def line_differences(evaluation: Evaluation, other: Evaluation) -> list[list[str]]:
-    """Rows of level, or line that stands out of either, the run's, the other's, by how many dB the run's is higher."""
+    """Rows of level, or line that is high in either, the run's, the other's, by how many dB the run's is higher."""
     rows = []
     for mine, theirs in zip(evaluation.directions, other.directions, strict=True):
         first, second = mine.vibration, theirs.vibration
@@ -68,7 +66,7 @@ def line_differences(evaluation: Evaluation, other: Evaluation) -> list[list[str
         pairs |= {
             f"{line.name}, g": (line.amplitude / G, found[line.name].amplitude / G)
             for line in first.lines
-            if line.name in found and (line.stands_out or found[line.name].stands_out)
+            if line.name in found and (line.is_high or found[line.name].is_high)
         }
         rows += [
             [f"{name}, {mine.name}", text(a, 3), text(b, 3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
@@ -81,7 +79,7 @@ def line_differences(evaluation: Evaluation, other: Evaluation) -> list[list[str
 def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of line, Hz, resolved, and in x and y each amplitude in m/s² and in g and its ratio to the floor.
 
-    Lines that stand out are marked.
+    Lines high above their floors are marked.
     """
     x, y = (d.vibration.lines for d in evaluation.directions)
     return [
@@ -93,7 +91,7 @@ def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
                 cell
                 for line in (a, b)
                 for cell in (
-                    marked(line.amplitude, line.stands_out), text(line.amplitude / G, 2), text(line.ratio, 2),
+                    marked(line.amplitude, line.is_high), text(line.amplitude / G, 2), text(line.ratio, 2),
                 )
             ),
         ]
@@ -102,43 +100,61 @@ def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
 
 
 def vibration_sentences(evaluation: Evaluation) -> list[str]:
-    """Say what the scene's surfaces are, which lines stand out, and how the envelope was taken."""
+    """Say what the scene's surfaces are, what check-vibration finds, which lines are high, and how they were found."""
     faults = tuple(fault for fault in evaluation.record.bearing.faults if not isinstance(fault, Film))
     scene = "The scene's surfaces are perfect circles."
     if faults:
         scene = f"The scene has {_listed([_named(f) for f in faults])}."
+    spalled = {fault.body for fault in faults if isinstance(fault, Spall)}
+    if expected := [family for body, family in EXPECTED.items() if body in spalled]:
+        scene += f" Expected of such faults: {', '.join(expected)}."
+    sentences = [f"{scene} {diagnosis_words(evaluation)}"]
     found = evaluation.x.vibration.envelope
     if found is None:
         why = "the bearing stands, or the record is too short or too coarse for one"
         if evaluation.record.varies_speed:
             why = "the speed changes, and lines are given in orders"
-        return [f"{scene} No envelope: {why}."]
-    if not evaluation.x.vibration.tells_lines:
-        return [f"{scene} The record is too short to tell fault lines in the envelope from each other."]
-    standing = [
-        f"{_listed(names)} in {d.name}"
-        for d in evaluation.directions
-        if (names := [line.name for line in d.vibration.lines if line.stands_out])
-    ]
-    lines = f"Lines that stand out of the envelope's floor: {'; '.join(standing)}" if standing else "No line stands out"
-    spalled = {fault.body for fault in faults if isinstance(fault, Spall)}
-    expected = dict(line for body, line in EXPECTED.items() if body in spalled)
-    sentences = [f"Expected of such faults: {', '.join(expected.values())}."] if expected else []
-    sentences += [
-        f"{line.name} is not resolved from {line.nearest} in this record: that takes "
-        f"{text(1e3 * line.record_needed, 3)} ms."
-        for line in evaluation.x.vibration.lines
-        if line.name in expected and not line.resolved
-    ]
+        return [f"{sentences[0]} No envelope: {why}."]
     return [
-        " ".join([f"{scene} {lines}.", *sentences]),
+        *sentences,
+        _high_lines(evaluation),
         f"Envelope (Hilbert) of the {evaluation.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} to "
         f"{text(1e-3 * found.high, 3)} kHz; where --band gives no other, from {ENVELOPE_FROM:g} BPFI up to 0.9 "
-        "of the Nyquist frequency, at most 50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from "
-        "the line; * stands out: resolved, "
-        f"ratio at least {STANDS_OUT:g} (12 dB). A perfect bearing has a weak line at BPFO too, because passing "
-        "rollers change its stiffness.",
+        "of the Nyquist frequency, at most 50 kHz. Amplitudes, not rms. Ratio: to the floor, the median at multiples "
+        f"of FTF from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing has a "
+        "line at BPFO too, because passing rollers change its stiffness.",
     ]
+
+
+def diagnosis_words(evaluation: Evaluation) -> str:
+    """The verdict of check-vibration on the run, with its reasons, or why there is none."""
+    found = evaluation.diagnosis
+    if isinstance(found, str):
+        return f"No verdict by check-vibration: {found}."
+    whose = f"the {evaluation.y.vibration.body}'s acceleration along y"
+    return " ".join([f"Verdict of check-vibration on {whose}: {found.headline}", *found.reasons])
+
+
+def _high_lines(evaluation: Evaluation) -> str:
+    """Lines that are high above their floors, each with what the record does not tell it from."""
+    highest: dict[str, tuple[float, str, FaultLine]] = {}
+    for d in evaluation.directions:
+        for line in d.vibration.high_lines:
+            if line.name not in highest or line.ratio > highest[line.name][0]:
+                highest[line.name] = line.ratio, d.name, line
+    if not highest:
+        return f"No line of the envelope is {STANDS_OUT:g} times as high as its floor."
+    named: set[str] = set()
+    words = []
+    for ratio, axis, line in sorted(highest.values(), key=lambda each: -each[0]):
+        if not line.resolved and {line.name, line.nearest} & named:
+            continue  # it may be a line that is there already
+        named |= {line.name} if line.resolved else {line.name, line.nearest}
+        words.append(f"{line.name} at {text(line.frequency)} Hz, {text(ratio, 2)} times in {axis}")
+        if not line.resolved:
+            needed = f"{text(1e3 * line.record_needed, 3)} ms"
+            words[-1] += f" (it may be {line.nearest}: a record of {needed} tells them apart)"
+    return f"Lines of the envelope above their floors: {'; '.join(words)}."
 
 
 def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:

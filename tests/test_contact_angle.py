@@ -183,6 +183,9 @@ def test_a_run_is_sound_and_says_what_it_is_of(tmp_path, capsys):
         summary["error_y"]["rms_N"] < 1.0
         and "plane section" in (tmp_path / "checked" / "report.html").read_text().lower()
     )
+    section = 2000.0 / (2.0 * cos(radians(15.17)))
+    page = (tmp_path / "checked" / "report.html").read_text(encoding="utf-8")
+    assert f"2000 rpm, 2000 N on the bearing ({section:.0f} N on its plane section) along −y" in page
 
 
 def test_a_written_scene_is_read_back():

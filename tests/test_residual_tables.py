@@ -1,6 +1,7 @@
 """Tables from elsewhere: names, units, polar positions, what is missing, uneven sampling."""
 
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -314,3 +315,37 @@ def test_orbit_alone_is_checked_with_rollers_that_roll_without_slip(tmp_path, ca
     assert main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
     (tmp_path / "scene.toml").write_text("[[spall]]\nwidth_mm = 1.0\n", encoding="utf-8")
     assert main([*words, "--kinematic-rollers"]) == 2 and "only of perfect rings" in capsys.readouterr().err
+
+
+CLOSER = "inner_raceway_diameter_mm = 36.04\nouter_raceway_diameter_mm = 56.04"
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("", ()),
+        ("[operation]\nspeed_rpm = 3000.0", ("go around at 29.35 Hz, where the scene says 19.57 Hz", "4500 rpm")),
+        ("[operation]\nspeed_rpm = -4500.0", ("go around at 29.35 Hz, where the scene says −29.35 Hz",)),
+        ("[operation]\nradial_load_N = 400.0", ("approaches by the law harris carry", "scene's load of 400.8 N")),
+        (f"[bearing]\n{CLOSER}", ("13 of its 13 rollers are loaded",)),
+    ],
+)
+def test_a_table_of_another_scene_is_told_before_any_verdict(run, tmp_path, capsys, change, told):
+    table, scene = write_table(run, tmp_path / "t.csv"), tmp_path / "s.toml"
+    scene.write_text(change, encoding="utf-8")
+    assert main([str(table), "--scene", str(scene), "--no-figures"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("The table is not of this scene") == bool(told)
+    assert all(words in printed.partition("Residual of")[0] for words in told)
+    page = (tmp_path / "t-residual" / "report.html").read_text(encoding="utf-8")
+    assert ("The table is not of this scene" in page.partition("the contact law harris misses")[0]) == bool(told)
+    assert len(json.loads((tmp_path / "t-residual" / "summary.json").read_text())["contradictions"]) >= bool(told)
+
+
+def test_an_error_is_in_per_cent_of_the_load_first_however_large_contact_forces_are(run, tmp_path, capsys):
+    table, scene = write_table(run, tmp_path / "t.csv"), tmp_path / "s.toml"
+    raceways = "inner_raceway_diameter_mm = 36.4\nouter_raceway_diameter_mm = 56.4"
+    scene.write_text(f"[bearing]\n{raceways}\n[operation]\nradial_load_N = 100.0", encoding="utf-8")
+    assert main([str(table), "--scene", str(scene), "--no-figures"]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r" N in y, [\d.]+ % of the load, [\d.]+ % of the largest contact force, and at most", printed)

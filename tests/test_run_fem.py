@@ -38,12 +38,18 @@ def test_static_run_prints_and_stores_the_equilibrium(tmp_path, capsys):
     settings = ["operation.speed_rpm=0", "operation.gravity_m_s2=0"]
     options = [word for setting in settings for word in ("--set", setting)]
     assert run_main(["--duration", "0", "--output", str(path), *options]) == 0
-    assert "Static equilibrium" in capsys.readouterr().out
+    assert "Static equilibrium at rest: hub" in capsys.readouterr().out
     with h5py.File(path) as file:
         assert file["time"].shape == (1,)
         assert -1e6 * file["inner_y"][0] == pytest.approx(3.6140, rel=1e-3)
         loads = np.sort(file["inner_force"][0])[::-1][:7]
     assert loads == pytest.approx([628.5, 549.5, 549.5, 337.2, 337.2, 62.9, 62.9], rel=3e-3)
+
+
+def test_an_equilibrium_says_at_what_speed_it_is(tmp_path, capsys):
+    options = ["--duration", "0", "--model", "lagrange", "--output", str(tmp_path / "static.nc")]
+    assert run_main([*options, "--set", "operation.speed_rpm=3000"]) == 0
+    assert "Static equilibrium at 3000 rpm, with centrifugal force: hub" in capsys.readouterr().out
 
 
 def test_result_file_holds_the_contract(coarse_run):

@@ -148,7 +148,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
         x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(first, "inner"))
         lines = [
-            f"Static equilibrium: hub x {x:.4f} µm, y {y:.4f} µm",
+            f"Static equilibrium{at_speed(plan.scene)}: hub x {x:.4f} µm, y {y:.4f} µm",
             f"Loaded rollers: {forces or 'none'} N",
         ]
         moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in first]
@@ -171,6 +171,14 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         console.print(line, soft_wrap=True)
     _print_warnings(console, state.warnings)  # the plan's stand at the start
     console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
+
+
+def at_speed(scene: Scene) -> str:
+    """The speed of an equilibrium in which rollers' centrifugal force acts; "" at rest."""
+    inner, outer = (speed / RPM for speed in scene.ideal_operation().ring_speeds)
+    if not (inner or outer):
+        return " at rest"
+    return f" at {inner:g} rpm" + (f", outer ring {outer:g} rpm" if outer else "") + ", with centrifugal force"
 
 
 def print_estimates(found: "list[Estimate]", title: str) -> None:

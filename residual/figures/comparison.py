@@ -12,6 +12,7 @@ from residual.figures.saved import BLUE, ORANGE, RED, SavedFigure
 from residual.figures.style import DOTS, beside_paper, legend_above, log_panel, mark_lines, panels, panels_beside, save
 from residual.load_zone import chosen_roller, load_zones, roller_radial
 from residual.spectrum import power_spectrum
+from residual.tables import load_words
 
 MOST_POINTS = 6000  # of loads over the angle
 LAWS = ("error_x, N", "error_y, N", "PSD of error_x, N²/Hz", "PSD of error_y, N²/Hz")
@@ -136,7 +137,8 @@ def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> 
         number, equation, level, label = 9, "23", float(np.mean(load)), "−(left side of (23)), N"
         value = load - value
         caption = (
-            f"Left side of equation (23) with its sign flipped: the load W = {level:g} N for a perfect model (dashed)."
+            "Left side of equation (23) with its sign flipped: for a perfect model the load W, "
+            f"{load_words(evaluation.record.bearing, level)} (dashed)."
         )
     around = (level + paper.ERROR_FORCE[0], level + paper.ERROR_FORCE[1])
     figure, (axis,), is_paper = _over_time(evaluation, 3.4, [label], [value], [around])

@@ -74,25 +74,26 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
         f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
         "passages with its envelope, and amplitude spectra of the "
         f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
-        "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that stand out, "
-        "as in the table."
+        "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that are high "
+        "above their floors, hollow where the record does not resolve them."
     )
     title = f"Envelope spectra of the {body}'s acceleration"
     return save(figure, folder, f"{body}_envelope", title, caption)
 
 
 def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float) -> None:
-    """Draw one envelope's amplitudes and name the lines that stand out of them."""
+    """Draw one envelope's amplitudes and name the lines that are high above their floors."""
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
     amplitude = spectrum.amplitude[inside] / G
     axis.plot(spectrum.frequency[inside], amplitude, color=BLUE, linewidth=1.0)
     highest = float(amplitude.max())
     for line in lines:
-        if line.stands_out and line.frequency <= top:
+        if line.is_high and line.frequency <= top:
             colour = LINE_COLOURS[family(line.name)]
             sideband = "−" in line.name or "+" in line.name
             height = line.amplitude / G
-            axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5)
+            axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
+                      markerfacecolor=colour if line.resolved else "white")  # fmt: skip
             if not sideband:
                 axis.annotate(line.name, (line.frequency, height), xytext=(0, 6), textcoords="offset points",
                               fontsize=9.5, color=colour, ha="center", bbox=BESIDE)  # fmt: skip

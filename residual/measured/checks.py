@@ -8,14 +8,22 @@ import numpy as np
 
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
-from residual.measured.diagnosis import SLIP, Diagnosis, Geometry, diagnose
+from residual.measured.diagnosis import (
+    SLIP,
+    TOLERANCE,
+    Diagnosis,
+    Geometry,
+    counted,
+    diagnose,
+    geometry_and_shaft,
+)
 from residual.measured.envelope import TURNS
 from residual.measured.signals import Signal, read_signal
 from residual.measured.simulated import Assumed, simulation
 from residual.measured.strikes import Pulse, Width, damage_width, mean_pulse
-from residual.record import Record
+from residual.record import Record, after_ramp
 from residual.spectrum import Spectrum, power_spectrum, rms
-from residual.vibration import velocity_level
+from residual.vibration import measured, velocity_level
 
 MOST_PARTS = 1000  # of a ratio of rates
 
@@ -41,7 +49,7 @@ class Question:
     pitch_diameter: float | None = None  # mm
     contact_angle: float = 0.0  # rad
     speed: float | None = None  # rpm
-    tolerance: float = 0.01
+    tolerance: float = TOLERANCE
 
     @property
     def sizes(self) -> tuple[int | None, float | None, float | None]:
@@ -120,8 +128,8 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
     from residual.sources import is_result, read_result
 
     if path.is_file() and path.suffix != ".mat" and is_result(path):
-        run = read_result(path)
-        own = Geometry.of(run.bearing, run.mean_speeds), _counted(run.mean_speeds) / (2.0 * np.pi)
+        run = after_ramp(read_result(path))
+        own = geometry_and_shaft(run)
         geometry, shaft = _bearing(question) or own[0], own[1]
         if question.speed is not None and beside is None:
             shaft = question.speed / 60.0
@@ -187,20 +195,12 @@ def _speed(question: Question) -> float:
         return question.speed / 60.0
     if question.scene is None:
         raise InputError("the speed is missing: add --speed and the shaft's rpm")
-    return _counted(_scene(question).ideal_operation().ring_speeds) / (2.0 * np.pi)
-
-
-def _counted(speeds: tuple[float, float]) -> float:
-    """The inner ring's speed, or that of an outer ring about a standing one; rad/s, >= 0."""
-    return abs(speeds[0]) or abs(speeds[1])
+    return counted(_scene(question).ideal_operation().ring_speeds)
 
 
 def _of_run(path: Path, run: Record, rate: float | None) -> Signal:
-    """Acceleration along y of a run: of its sensor, else its housing, else its hub; at most at a rate, Hz."""
-    found = {
-        "sensor": run.sensor_ay, "housing": run.housing_ay, "outer ring": run.outer_ring_ay, "hub": run.inner_ay,
-    }  # fmt: skip
-    body, values = next(((name, values) for name, values in found.items() if values is not None), ("", None))
+    """Acceleration along y of a run, as `measured` chooses its body; at most at a rate, Hz."""
+    body, values = measured(run)[1]
     if values is None:
         raise InputError(
             f"{path}: a run without accelerations; a housing with a sensor gives them, see docs/supports.md"

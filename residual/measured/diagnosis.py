@@ -17,13 +17,23 @@ from lagrange.kinematics import OUTER_RING, Kinematics
 from residual.errors import InputError
 from residual.measured.envelope import HARMONICS, EnvelopeSpectrum, best_comb, envelope_spectrum
 from residual.measured.signals import Signal
+from residual.record import Record
 from residual.spectrum import MAIN_LOBE
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
+HEADLINES: dict[Verdict, str] = {
+    "outer_ring": "The outer ring is damaged.",
+    "inner_ring": "The inner ring is damaged.",
+    "rolling_element": "A rolling element is damaged.",
+    "trace": "A trace: a line of the bearing, too faint for damage.",
+    "uncertain": "Uncertain: what stands out does not carry a verdict.",
+    "none": "No sign of damage.",
+}
 # what a fault's strikes are modulated by under a load that stands still, as far as that turns
 SIDES = {"BPFO": OUTER_RING, "BPFI": "shaft", "2×BSF": "FTF"}
 
+TOLERANCE = 0.01  # of the speed, where no other is given
 SLIP = 0.01  # of a line, by which slip, contact angle and catalogue's dimensions move it from its kinematic place
 DECOYS = 200
 SEED = 0  # of the frequencies of the decoys: the same record always gets the same verdict
@@ -130,6 +140,11 @@ class Diagnosis:
     lines: dict[str, float]  # kinematic lines at the speed as found, Hz
     spectrum: EnvelopeSpectrum
 
+    @property
+    def headline(self) -> str:
+        """The verdict as a sentence."""
+        return HEADLINES[self.verdict]
+
     def of(self, name: str) -> Finding:
         """The finding of a part of the bearing, by its first line."""
         return next(each for each in self.findings if each.name == name)
@@ -143,7 +158,26 @@ class Diagnosis:
         return float(low / own), float(high / own)
 
 
-def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float = 0.01) -> Diagnosis:
+def geometry_and_shaft(run: Record) -> tuple[Geometry, float]:
+    """A run's bearing, and the frequency, Hz, of its inner ring or of an outer ring about a standing one.
+
+    Errors
+    ------
+    InputError: the bearing stands, turns both ways, or changes its speed: no line has one place.
+    """
+    shaft = counted(run.mean_speeds)
+    if run.varies_speed or shaft == 0.0:
+        why = "the speed changes, and the lines with it" if run.varies_speed else "the bearing stands"
+        raise InputError(f"{run.name}: {why}; lines are looked for in a run at one speed")
+    return Geometry.of(run.bearing, run.mean_speeds), shaft
+
+
+def counted(speeds: tuple[float, float]) -> float:
+    """Frequency of the inner ring, or of an outer ring about a standing one, Hz, of both rings' speeds, rad/s."""
+    return (abs(speeds[0]) or abs(speeds[1])) / tau
+
+
+def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float = TOLERANCE) -> Diagnosis:
     """Judge a record.
 
     Parameters

@@ -21,14 +21,6 @@ if TYPE_CHECKING:
 
 PROGRAM = "check-vibration"
 TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
-HEADLINES = {
-    "outer_ring": "The outer ring is damaged.",
-    "inner_ring": "The inner ring is damaged.",
-    "rolling_element": "A rolling element is damaged.",
-    "trace": "A trace: a line of the bearing, too faint for damage.",
-    "uncertain": "Uncertain: what stands out does not carry a verdict.",
-    "none": "No sign of damage.",
-}
 
 
 def write_page(
@@ -75,7 +67,7 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
 
     record, found = check.record, check.record.diagnosis
     shown_facts = dict(
-        name=record.signal.name, headline=HEADLINES[found.verdict], reasons=found.reasons, notes=notes(record),
+        name=record.signal.name, headline=found.headline, reasons=found.reasons, notes=notes(record),
         facts=facts(check), findings=findings(check), lines=line_rows(record), comparison=comparison(check),
         assumed=assumed_rows(check), command=check.command,
         other=None if check.other is None else check.other.signal.name, gates=(DECOYS, CLEAR, DEEP),
@@ -86,7 +78,7 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
 def print_check(check: Check, folder: Path) -> None:
     """Print the verdict, what it rests on, and where the page is."""
     found = check.record.diagnosis
-    print(f"Verdict: {found.verdict}. {HEADLINES[found.verdict]}")
+    print(f"Verdict: {found.verdict}. {found.headline}")
     for sentence in (*found.reasons, *notes(check.record)):
         print(f"  {shown(sentence)}")
     for row in findings(check):

@@ -12,8 +12,8 @@ from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.formatting import text
 from residual.measured.checks import Judged, Options, Question, check_record
-from residual.measured.diagnosis import BODIES, DEEP
-from residual.measured.report import HEADLINES, PROGRAM, write_page
+from residual.measured.diagnosis import BODIES, DEEP, HEADLINES, Verdict
+from residual.measured.report import PROGRAM, write_page
 
 if TYPE_CHECKING:
     from residual.figures.saved import SavedFigure
@@ -30,7 +30,7 @@ class Entry:
 
     name: str
     reason: str | None = None
-    verdict: str = ""
+    verdict: Verdict = "none"
     unit: str = ""
     rms: float = np.nan
     kurtosis: float = np.nan

@@ -34,8 +34,16 @@ MOMENTS = {"mean": "mean", "rms": "rms", "std": "standard deviation"}
 LINES = ("FTF", "shaft", "BSF", "BPFO", "BPFI")
 MEASURED = "the sensor, without one of the housing, without either of the hub"
 OF_CHECK = {  # unit and meaning of what a check tells of a run
-    **{f"error_{m}_{axis}": ("N", f"{word} of error_{axis}") for axis in "xy" for m, word in MOMENTS.items()},
-    **{f"{n.lower()}_{axis}": ("N", f"rms of error_{axis} around its line {n}") for axis in "xy" for n in LINES},
+    **{
+        f"error_{m}_{axis}": ("N", f"{word} of the equations' error along {axis}")
+        for axis in "xy"
+        for m, word in MOMENTS.items()
+    },
+    **{
+        f"{n.lower()}_{axis}": ("N", f"rms of the equations' error along {axis} around its line {n}")
+        for axis in "xy"
+        for n in LINES
+    },
     "sensor_rms": ("m/s2", f"rms of the acceleration along y of {MEASURED}"),
     "sensor_crest": ("1", "crest factor of that acceleration"),
     "sensor_kurtosis": ("1", "kurtosis of that acceleration; 3 of normal noise"),

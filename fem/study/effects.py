@@ -8,9 +8,11 @@ from fem.study.dataset import Collected, unit_of_key
 from fem.study.solving import COMPLETE, Points
 from fem.study.study_file import QUANTITIES
 from lagrange.messages import engineering
+from lagrange.scene.keys import name_in_words
 
 BINS = 8  # of a parameter that takes a value of its own in each point
 FEWEST = 2  # points
+MOST_COLUMNS, MOST_LINES = 4, 12  # panels beside each other, lines in one
 NOTHING = "-"  # the word of a cell that a list of points has left empty
 
 
@@ -18,21 +20,22 @@ NOTHING = "-"  # the word of a cell that a list of points has left empty
 class Column:
     """A parameter or a quantity of all points."""
 
-    name: str
+    name: str  # in the dataset
     unit: str
-    meaning: str
+    meaning: str  # in words
     values: np.ndarray  # (n_points,), float; of words their number among `words`
     words: tuple[str, ...] = ()  # in their order; empty of numbers
 
     @property
-    def title(self) -> str:
-        """Meaning and name of a quantity."""
-        return f"{self.meaning} ({self.name})"
-
-    @property
     def label(self) -> str:
-        """Name and unit, for an axis."""
-        return self.name if self.unit == "1" else f"{self.name}, {self.unit}"
+        """Meaning and unit, for an axis."""
+        return self.meaning if self.unit in ("1", "") else f"{self.meaning}, {self.unit}"
+
+    def shown(self, value: float) -> str:
+        """A value for people, without its unit."""
+        if not np.isfinite(value):
+            return NOTHING
+        return self.words[int(value)] if self.words else f"{value:.4g}".replace("-", "−")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +64,13 @@ class Table:
         parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points.
         """
         return self.points.design.axes is None
+
+    @property
+    def is_family(self) -> bool:
+        """Whether lines over one parameter show every point: a grid of few parameters, or one parameter alone."""
+        columns, lines, *_ = [1, 1, *sorted(len(np.unique(each.values)) for each in self.parameters)][-3:]
+        is_small = len(self.parameters) <= 3 and columns <= MOST_COLUMNS and lines <= MOST_LINES
+        return len(self.parameters) == 1 or (is_small and not self.is_adjusted)
 
     def effect(self, parameter: Column, quantity: Column) -> Effect | None:
         """The effect of a parameter on a quantity; None where too few points tell of it."""
@@ -99,7 +109,7 @@ def table_of(points: Points, dataset: Collected) -> Table:
     """Columns of a study from its dataset."""
     design = points.design
     parameters = [
-        _column(name, unit_of_key(key), f"scene key {key}", [point[i] for point in design.points])
+        _column(name, unit_of_key(key), name_in_words(name), [point[i] for point in design.points])
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
     quantities = [_quantity(name, *QUANTITIES[name], dataset.quantities[name]) for name in points.study.keep.quantities]

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -11,10 +12,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.study.effects import Column, Effect, Indices, Table
+from lagrange.scene.keys import name_in_words
 from residual.figures.saved import BLUE, DPI, GREY, LARGEST_SVG, ORANGE, WIDTH
 from residual.figures.style import STYLE, make_plain
 
-CELL = 1.75  # inches, of a panel among many
+CELL, TALL = 1.75, 1.9  # inches: a panel among many, one of a column
+WIDE = 16.0  # largest over smallest value
 MOST = 6  # rows, or columns, of a figure
 MOST_TICKS = 4  # of a small axis
 CLOUD = 3000  # points drawn one by one, at most
@@ -34,9 +37,51 @@ def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[F
     """All that the study's points can show."""
     look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
     with plt.rc_context(look):
-        makers = (_main_effects, _heat_map, _scatter_matrix)
+        makers = (_lines,) if table.is_family else (_main_effects, _heat_map, _scatter_matrix)
         found = [figure for maker in makers for figure in maker(table)]
         return [*found, *_sobol_bars(table, indices)]
+
+
+def _lines(table: Table) -> Iterator[Figure]:
+    """Each quantity over one parameter, a line for each value of the second, a column for each of the third."""
+    quantities = table.telling
+    if not quantities:
+        return
+    ordered = sorted(table.parameters, key=lambda each: (bool(each.words), -len(np.unique(each.values))))
+    none = Column(name="", unit="1", meaning="", values=np.zeros(len(table.complete)))
+    x, lines, beside = (*ordered, none, none)[:3]
+    at_lines, columns = np.unique(lines.values), np.unique(beside.values)
+    size = max(WIDTH, 0.4 * WIDTH * len(columns)), 0.4 + TALL * len(quantities)
+    figure, axes = plt.subplots(len(quantities), len(columns), figsize=size, squeeze=False, sharex=True, sharey="row")
+    shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.75, len(at_lines)))
+    for (row, quantity), (column, third) in product(enumerate(quantities), enumerate(columns)):
+        axis = axes[row, column]
+        for second, shade in zip(at_lines, shades, strict=True):
+            here = np.isfinite(quantity.values) & (lines.values == second) & (beside.values == third)
+            points = np.array([x.values[here], quantity.values[here]])[:, np.argsort(x.values[here])]
+            axis.plot(*points, "o-", color=shade, markersize=3.5, label=lines.shown(second))
+        title = textwrap.fill(quantity.meaning, 84 // len(columns))
+        if beside is not none and row == 0:
+            title = f"{beside.label}: {beside.shown(third)}\n{title}"
+        axis.set_title(title, loc="left", fontsize=9.5)
+        axis.set_ylabel(quantity.unit if column == 0 and quantity.unit != "1" else "")
+        axis.set_xlabel(x.label if row == len(quantities) - 1 else "")
+        if x.words:
+            axis.set_xticks(range(len(x.words)), x.words, rotation=40, ha="right")
+        elif _is_geometric(np.unique(x.values)):
+            axis.set_xscale("log")
+    over = x.meaning
+    if lines is not none:
+        axes[0, -1].legend(title=textwrap.fill(lines.label, 18), loc="upper left", bbox_to_anchor=(1.01, 1.0))
+        over += f", a line for each {lines.meaning}"
+    yield finished(figure, "lines", "Results", f"Every point, over {over}.")
+
+
+def _is_geometric(values: np.ndarray) -> bool:
+    """Whether values have equal ratios, and so much apart that a logarithmic axis shows them better."""
+    if len(values) < 3 or values[0] <= 0.0 or values[-1] < WIDE * values[0]:
+        return False
+    return bool(np.allclose(np.diff(np.log(values)), np.log(values[-1] / values[0]) / (len(values) - 1), rtol=0.05))
 
 
 def _main_effects(table: Table) -> Iterator[Figure]:
@@ -101,8 +146,8 @@ def _heat_map(table: Table) -> Iterator[Figure]:
                 if column.words:
                     side.set_ticks(range(len(column.words)), column.words)
         axis.grid(visible=False)
-        axis.set(xlabel=x.label, ylabel=y.label, title=quantity.name)
-        figure.colorbar(drawn, ax=axis, label="" if quantity.unit == "1" else quantity.unit)
+        axis.set(xlabel=x.label, ylabel=y.label, title=_broken(quantity, 36))
+        figure.colorbar(drawn, ax=axis)
     for axis in axes.ravel()[len(quantities) :]:
         axis.set_visible(False)
     yield finished(
@@ -137,9 +182,9 @@ def _scatter_matrix(table: Table) -> Iterator[Figure]:
         axis.tick_params(labelsize=6.5, labelbottom=row == n - 1, labelleft=column == 0 and row > 0)
         axis.locator_params(nbins=3)
         if row == n - 1:
-            axis.set_xlabel(_broken(x), fontsize=7)
+            axis.set_xlabel(_broken(x, 16), fontsize=7)
         if column == 0:
-            axis.set_ylabel(_broken(y), fontsize=7)
+            axis.set_ylabel(_broken(y, 16), fontsize=7)
     yield finished(
         figure,
         "scatter-matrix",
@@ -151,14 +196,14 @@ def _scatter_matrix(table: Table) -> Iterator[Figure]:
 def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator[Figure]:
     if not indices:
         return
-    names = table.points.design.names
+    names = [name_in_words(name) for name in table.points.design.names]
     figure, axes = plt.subplots(len(indices), 1, figsize=(WIDTH, 0.8 + 1.3 * len(indices)), squeeze=False, sharex=True)
     for axis, (quantity, found) in zip(axes[:, 0], indices, strict=True):
         at = np.arange(len(names))
         axis.bar(at - 0.2, found.first, 0.4, color=BLUE, label="alone")
         axis.bar(at + 0.2, found.total, 0.4, color=ORANGE, label="with others")
-        axis.set(ylabel=quantity.name, ylim=(min(0.0, found.first.min()), 1.05))
-        axis.set_xticks(at, [name.replace("_", "\n", 1) for name in names])
+        axis.set(ylabel=textwrap.fill(quantity.meaning, 16), ylim=(min(0.0, found.first.min()), 1.05))
+        axis.set_xticks(at, [textwrap.fill(name, 12) for name in names])
     axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     yield finished(
         figure,
@@ -169,14 +214,9 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
     )
 
 
-def _broken(column: Column) -> str:
-    """Name and unit in lines short enough for a small panel."""
-    words, lines = column.name.split("_"), [""]
-    for word in words:
-        if lines[-1] and len(lines[-1]) + len(word) > 14:
-            lines.append("")
-        lines[-1] += ("_" if lines[-1] or len(lines) > 1 else "") + word
-    return "\n".join(lines) + ("" if column.unit == "1" else f"\n{column.unit}")
+def _broken(column: Column, wide: int = 20) -> str:
+    """Meaning and unit in lines short enough for a small panel."""
+    return textwrap.fill(column.label, wide)
 
 
 def finished(figure, name: str, title: str, caption: str) -> Figure:

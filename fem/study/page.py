@@ -5,14 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from fem.study.dataset import Collected, read_dataset
-from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
+from fem.study.effects import NOTHING, Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.solving import Points
 from lagrange.files.output import write_whole
 from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.scene.keys import name_in_words
 
 TEMPLATE = Path(__file__).parent / "template" / "study.html.j2"
-MOST_FAILED = 200  # rows
+MOST_ROWS = 200  # of a table of points
 TELLING = 0.05  # of a quantity's variance: parameters that explain less are not named
 
 
@@ -25,20 +26,23 @@ def write_page(points: Points, folder: Folder) -> None:
     table = table_of(points, dataset)
     indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
     failed = [(points.design.describe(i), status, text) for i, status, text in dataset.incomplete]
+    columns = [*table.parameters, *table.quantities]
     text = render_page(
         TEMPLATE,
         name=points.study.name,
         verdict=_verdict(table),
         facts=_facts(table, dataset),
-        meaning=[_sentence(table, each) for each in table.quantities],
-        ranges=[_range(each) for each in table.quantities],
-        sobol=_sobol_rows(table, indices),
+        is_drawn=table.is_adjusted,
         shares=len(table.parameters) > 1,
-        is_adjusted=table.is_adjusted,
+        ranges=[(each, _range(table, each)) for each in table.quantities],
+        sobol=_sobol_rows(table, indices),
         unsampled=_unsampled(table, indices),
         figures=study_figures(table, indices),
-        failed=failed[:MOST_FAILED],
-        left_out=max(0, len(failed) - MOST_FAILED),
+        columns=columns,
+        rows=[[str(i), *(each.shown(each.values[i]) for each in columns)] for i in range(len(points))][:MOST_ROWS],
+        more=max(0, len(points) - MOST_ROWS),
+        failed=failed[:MOST_ROWS],
+        left_out=max(0, len(failed) - MOST_ROWS),
         speed=_speed(dataset),
         version=dataset.attributes["program_version"],
         study=points.study.text,
@@ -49,14 +53,14 @@ def write_page(points: Points, folder: Folder) -> None:
 
 def number(value: float) -> str:
     """A number for people."""
-    return f"{value:.4g}" if np.isfinite(value) else "-"
+    return f"{value:.4g}" if np.isfinite(value) else NOTHING
 
 
 def _verdict(table: Table) -> str:
     n, complete = len(table.complete), int(table.complete.sum())
-    names = ", ".join(each.name for each in table.parameters) or "nothing"
+    names = ", ".join(each.meaning for each in table.parameters) or "nothing"
     state = f"all {n} points are complete" if complete == n else f"{complete} of {n} points are complete"
-    return f"{names} varied; {state}."
+    return f"Varied: {names}; {state}."
 
 
 def _facts(table: Table, dataset: Collected) -> list[tuple[str, str]]:
@@ -68,6 +72,7 @@ def _facts(table: Table, dataset: Collected) -> list[tuple[str, str]]:
         *([("Seed", str(study.sampling.seed))] if drawn else []),
         ("Model", study.scene.model),
         ("Varied", "; ".join(f"{key}: {_span(table.points, i)}" for i, key in enumerate(design.keys))),
+        ("Quantities in the dataset", "; ".join(f"{each.name}: {each.meaning}" for each in table.quantities)),
         ("Signals", ", ".join(study.keep.signals) or "none kept"),
         ("Program", f"{dataset.attributes['program_version']}, text {dataset.attributes['program_digest']}"),
     ]
@@ -81,42 +86,27 @@ def _span(points: Points, i: int) -> str:
     return ", ".join(dict.fromkeys(str(value) for value in values if value is not None))
 
 
-def _sentence(table: Table, quantity: Column) -> str:
-    """What decides a quantity."""
+def _range(table: Table, quantity: Column) -> list[str]:
+    """Smallest and largest value, of drawn points mean and deviation, points, shares of variance."""
     known = quantity.values[np.isfinite(quantity.values)]
-    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    if not len(known):
-        return f"{quantity.title}: no point tells it."
-    few = "" if len(known) == len(quantity.values) else f" in {len(known)} of {len(quantity.values)} points"
-    if not np.ptp(known) > 0.0:
-        return f"{quantity.title}: {number(known[0])}{unit}{few or ' in every point'}."
-    span = f"{quantity.title}: {number(known.min())} to {number(known.max())}{unit}{few}"
-    if len(table.parameters) < 2:  # it explains all that differs
-        return f"{span}."
-    strongest = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]
-    parts = ", ".join(strongest) or "no parameter more than a twentieth"
-    return f"{span}; of its variance each parameter explains: {parts}."
-
-
-def _range(quantity: Column) -> tuple[str, ...]:
-    known = quantity.values[np.isfinite(quantity.values)]
-    unit = "" if quantity.unit == "1" else quantity.unit
-    if not len(known):
-        return quantity.title, unit, "-", "-", "-", "-", "0"
-    return (
-        quantity.title,
-        unit,
-        *(number(float(f(known))) for f in (np.min, np.mean, np.max, np.std)),
-        str(len(known)),
-    )
+    functions = (np.min, np.max, *((np.mean, np.std) if table.is_adjusted else ()))
+    values = [quantity.shown(float(f(known))) if len(known) else NOTHING for f in functions]
+    row = [*values, str(len(known))]
+    if len(table.parameters) > 1:  # else it explains all that differs
+        shares = [
+            f"{each.meaning} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING
+        ]
+        row.append(", ".join(shares) or NOTHING)
+    return row
 
 
 def _sobol_rows(table: Table, indices: list[tuple[Column, Indices]]) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = []
-    for quantity, found in indices:
-        for name, first, total in zip(table.points.design.names, found.first, found.total, strict=True):
-            rows.append((quantity.name, name, f"{first:.3f}", f"{total:.3f}"))
-    return rows
+    names = [name_in_words(name) for name in table.points.design.names]
+    return [
+        (quantity.meaning, name, f"{first:.3f}", f"{total:.3f}")
+        for quantity, found in indices
+        for name, first, total in zip(names, found.first, found.total, strict=True)
+    ]
 
 
 def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:

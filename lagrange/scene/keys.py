@@ -82,6 +82,12 @@ def unit_of(name: str) -> str:
     return next((unit for ending, unit in UNITS.items() if name.endswith(f"_{ending}")), "")
 
 
+def name_in_words(name: str) -> str:
+    """A key without the unit that it spells: "radial_load_N" is a radial load."""
+    ending = next((ending for ending in UNITS if name.endswith(f"_{ending}")), "")
+    return name.removesuffix(f"_{ending}").replace("_", " ")
+
+
 def _key(name: str, field: FieldInfo) -> Key:
     return Key(
         name=name,

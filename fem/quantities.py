@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import nan
+from math import nan, tau
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +23,7 @@ OF_MOTION = {  # unit and meaning; means are over time
     "hub_std_y": ("m", "standard deviation of the hub's path, y"),
     "largest_force": ("N", "largest force on the inner raceway"),
     "mean_largest_force": ("N", "force of the most loaded roller, mean"),
-    "cage_speed": ("rad/s", "speed of the cage"),
+    "cage_speed": ("rad/s", "mean speed of the rollers' orbit"),
 }
 OF_START = {
     "first_hub_x": ("m", "hub at the start, x"),
@@ -33,7 +33,7 @@ OF_START = {
 }
 OF_RECORD = {
     "load_zone": ("rad", "arc in which rollers have more than 1 % of the largest force"),
-    "cage_slip": ("1", "share by which the cage is slower than rolling"),
+    "cage_slip": ("1", "share by which a cage is slower than rolling, over at least one turn"),
     "acceleration_rms_x": ("m/s2", "rms of the hub's acceleration, x"),
     "acceleration_rms_y": ("m/s2", "rms of the hub's acceleration, y"),
     "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y; 3 of normal noise"),
@@ -102,8 +102,9 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
 def run_quantities(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     """All of OF_RUN, of OF_START alone where there is one sample; `ideal` as in `run_summary`.
 
-    NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
-    turns both ways, pressures of balls and at edges, moments and tilts of rollers whose axes stay parallel.
+    NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that is not there,
+    stands, turns both ways or less than once, pressures of balls and at edges, moments and tilts of rollers whose axes
+    stay parallel.
 
     Parameters
     ----------
@@ -129,14 +130,17 @@ def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, flo
 
 
 def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    seen, cage = RunStatistics(), 0.0 if ideal is None else ideal.cage
+    seen, rolled, turned = RunStatistics(), 0.0, 0.0
     seen.add(samples)
+    if ideal is not None and "cage_angle" in samples:
+        angle = samples["cage_angle"]
+        rolled, turned = ideal.cage * (seen.last_time - seen.first_time), float(angle[-1] - angle[0])
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
     off = samples["inner_ay"] - samples["inner_ay"].mean()
     spread = float(np.mean(off**2))
     return {
         "load_zone": nan if zone is None else zone,
-        "cage_slip": 1.0 - seen.cage_speed / cage if cage else nan,
+        "cage_slip": 1.0 - turned / rolled if rolled and abs(turned) >= tau else nan,
         "acceleration_rms_x": float(np.sqrt(np.mean(samples["inner_ax"] ** 2))),
         "acceleration_rms_y": float(np.sqrt(np.mean(samples["inner_ay"] ** 2))),
         "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,

@@ -24,7 +24,7 @@ CENTRED = 1e-9  # m: nearer to the middle the centre has no direction
 
 @dataclass
 class CageStatistics:
-    """Where a cage's centre goes, how it slips, how hard pockets and guide push; SI."""
+    """Where a cage's centre goes, how far it turns, how hard pockets and guide push; SI."""
 
     samples: int = 0
     angles: tuple[float, float] = (0.0, 0.0)  # of the cage, first and last, rad
@@ -51,23 +51,15 @@ class CageStatistics:
         self.pushed = max(self.pushed, float(np.hypot(samples["cage_force"], samples["cage_radial_force"]).max()))
         self.guided = max(self.guided, float(np.hypot(samples["cage_guidance_x"], samples["cage_guidance_y"]).max()))
 
-    def rows(self, seconds: float, ideal: float | None) -> dict[str, str]:
-        """Names and values of what is asked, of a run that long, s.
-
-        `ideal` : the cage's speed in rolling, rad/s, 0 where it stands; None: it turns both ways, and has no mean
-        """
-        found = {
+    def rows(self, seconds: float) -> dict[str, str]:
+        """Names and values of what is asked beside its speed; `seconds` that the run lasts, 0: it has no mean."""
+        whirls = f", whirls at {self.whirled / seconds / tau:.3g} Hz" if seconds > 0.0 else ""
+        return {
             "cage's centre": f"mean {1e6 * self.off / self.samples:.3g} µm off the bearing's, at most "
-            f"{1e6 * self.farthest:.3g} µm",
+            f"{1e6 * self.farthest:.3g} µm{whirls}",
             "cage's forces": f"at most {self.pushed:.3g} N in a pocket"
             + (f", {self.guided:.3g} N by its guide" if self.guided > 0.0 else ""),
         }
-        if seconds > 0.0 and ideal is not None:
-            found["cage's centre"] += f", whirls at {self.whirled / seconds / tau:.3g} Hz"
-            if ideal:
-                speed = (self.angles[1] - self.angles[0]) / seconds
-                found["cage's turning"] = turning(speed, ideal)
-        return found
 
 
 COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
@@ -172,20 +164,34 @@ def run_summary(
     found["largest loads"] = largest_loads(bearing, *seen.largest, tilts=tilts)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
-    whose = "rollers' orbit" if caged.samples else "cage"
+    whose, seconds = "cage" if caged.samples else "roller orbit", seen.last_time - seen.first_time
     if ideal is None and seen.samples > 1:
         found[whose] = REVERSES
     elif ideal is not None and ideal.cage and seen.samples > 1:
-        found[whose] = turning(seen.cage_speed, ideal.cage)
+        first, last = caged.angles if caged.samples else (seen.first_angle, seen.last_angle)
+        found[whose] = orbit(last - first, ideal.cage * seconds, seconds, bool(caged.samples))
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:
-        found |= caged.rows(seen.last_time - seen.first_time, None if ideal is None else ideal.cage)
+        found |= caged.rows(0.0 if ideal is None else seconds)
     return found
 
 
-def turning(speed: float, ideal: float) -> str:
-    """A cage's speed beside that of rolling, rad/s, in words; round-off is no slip."""
-    return f"{speed / tau:.4g} Hz, slip {round(100.0 * (1.0 - speed / ideal), 9) + 0.0:.2g} % of rolling"
+def orbit(turned: float, ideal: float, seconds: float, caged: bool) -> str:
+    """Speed of a cage, or of rollers that have none, beside that of rolling, in words; round-off is no slip.
+
+    Parameters
+    ----------
+    turned, ideal : rad, in so many seconds, and in rolling; within one turn the difference means nothing
+    """
+    words = f"{turned / seconds / tau:.4g} Hz"
+    if abs(turned) < tau:
+        return words
+    slower = round(100.0 * (1.0 - turned / ideal), 9) + 0.0
+    if caged:
+        return f"{words}, slip {slower:.2g} % of rolling"
+    if slower == 0.0:
+        return f"{words}, that of rolling"
+    return f"{words}, {abs(slower):.2g} % {'slower' if slower > 0.0 else 'faster'} than rolling: no cage, rollers coast"
 
 
 def passes(ideal: Kinematics, cage_speed: float) -> str:

@@ -185,6 +185,11 @@ class Record:
         return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
 
     @property
+    def orbits(self) -> float:
+        """Turns of the rollers about the outer ring's centre; a mean slip has a meaning from one on."""
+        return abs(self.cage_speed) * float(self.time[-1] - self.time[0]) / (2.0 * np.pi)
+
+    @property
     def from_load(self) -> np.ndarray:
         """Angles of the rollers about the outer ring's centre from the load line, rad, (n_times, n_rollers)."""
         return angle_from_load(np.arctan2(self.roller_y, self.roller_x))

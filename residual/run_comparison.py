@@ -134,7 +134,7 @@ def _quantities(e: Evaluation, equations: bool) -> list[tuple[str, float, float 
         ("largest roller load, N", 1.0, e.force.max()),
         ("loaded rollers, fewest", 1.0, low),
         ("loaded rollers, most", 1.0, high),
-        ("cage, Hz", 1.0, e.lines.get("FTF")),
+        ("roller orbit (FTF), Hz", 1.0, e.lines.get("FTF")),
     ]
     for d, acceleration in zip(e.directions, e.hub_acceleration, strict=True):
         found.append((f"hub's acceleration, {d.name}, rms, m/s²", 1.0, np.std(acceleration)))

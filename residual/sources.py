@@ -22,7 +22,7 @@ from lagrange.files.hdf5 import (
 from lagrange.files.input import FOREIGN, not_text
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
-from lagrange.scene.scene import Scene, SceneError, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 from residual.errors import InputError
 from residual.record import COLUMNS, FEWEST_SAMPLES, CageMotion, Record, StatedError, checked, relative
 
@@ -96,7 +96,7 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
-    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
+    scene = parse_stored_scene(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
     needed, held = _variables(scene)
     promised = [*needed, *held] if attributes.get("program") == SOLVER else needed
     missing = [name for name in promised if not has(file, name)]

@@ -180,11 +180,11 @@ def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> d
 
 
 def _cage(t: Record, cage: CageMotion, rolling: float) -> dict[str, float | None]:
-    """Numbers of a cage, Hz where it rolls without slip; null where the shaft reverses and there is no such mean."""
+    """Numbers of a cage, Hz where it rolls without slip; null where the shaft reverses, and slip within one turn."""
     speed, ideal = cage.speed(t.interval), 2.0 * np.pi * rolling
     return {
         "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
-        "slip": None if t.reverses or ideal == 0.0 else 1.0 - abs(speed) / ideal,
+        "slip": None if t.reverses or ideal == 0.0 or t.orbits < 1.0 else 1.0 - abs(speed) / ideal,
         "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
         "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
         "largest_pocket_force_N": float(np.abs(cage.force).max()),

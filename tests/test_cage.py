@@ -14,8 +14,10 @@ from fem.kernels.jit import OPTIONS
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import cage_state, critical_with_cage
 from lagrange.bearing import Cage
+from lagrange.catalogue import entries, has_balls
+from lagrange.contact.raceway_laws import contact_laws
 from lagrange.mounting import Housing, Mounting
-from lagrange.scene.scene import Scene, SceneError, parse_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene
 from tests.reference.bearings import paper
 
 DT = 1e-7  # s
@@ -185,8 +187,7 @@ def test_the_critical_step_counts_pockets_and_guide():
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ({"guidance": "inner_ring"}, "needs guidance_clearance_mm"),
-        ({"guidance_clearance_mm": 0.3}, "rollers guide a cage by its pockets"),
+        ({"guidance": "rollers", "guidance_clearance_mm": 0.3}, "rollers guide a cage by its pockets"),
         ({"pocket_clearance_mm": 1.2}, "a bar of the cage has to stand between them"),
         ({"mas_kg": 0.1}, "did you mean mass_kg?"),
         ({"mass_kg": 0.0}, "cage.mass_kg = 0.0: must be greater"),
@@ -197,8 +198,58 @@ def test_cages_that_can_not_be_are_refused(table, words):
         parse_scene({"cage": table}, "scene")
 
 
-def test_an_absent_cage_leaves_no_trace_in_the_scene_and_a_given_one_comes_back():
-    assert "cage" not in parse_scene({}, "scene").to_toml()
-    scene = parse_scene({"cage": {"mass_kg": 0.05}}, "scene")
-    assert scene.ideal_cage().inertia == pytest.approx(0.05 * 0.023**2)  # a thin ring
+def tables_of(designation: str, **tables) -> dict:
+    return {"model": "reduced", "bearing": {"designation": designation}, **tables}
+
+
+@pytest.mark.parametrize("designation", ["NU206", "N220", "NJ316", "NA4912"])
+def test_a_bearing_that_has_a_cage_has_one_by_default(designation):
+    """Guided by the outer ring, with plays in proportion to the pitch diameter, and light; also written so."""
+    scene = parse_scene(tables_of(designation), "scene")
+    bearing, cage = scene.perfect_bearing(), scene.ideal_cage()
+    assert cage.guidance == "outer_ring"
+    assert cage.pocket_clearance == cage.guidance_clearance == pytest.approx(2e-3 * bearing.pitch_radius, rel=5e-3)
+    assert cage.mass == pytest.approx(0.1 * bearing.n_rollers * bearing.roller_mass, rel=5e-3)
+    assert cage.stiffness == 1e7
     assert parse_scene(tomllib.loads(scene.to_toml()), "again") == scene
+    assert scene.varied({"bearing.designation": "NU204"}).ideal_cage().mass < 0.01, "the other bearing's own"
+
+
+def test_full_complements_are_those_that_have_no_cage():
+    for name in entries():
+        if not has_balls(name):
+            cage = parse_scene(tables_of(name), "scene").cage
+            assert (cage is None) == name.startswith(("NCF", "NJG")), name
+
+
+@pytest.mark.parametrize(
+    ("tables", "guidance"),
+    [
+        (tables_of("NU206", cage={"kind": "none"}), None),
+        (tables_of("NU206", contact={"friction_coefficient": 0.0}), None),
+        (tables_of("NU206", model="lagrange"), None),
+        ({"model": "reduced", "bearing": {"clearance_um": 20.0}}, None),  # the paper's
+        (tables_of("NU206", operation={"outer_ring_speed_rpm": 300.0}), "inner_ring"),
+        (tables_of("NU206", model="fem", support={"kind": "bore"}), "inner_ring"),
+        (tables_of("NU206", cage={"guidance": "rollers"}), "rollers"),
+        ({"cage": {}}, "outer_ring"),
+    ],
+)
+def test_who_guides_the_cage_or_that_there_is_none(tables, guidance):
+    scene = parse_scene(tables, "scene")
+    assert (None if scene.cage is None else scene.cage.guidance) == guidance
+    assert parse_scene(tomllib.loads(scene.to_toml()), "again") == scene
+
+
+def test_keys_of_the_table_override_the_default_and_soft_raceways_soften_it():
+    scene = parse_scene(tables_of("NU206", cage={"mass_kg": 0.05}), "scene")
+    assert scene.ideal_cage().inertia == pytest.approx(0.05 * 0.0232625**2, rel=1e-3)  # a thin ring
+    assert scene.cage.pocket_clearance_mm == pytest.approx(0.0465)
+    soft = parse_scene(tables_of("NU206", material={"inner_ring": {"youngs_modulus_GPa": 1.0}}), "scene")
+    laws = contact_laws("johnson", soft.ideal_bearing())
+    assert 0.3 < soft.cage.stiffness_N_per_m / laws.inner.slope(laws.inner.approach(200.0)) < 1.0
+
+
+def test_the_scene_of_an_earlier_result_without_a_cage_has_none():
+    text = '[bearing]\ndesignation = "NU206"'
+    assert parse_stored_scene(text, "result").cage is None and parse_scene_text(text, "scene").cage is not None

@@ -8,6 +8,7 @@ from fem.run_summary import CageStatistics
 from lagrange.scene.scene import parse_scene
 from residual.errors import InputError
 from residual.evaluation import evaluate
+from residual.figures.vibration import cage_figure
 from residual.record import COLUMNS, Record
 from residual.sources import read_result
 from residual.summary import ReportOptions, summarise
@@ -17,9 +18,9 @@ FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller
 CAGE = {"guidance": "inner_ring", "guidance_clearance_mm": 0.1}
 
 
-def made_file(folder, cage=CAGE, **changes):
+def made_file(folder, cage=CAGE, samples=4001, **changes):
     """A made-up run whose cage pushes every roller forward, rubs on it, and is pushed by the inner ring."""
-    run = make_run(n_times=3001, scene=parse_scene({"cage": cage}, "made"))
+    run = make_run(n_times=samples, scene=parse_scene({"cage": cage}, "made"))
     time, rollers = run.time, np.ones((run.time.size, 13))
     values = dict(
         cage_x=2e-5 * np.cos(100.0 * time), cage_y=2e-5 * np.sin(100.0 * time), cage_angle=180.0 * time,
@@ -59,7 +60,7 @@ def test_the_cages_term_is_what_rollers_pass_on_and_the_guide_gives(made):
 
 
 def test_a_cage_that_rollers_guide_leaves_the_hub_alone(tmp_path):
-    _, path = made_file(tmp_path, cage={})
+    _, path = made_file(tmp_path, cage={"guidance": "rollers"})
     budget = evaluate(read_result(path)).budget
     against = -0.5 * FORWARD + 0.5 * MOMENT / 0.005
     angle = np.arctan2(-budget.contacts.direction_y, -budget.contacts.direction_x)
@@ -83,8 +84,15 @@ def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(
     assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
     assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
     seen = CageStatistics(samples=1, angles=(0.0, 0.1), whirled=1.0)
-    assert "whirls" in seen.rows(1.0, 0.0)["cage's centre"]
-    assert "whirls" not in seen.rows(1.0, None)["cage's centre"] and "cage's turning" not in seen.rows(1.0, None)
+    assert "whirls" in seen.rows(1.0)["cage's centre"]
+    assert "whirls" not in seen.rows(0.0)["cage's centre"]
+
+
+def test_within_one_turn_no_slip_of_the_cage_is_told(tmp_path):
+    _, path = made_file(tmp_path, samples=3001)
+    evaluation = evaluate(read_result(path))
+    assert summarise(evaluation, ReportOptions(), "0")["cage"]["slip"] is None
+    assert "turns less than once and has no mean slip" in cage_figure(evaluation, tmp_path).caption
 
 
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):
@@ -94,7 +102,7 @@ def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):
 
 
 def test_damaged_columns_of_the_cage_are_refused(tmp_path):
-    _, path = made_file(tmp_path, cage_force=np.full((3001, 13), np.nan))
+    _, path = made_file(tmp_path, cage_force=np.full((4001, 13), np.nan))
     with pytest.raises(InputError, match="cage_force"):
         read_result(path)
     assert set(COLUMNS) >= {"cage_force", "cage_moment"}

@@ -40,12 +40,12 @@ def blocks(speed, slip=0.0, turns=1.0, samples=4001):
 
 def test_a_made_up_run_is_told_as_it_was_made():
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed, slip=0.02))
+    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed, slip=0.02, turns=2.0))
     assert told["hub"] == "mean x 0.0000 µm, y -2.9999 µm; peak to peak 2.0000 and 1.0000 µm"
     assert "700.0 N (" in told["largest loads"] and "706.0 N (" in told["largest loads"]
     # above 1 % of 700 N where cos(1.5 off) is: 119.2°, to a degree of either side
     assert float(told["load zone"].partition("°")[0]) == pytest.approx(119.2, abs=1.5)
-    assert told["cage"].endswith("slip 2 % of rolling")
+    assert told["roller orbit"].endswith("Hz, 2 % slower than rolling: no cage, rollers coast")
     cage = 0.98 * kinematics(bearing, speed).cage / tau
     assert f"(BPFO) {N * cage:.4g} Hz" in told["ball passes"]
     assert f"(BPFI) {N * (75.0 - cage):.4g} Hz" in told["ball passes"]

@@ -123,10 +123,10 @@ def _run(path: Path):
     """Scene and loads of a result file."""
     from fem.pictures.stored_values import StoredValues
     from lagrange.rating.run_loads import COLUMNS, run_loads
-    from lagrange.scene.scene import parse_scene_text
+    from lagrange.scene.scene import parse_stored_scene
 
     values = StoredValues(path)
-    scene = parse_scene_text(values.scene_text, str(path), values.scene_files)
+    scene = parse_stored_scene(values.scene_text, str(path), values.scene_files)
     bearing = scene.perfect_bearing()
     values.check(bearing, scene.cage is not None)
     return scene, run_loads(bearing, scene.ideal_operation(), {name: values.column(name) for name in COLUMNS})

@@ -17,6 +17,7 @@ from lagrange import Bearing, kinematics
 from lagrange.kinematics import mean_kinematics
 from lagrange.messages import engineering, shown
 from lagrange.mounting import from_outer_ring
+from lagrange.scene.cage import default_cage
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import is_plain, section_words
@@ -101,6 +102,11 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
             rows[f"frequencies at {speed / RPM:.6g} rpm{beside}"] = _frequencies(bearing, speed, ring)
     elif operation.fastest:
         rows["frequencies, without slip"] = _frequencies(bearing, *operation.ring_speeds)
+    if scene.cage is not None:
+        rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; by default, [cage] overrides it")
+    elif scene.model != "lagrange" or scene.lagrange.angles == "free":
+        why = default_cage(scene)
+        rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: rollers coast where they are not loaded"
     return rows
 
 

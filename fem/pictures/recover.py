@@ -23,7 +23,7 @@ from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.kinematics import turned
-from lagrange.scene.scene import Scene, parse_scene_text
+from lagrange.scene.scene import Scene, parse_stored_scene
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
 
@@ -86,7 +86,7 @@ class StoredRun:
         self.path = Path(path)
         self._values = StoredValues(self.path)
         self.times = self._values.times
-        self.scene: Scene = parse_scene_text(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
+        self.scene: Scene = parse_stored_scene(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
         self._values.check(self.scene.ideal_bearing(), self.scene.cage is not None)
         self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 

@@ -8,7 +8,7 @@ import h5py
 from fem.errors import UsageError
 from fem.result.durable import is_in_use
 from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
-from lagrange.scene.scene import Scene, SceneError, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY = 2**29  # bytes
@@ -65,7 +65,7 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
         try:
             with h5py.File(path, "r", locking=False) as file:
                 complete = file.attrs.get("status") == "complete"
-                return parse_scene_text(read_scene_text(file), str(path)) if complete else None
+                return parse_stored_scene(read_scene_text(file), str(path)) if complete else None
         except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
             return None
 

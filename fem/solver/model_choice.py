@@ -9,7 +9,7 @@ from fem.solver.simulate import SOLVERS, make_plan
 from fem.solver.solver import Plan
 from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import LEAST_LOAD, exact_statics
-from lagrange.scene.scene import Scene, SceneError, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
 
 
 def _with_model(scene: Scene, name: str) -> Scene:
-    return parse_scene_text(scene.model_copy(update={"model": name}).to_toml(), scene.name, scene.files)
+    return scene.varied({"model": name})
 
 
 def _exact_hub(scene: Scene) -> np.ndarray | None:

@@ -9,7 +9,8 @@ from math import pi
 from lagrange.contact.raceway_laws import OWN, law_names
 from lagrange.limits import exceeds
 from lagrange.scene.axial import axial_faults
-from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, ROUNDED, cage_faults
+from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, ROUNDED
+from lagrange.scene.cage import cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.fit import fit_faults, interference_faults
 from lagrange.scene.operation import FIRST_SPEEDS

@@ -18,6 +18,7 @@ from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import plain_text
 from lagrange.scene.axial import SURFACES as AXIAL_SURFACES
 from lagrange.scene.bearing import heavy_inner_ring_and_shaft
+from lagrange.scene.cage import CageTable, default_cage
 from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
 from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable
@@ -50,6 +51,7 @@ class Scene(SceneTables):
         if isinstance(data, dict):
             scene._written = {key: plain(value) for key, value in data.items()}
             scene._choose_interval()
+            scene._choose_cage()
         return scene
 
     def _choose_interval(self) -> None:
@@ -62,6 +64,17 @@ class Scene(SceneTables):
             interval = fitting_interval(bearing, operation, longest)
             numerics = self.numerics.model_copy(update={"output_interval_us": round(1e6 * interval, 3)})
             self.__dict__["numerics"] = numerics
+
+    def _choose_cage(self) -> None:
+        """Write out the cage that the bearing has: the table's, what it leaves out by default, or no table."""
+        given = self.cage
+        if given is None and self.model == "lagrange":
+            return
+        with suppress(ValueError):  # as above
+            found = given or default_cage(self)
+            has = isinstance(found, CageTable) and found.kind != "none"
+            moves = self.operation.turns_outer_ring is not None or self.mounting().bore is not None
+            self.__dict__["cage"] = found.filled(self.unmounted_bearing(), moves) if has else None
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self.__dict__ == other.__dict__
@@ -124,13 +137,14 @@ class Scene(SceneTables):
             content_of(data, self.files)
         return parse_scene(data, self.name)
 
-    def is_given(self, table: str, key: str) -> bool:
-        """Whether a key of a table was written, and is no default."""
-        return key in self._as_written().get(table, {})
+    def is_given(self, table: str, key: str | None = None) -> bool:
+        """Whether a table, or a key of it, was written, and is no default."""
+        written = self._as_written()
+        return table in written if key is None else key in written.get(table, {})
 
     def _as_written(self) -> dict[str, Any]:
         """The tables before they were completed, without the texts of the files that they name."""
-        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        data = self._tables() if self._written is None else deepcopy(self._written)
         named = [data.get(name, {}) for name in ("operation", "lagrange", "axial")]
         for table in (*data.get("profile", []), *named):
             for key in CONTENTS:
@@ -147,7 +161,7 @@ class Scene(SceneTables):
         Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
         of tables are there where they are not empty.
         """
-        tables = self.model_dump(exclude_none=True)
+        tables = self._tables()
         for name in SURFACES:
             if not tables[name]:
                 del tables[name]
@@ -155,6 +169,11 @@ class Scene(SceneTables):
             if getattr(self, name) == empty:
                 del tables[name]
         return tomli_w.dumps(tables)
+
+    def _tables(self) -> dict[str, Any]:
+        """All tables; that a bearing has no cage is said where it would have one otherwise."""
+        tables = self.model_dump(exclude_none=True)
+        return tables if self.cage is not None or self.model == "lagrange" else tables | {"cage": {"kind": "none"}}
 
 
 def _at_hand(path: Path) -> str:
@@ -206,6 +225,14 @@ def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) 
     with _refused(name):
         content_of(data, files)
     return parse_scene(data, name)
+
+
+def parse_stored_scene(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
+    """The scene of a result file, as `parse_scene_text`; those of versions to 0.15 name no cage where there was none."""
+    data = load(text, name)
+    with _refused(name):
+        content_of(data, files)
+    return parse_scene({"cage": {"kind": "none"}} | data, name)
 
 
 @contextmanager

@@ -12,7 +12,8 @@ from lagrange.fits import OperatingClearance, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting
 from lagrange.scene.axial import AxialTable
-from lagrange.scene.bearing import BearingTable, BodiesTable, CageTable, LubricantTable, MaterialTable
+from lagrange.scene.bearing import BearingTable, BodiesTable, LubricantTable, MaterialTable
+from lagrange.scene.cage import CageTable
 from lagrange.scene.columns import Columns
 from lagrange.scene.faults import Table
 from lagrange.scene.fit import FitTable

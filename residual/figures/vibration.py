@@ -157,4 +157,6 @@ def _slips(axes, t: Record, cage: CageMotion) -> str:
     mean = kinematics(t.bearing, *t.mean_speeds).cage
     if mean == 0.0:
         return f"{sentence}; the motion reverses and has no mean slip."
+    if t.orbits < 1.0:
+        return f"{sentence}; the cage turns less than once and has no mean slip."
     return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."

@@ -21,6 +21,7 @@ PRELOADED = {"outer_raceway_diameter_mm": 55.99}
 # a heavy cage falls softly into tight pockets, and a heavy hub does not whirl by the friction of rollers that slide
 STIFF_POCKETS = {"pocket_clearance_mm": 0.002, "damping_N_s_m": 1000.0, "friction_coefficient": 0.0, "mass_kg": 1.0}
 HEAVY_HUB = {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "inner_ring_and_shaft_kg": 1000.0}
+LOOSE = {"guidance": "rollers", "mass_kg": 0.02, "pocket_clearance_mm": 0.2, "stiffness_N_per_m": 1e8}  # if not said
 LIMIT = 1e-3  # of the exchanged energy and of the dissipated one: more is a run not to be trusted
 
 
@@ -73,7 +74,7 @@ def run(scene: dict) -> Run:
 def caged(model: str, duration: float, cage: dict, **tables) -> Run:
     """The paper's bearing with a cage; ms."""
     numerics = {"duration_ms": duration} | tables.pop("numerics", {})
-    return run({"model": model, "cage": cage, "numerics": numerics, **tables})
+    return run({"model": model, "cage": LOOSE | cage, "numerics": numerics, **tables})
 
 
 def print_free_running() -> None:

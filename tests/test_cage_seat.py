@@ -48,7 +48,8 @@ def test_a_cage_that_rollers_would_wedge_harder_than_raceways_load_them_is_refus
 def test_a_scene_whose_cage_is_wedged_at_the_start_is_refused_but_may_start_at_rest():
     tables = {
         "model": "reduced", "material": {"outer_ring": {"youngs_modulus_GPa": 10.0}},
-        "cage": {"guidance": "rollers", "pocket_clearance_mm": 0.005, "stiffness_N_per_m": 1e9}, "numerics": {"duration_ms": 1.0},
+        "cage": {"guidance": "rollers", "pocket_clearance_mm": 0.005, "stiffness_N_per_m": 1e9},
+        "numerics": {"duration_ms": 1.0},
     }  # fmt: skip
     with pytest.raises(UsageError, match="does not fit"):
         make_plan(parse_scene(tables, ""))

@@ -103,7 +103,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     elif operation.fastest:
         rows["frequencies, without slip"] = _frequencies(bearing, *operation.ring_speeds)
     if scene.cage is not None:
-        rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; by default, [cage] overrides it")
+        rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; the default")
     elif scene.model != "lagrange" or scene.lagrange.angles == "free":
         why = default_cage(scene)
         rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: rollers coast where they are not loaded"

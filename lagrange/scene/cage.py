@@ -1,7 +1,7 @@
 """The table [cage] of the scene, and the cage that a bearing has where the scene leaves it, or keys of it, out.
 
-The default is a calibration: rollers orbit within −0.1 to +0.25 % of rolling, as they do where a film and the cage's drag
-act, which the model has not. Its plays are not those of a maker's drawing.
+The default is a calibration: rollers orbit within −0.1 to +0.25 % of rolling, as they do where a film and drag act,
+which the model has not. Its plays are not those of a maker's drawing.
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from pydantic import Field
 from lagrange.bearing import Bearing, Cage, Guidance, room_between_rollers, thin_ring_inertia
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.limits import exceeds
-from lagrange.scene.bearing import MM
+from lagrange.scene.bearing import MM, BearingTable
 from lagrange.scene.faults import Check, Table
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ MASS = 0.1  # of all rolling elements: a polyamide ring half as high as they are
 STIFFNESS = 1e7  # N/m, of a roller on polyamide; stiffer ones only shorten the step
 SHARE_OF_LINE = 0.1  # of 1/A: the slope of a line contact, 1/(A ln …), whose logarithm is about 10
 FULL_COMPLEMENT = 0.07  # of a roller's diameter: a smaller gap between neighbours has no room for a bar
-SIZES = {"rollers", "roller_diameter_mm", "inner_raceway_diameter_mm"}  # which make a bearing another than the paper's
+SIZES = "rollers", "roller_diameter_mm", "inner_raceway_diameter_mm"  # by which a bearing is the paper's
 
 
 class CageTable(Table):
@@ -45,15 +45,15 @@ class CageTable(Table):
     )
     guidance: Guidance | None = Field(
         None,
-        description="what centres the cage: rollers in round pockets, or a ring, and pockets have flat walls; left out: "
-        "the outer ring, or the inner one where the outer ring turns or has a fit",
+        description="what centres the cage: rollers in round pockets, or a ring, and pockets have flat walls; left "
+        "out: the outer ring, or the inner one where the outer ring turns or has a fit",
     )
     guidance_clearance_mm: float | None = Field(
         None,
         ge=1e-3,
         le=100.0,
-        description="difference of diameters between the cage and the ring that guides it; left out: 0.001 of the pitch "
-        "diameter, of the inner ring half of that or the bearing's clearance",
+        description="difference of diameters between the cage and the ring that guides it; left out: 0.001 of the "
+        "pitch diameter, of the inner ring half of that or the bearing's clearance",
     )
     stiffness_N_per_m: float | None = Field(
         None,
@@ -128,7 +128,7 @@ class CageTable(Table):
 def default_cage(scene: "SceneTables") -> CageTable | str:
     """The cage of a scene that does not describe one; in words why there is none."""
     bearing = scene.unmounted_bearing()
-    if not SIZES & scene.bearing.model_fields_set:
+    if all(getattr(scene.bearing, key) == BearingTable.model_fields[key].default for key in SIZES):
         return "as the paper's bearing"
     if scene.friction_coefficient == 0.0:
         return "raceways without friction would not drive it"

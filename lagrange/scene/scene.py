@@ -228,7 +228,7 @@ def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) 
 
 
 def parse_stored_scene(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
-    """The scene of a result file, as `parse_scene_text`; those of versions to 0.15 name no cage where there was none."""
+    """The scene of a result file, as `parse_scene_text`; one without [cage], of an earlier version, had none."""
     data = load(text, name)
     with _refused(name):
         content_of(data, files)

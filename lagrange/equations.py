@@ -20,6 +20,8 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.surface.deviation import Falls, Profiles, SurfaceDeviation, Turns, profiles
 
+STRAIGHT = 1e-9  # rad, less than half a turn: rollers on either side of it hold nothing between them
+
 
 @dataclass(frozen=True, kw_only=True)
 class Overlaps:
@@ -165,6 +167,21 @@ def touching_distances(bearing: Bearing) -> tuple[float, float]:
 
 
 THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
+
+
+def nothing_carries(bearing: Bearing, angle: np.ndarray, load) -> str | None:
+    """A sentence where no roller is in the way of a load, (2,), as where those of half a turn are missing.
+
+    `angle` : (n_rollers,), rad from +x
+    """
+    ahead = np.mod(angle - np.arctan2(load[1], load[0]), 2.0 * np.pi)
+    bare = ahead.min() + (2.0 * np.pi - ahead).min()
+    if not bearing.missing or bare < np.pi - STRAIGHT:
+        return None
+    return (
+        f"nothing carries the hub: it is pushed to where rollers are missing over {np.degrees(bare):.0f} degrees; "
+        "leave fewer out by bearing.missing_rollers, or for statics turn them away by operation.first_roller_deg"
+    )
 
 
 def farthest_place(bearing: Bearing) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.raceway_laws import ContactLaws
-from lagrange.equations import touching_distances
+from lagrange.equations import nothing_carries, touching_distances
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 from lagrange.surface.edges import pressed, softened
@@ -82,7 +82,8 @@ def static_equilibrium(
         step = _newton_step(here, system.typical_stiffness)
         hub, here = _descend(system, hub, here, step, load)
     raise RuntimeError(
-        f"no static equilibrium after {MAX_NEWTON} steps: {np.max(np.abs(here.unbalance)):.3g} N unbalanced at hub "
+        nothing_carries(bearing, theta, load)
+        or f"no static equilibrium after {MAX_NEWTON} steps: {np.max(np.abs(here.unbalance)):.3g} N unbalanced at hub "
         f"x = {hub[0]:.3e} m, y = {hub[1]:.3e} m; check load, clearance {bearing.radial_clearance:.3e} m and law"
     )
 

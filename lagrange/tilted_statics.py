@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.equations import PolarOverlaps, polar_deviated, polar_overlaps
+from lagrange.equations import PolarOverlaps, nothing_carries, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, SurfaceDeviation, Turns, profiles
 from lagrange.tilt import HubTilt, TiltedLaws, Tilts, falls, met, misalignments, precession_stiffness
@@ -117,6 +117,9 @@ def tilted_equilibrium(
     slope = np.array([hub.slope_x, hub.slope_y])
     radial = np.array([np.cos(theta), np.sin(theta)])
     moved = np.concatenate([start[0], slope, start[1], 0.5 * (slope @ radial)])
+    bare = nothing_carries(
+        bearing, theta, (operation.side_load, -operation.radial_load - operation.inner_mass * operation.gravity)
+    )
     taken, steps, before = np.zeros(4 * bearing.n_rollers), 0, np.inf
     for _ in range(MOST_TURNS):
         here = system.at(moved, taken)
@@ -126,7 +129,8 @@ def tilted_equilibrium(
                 break
             if steps > MOST_STEPS:
                 raise RuntimeError(
-                    f"no static equilibrium with tilt after {MOST_STEPS} steps: {np.abs(here.left[:2]).max():.3g} N "
+                    bare
+                    or f"no static equilibrium with tilt after {MOST_STEPS} steps: {np.abs(here.left[:2]).max():.3g} N "
                     "unbalanced at the hub; check load, operation.misalignment_mrad and profiles"
                 )
             moved, here = _descended(system, moved, taken, here)
@@ -136,7 +140,7 @@ def tilted_equilibrium(
             return system.found(moved, here)
         # rings that bend more than their contacts need Newton's method, since their forces would swing
         taken, before = taken + (more if left < CONTRACTING * before else system.settled(here, more)), left
-    raise RuntimeError("no static equilibrium with tilt: contacts push one another in")
+    raise RuntimeError(bare or "no static equilibrium with tilt: contacts push one another in")
 
 
 def _descended(system: "_System", moved, taken, here: _Point) -> tuple[np.ndarray, _Point]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from fem.interface import simulate, statics
 from fem.rating.case import Case, Options
@@ -124,6 +125,33 @@ def test_models_agree_while_pockets_pass_the_load():
     names = "energy_kinetic", "energy_elastic", "energy_contact", "work_dissipated"
     balance = sum(reduced[name] for name in names) - reduced["work_external"]
     assert np.ptp(balance) < 1e-6 * float(np.max(reduced["energy_contact"]))
+
+
+HALF = "bearing.missing_rollers=[10, 11, 12, 0, 1, 2, 3]"
+
+
+@pytest.mark.parametrize(
+    ("model", "more"),
+    [("lagrange", ()), ("reduced", ()), ("fem", ("numerics.mesh_size_mm=2",)), ("lagrange", ("axial.slices=5",))],
+)  # fmt: skip
+def test_nothing_carries_the_hub_where_rollers_are_missing_over_half_a_turn(model, more, tmp_path, capsys):
+    arguments = ["--model", model, "--duration", "0", "--output", str(tmp_path / "run.nc")]
+    settings = [word for key in (HALF, *more) for word in ("--set", key)]
+    assert run_main([*arguments, *settings]) in (1, 2)
+    error = capsys.readouterr().err
+    assert "nothing carries the hub" in error and "missing over 222 degrees" in error
+    assert "radial_load" not in error and "law" not in error
+    assert run_main([*arguments, *settings, "--set", "operation.first_roller_deg=180"]) == 0
+
+
+def test_a_rating_and_a_run_say_what_the_hub_fell_into(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = ["--set", HALF, "--set", "operation.first_roller_deg=180", "--quiet"]
+    assert run_main(["--model", "lagrange", "--duration", "30", "--output", "run.nc", *settings]) == 1
+    assert "nothing carries the hub" in capsys.readouterr().err
+    assert rate_main(settings) == 0
+    rated = json.loads(next(tmp_path.glob("*-rating.json")).read_text(encoding="utf-8"))
+    assert "nothing carries the hub" in rated["reasons"]["stiffness_N_per_m"]
 
 
 def test_it_may_be_varied_and_set():

@@ -8,7 +8,7 @@ from fem.solver.solver import Samples
 from lagrange import BallBearing, Bearing
 from lagrange.contact.laws import Side, contact_ellipse
 from lagrange.contact.raceway_laws import contact_pairs
-from lagrange.equations import touching_distances
+from lagrange.equations import nothing_carries, touching_distances
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import profiles
 
@@ -101,14 +101,20 @@ def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     hint = "without a cage few rollers gather on one side: give the scene a [cage], take more rollers or "
     if plan.scene.cage is not None:
         hint = "take a lighter load, more rollers, stiffer pockets of the cage or "
-    then = _hub_then(plan.time_step, samples, at)
-    return f"the bearing has come apart {then}; {hint}contact.friction_coefficient above 0"
+    hint = _bare(plan.model.bearing, samples, at) or f"{hint}contact.friction_coefficient above 0"
+    return f"the bearing has come apart {_hub_then(plan.time_step, samples, at)}; {hint}"
 
 
-def through_trouble(time_step: float, samples: Samples, at: int) -> str:
+def through_trouble(bearing: Bearing, time_step: float, samples: Samples, at: int) -> str:
     """What to say of a sample whose rigid bodies are in one another."""
-    hint = "take a lighter load, more or larger rollers or a stiffer material"
+    hint = _bare(bearing, samples, at) or "take a lighter load, more or larger rollers or a stiffer material"
     return f"rigid bodies have gone through one another {_hub_then(time_step, samples, at)}; {hint}"
+
+
+def _bare(bearing: Bearing, samples: Samples, at: int) -> str | None:
+    """Why nothing stops the hub on its way, where rollers are missing there."""
+    hub_x, hub_y = from_outer_ring(samples, "inner")
+    return nothing_carries(bearing, samples["roller_theta"][at], (hub_x[at], hub_y[at]))
 
 
 def _hub_then(time_step: float, samples: Samples, at: int) -> str:

@@ -66,7 +66,7 @@ class LagrangianState(RigidState):
         in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
         self._came_apart = in_place < len(looked) and trouble is None
         if self._came_apart:
-            trouble = through_trouble(self.plan.time_step, looked, in_place)
+            trouble = through_trouble(self.plan.problem.bearing, self.plan.time_step, looked, in_place)
         return in_place, trouble
 
     @property

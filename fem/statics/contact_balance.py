@@ -14,7 +14,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing, Operation
-from lagrange.equations import overlaps, sunk
+from lagrange.equations import nothing_carries, overlaps, sunk
 from lagrange.mounting import ring_place
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 
@@ -174,15 +174,23 @@ def balance(
         if change <= SETTLED * bearing.pitch_radius:
             return position, forces
         if np.hypot(position[0], position[1]) > bearing.roller_radius + abs(bearing.radial_clearance):
-            raise _not_found("the hub sinks by more than a roller's radius", loads)
-    raise _not_found(f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts", loads)
+            raise _not_found("the hub sinks by more than a roller's radius", contacts, loads)
+    raise _not_found(
+        f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts", contacts, loads
+    )
 
 
-def _not_found(why: str, loads: Loads) -> NotFound:
+def _not_found(why: str, contacts: Condensed, loads: Loads) -> NotFound:
     return NotFound(
-        f"no static equilibrium under {loads.hub:.4g} N at the hub: {why}; lower operation.radial_load_N or take a "
+        bare_of(contacts.bearing, contacts.radial, loads)
+        or f"no static equilibrium under {loads.hub:.4g} N at the hub: {why}; lower operation.radial_load_N or take a "
         "stiffer material"
     )
+
+
+def bare_of(bearing: Bearing, radial: np.ndarray, loads: Loads) -> str | None:
+    """`nothing_carries` of rollers along (n_rollers, 2), unit."""
+    return nothing_carries(bearing, np.arctan2(radial[:, 1], radial[:, 0]), (loads.side_load, -loads.hub))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -294,7 +302,7 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
         gap_step = (barrier - force * gap - gap * force_step) / force
         length = min(1.0, _room(force, force_step), _room(gap, gap_step))
         moved, force, gap = moved + length * step, force + length * force_step, gap + length * gap_step
-    raise _not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps", loads)
+    raise _not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps", held.contacts, loads)
 
 
 def _room(value, step) -> float:

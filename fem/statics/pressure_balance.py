@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from fem.contacts.model import PressurePoints
-from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound, geometry, springs_of
+from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound, bare_of, geometry, springs_of
 from lagrange import Bearing
 from lagrange.equations import overlaps
 
@@ -64,7 +64,8 @@ def balance_pressures(
             break
         place, (residual, jacobian, force, active, overlap) = trial, found
     if norm > 100.0 * enough + 2.0 * LOOSE_SPRING * abs(bearing.radial_clearance):
-        raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {size:.4g} N, contacts resolved")
+        why = f"static equilibrium not found: residual {norm:.2e} N under {size:.4g} N, contacts resolved"
+        raise NotFound(bare_of(bearing, radial, loads) or why)
     return place, force
 
 

@@ -2,7 +2,9 @@
 
 BASE is checked out beside this tree. Both run the same short scenes, each as a command of its own; every variable of
 the result files is compared byte by byte, their attributes but for times and versions, and the reports' numbers. With
---speed whole runs are timed in turns, with --cold a first start with no kernel compiled.
+--speed whole runs are timed in turns, with --cold a first start with no kernel compiled. With --numbers both judge the
+base's result files of some scenes: the numbers of check-residual, of its search for spalls and of rate-bearing agree
+to 1e-12.
 
 Code that is arranged in another way has other products fused with sums by the compiler, and its results differ by
 round-off. --unfused turns that off in both trees: what then differs has been computed in another way.
@@ -36,6 +38,11 @@ HERE = Path(__file__).resolve().parent.parent
 UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "source", "scene", "scene_checksum"}
 UNLIKE_IN_REPORT = {"run", "wall_seconds", "program_version"}
 FUSED = '_FUSED = ("contract",)'  # in a module of fem.kernels
+SAME_NUMBER = 1e-12  # relative
+JUDGED = (
+    "paper reduced-sensor reduced-guided-cage reduced-damped-spall reduced-roller-spall reduced-speed-history "
+    "reduced-tilted lagrange-tilted lagrange-balls fem-inner-spall"
+)
 MOST_TOLD, LONGEST_TOLD = 12, 160  # differences of a scene, characters of each
 SPEED_MS = 60.0  # of the paper's bearing
 console = Console(highlight=False, soft_wrap=True)
@@ -83,11 +90,18 @@ class Tree:
             self.command("fem", "--output", str(path), "--quiet", "--duration", repr(end), *keys, *more)
         return path
 
-    def report(self, path: Path) -> dict:
+    def report(self, path: Path, *options: str) -> dict:
         """Numbers of a run's report."""
-        folder = path.with_suffix("")
-        self.command("residual.cli", str(path), "--output", str(folder))
+        folder = self.room / path.stem
+        self.command("residual.cli", str(path), "--output", str(folder), *options)
         return json.loads((folder / "summary.json").read_text())
+
+    def judged(self, path: Path) -> dict:
+        """Numbers of a stored run: its report with a search for spalls, its rating."""
+        folder = self.room / f"{path.stem}-rated"
+        self.command("fem.commands.rate_bearing", str(path), "--output", str(folder), "--quiet")
+        rating = json.loads(next(folder.glob("*-rating.json")).read_text())
+        return {"report": self.report(path, "--find-faults"), "rating": rating}
 
 
 def differences(one: Path, other: Path) -> Iterator[str]:
@@ -120,13 +134,24 @@ def _size(x: np.ndarray, y: np.ndarray) -> str:
     )
 
 
-def _unlike(one, other, place: str = "") -> Iterator[str]:
+def _unlike(one, other, place: str = "", allowed: float = 0.0) -> Iterator[str]:
     """Numbers of two reports that are not the same."""
     if isinstance(one, dict) and isinstance(other, dict):
         for key in sorted((set(one) | set(other)) - UNLIKE_IN_REPORT):
-            yield from _unlike(one.get(key), other.get(key), f"{place}.{key}".lstrip("."))
+            yield from _unlike(one.get(key), other.get(key), f"{place}.{key}".lstrip("."), allowed)
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for i, pair in enumerate(zip(one, other, strict=True)):
+            yield from _unlike(*pair, f"{place}[{i}]", allowed)
     elif json.dumps(one) != json.dumps(other):
+        if isinstance(one, float) and isinstance(other, float) and abs(one - other) <= allowed * abs(other):
+            return
         yield f"report: {place} = {one!r} was {other!r}"
+
+
+def compare_numbers(scene: Short, mine: Tree, base: Tree) -> list[str]:
+    """Numbers in which two trees' judgements of the base's result differ."""
+    path = base.run(scene)
+    return list(_unlike(mine.judged(path), base.judged(path), allowed=SAME_NUMBER))
 
 
 def compare(scene: Short, mine: Tree, base: Tree) -> list[str]:
@@ -231,9 +256,11 @@ def main(
     ] = None,
     pairs: Annotated[int, Parameter(help="timed runs of each tree")] = 10,
     cold: Annotated[bool, Parameter(negative="", help="time a first start instead")] = False,
+    numbers: Annotated[bool, Parameter(negative="", help="compare what is said of stored runs instead")] = False,
 ) -> int:
     """Compare this tree with a revision; 1 where any scene differs."""
-    wanted = set(scenes.split(",")) if scenes else {scene.name for scene in SCENES}
+    every = set(JUDGED.split()) if numbers else {scene.name for scene in SCENES}
+    wanted = set(scenes.split(",")) if scenes else every
     if unknown := wanted - {scene.name for scene in SCENES}:
         console.print(f"unknown scenes: {', '.join(sorted(unknown))}; known: {', '.join(s.name for s in SCENES)}")
         return 2
@@ -247,7 +274,8 @@ def main(
         chosen = [scene for scene in SCENES if scene.name in wanted]
         unlike = 0
         with ThreadPoolExecutor(workers) as pool:
-            for scene, found in zip(chosen, pool.map(lambda s: compare(s, mine, old), chosen), strict=True):
+            compared = pool.map(lambda s: (compare_numbers if numbers else compare)(s, mine, old), chosen)
+            for scene, found in zip(chosen, compared, strict=True):
                 unlike += bool(found)
                 console.print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")
                 for what in found[:MOST_TOLD]:

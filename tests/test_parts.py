@@ -63,6 +63,19 @@ def drive_one(car, more):
 drive_all = every(drive_one)
 
 
+@part
+def brake_all(cars, more):
+    """Field of a field, entry of a tuple, name for either: what is absent is not compiled."""
+    (car,), loads = cars, (cars[0].load, None)
+    load = loads[0] if loads[0] is not None else loads[1]
+    if car.brake is not None and more > 0.0:
+        car.wheel.speed[0] -= car.brake.force
+    if load is None:
+        car.wheel.speed[0] += 1.0
+    else:
+        car.wheel.speed[0] += load[0]
+
+
 @pytest.mark.parametrize(
     ("function", "used"),
     [
@@ -98,3 +111,32 @@ def test_a_part_is_compiled_once_for_arguments_that_differ_in_what_it_does_not_u
 def test_what_is_kept_of_a_part_and_of_a_kernel_of_one_function_has_files_of_its_own(tmp_path):
     key = "any", "key"
     assert PartCache(radius_of, tmp_path)._file(key) != KernelCache(radius_of, tmp_path)._file(key)
+
+
+@pytest.mark.parametrize(("brake", "load", "speed"), [(None, None, 1.0), (Brake(2.0), np.full(1, 5.0), 3.0)])
+def test_one_function_serves_scenes_with_a_part_and_without_it(monkeypatch, brake, load, speed):
+    monkeypatch.setattr("fem.kernels.jit.cache_folder", lambda: None)
+
+    @kernel
+    def advance(cars, more):
+        brake_all(cars, more)
+
+    car = Car(Wheel(np.zeros(1), 0.5), brake, load)
+    advance((car,), 1.0)
+    assert car.wheel.speed[0] == speed
+
+
+def test_a_question_that_the_reader_of_fields_does_not_see_is_no_silent_no(monkeypatch):
+    monkeypatch.setattr("fem.kernels.jit.cache_folder", lambda: None)
+    monkeypatch.setattr("fem.kernels.part_compiler.fields_used", lambda function: ({"wheel": WHOLE},))
+
+    @part
+    def is_free(car):
+        return car.brake is None
+
+    @kernel
+    def ask(car):
+        return is_free(car)
+
+    with pytest.raises(TypeError, match="fields_used does not see"):
+        ask(Car(Wheel(np.zeros(1), 0.5), None))

@@ -27,6 +27,7 @@ from numba.core.types import BaseNamedTuple, BaseTuple
 
 from fem.kernels.fields_used import forget, shifted
 from fem.kernels.kernel_folder import cache_folder, notices
+from fem.kernels.known_none import KernelCompiler
 from fem.kernels.part_compiler import Code, rebuilt, reduced, register
 from lagrange.files.output import read_sealed, write_sealed
 
@@ -132,7 +133,7 @@ def kernel(function=None, **options):
     """Compile a function of arrays, named tuples of them and scalars for calls from Python and from other kernels."""
     if function is None:
         return lambda wrapped: kernel(wrapped, **options)
-    return keep(njit(**OPTIONS, **options)(function), cache_folder())
+    return keep(njit(pipeline_class=KernelCompiler, **OPTIONS, **options)(function), cache_folder())
 
 
 def _keep_part(function):

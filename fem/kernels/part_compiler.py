@@ -6,20 +6,14 @@ from functools import cached_property
 from llvmlite.binding import parse_bitcode
 from numba import _dynfunc, njit, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder, compile_result
+from numba.core.compiler import compile_result
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import lower_cast, models, register_model
 
 from fem.kernels.fields_used import WHOLE, Used, callees, fields_used, forget
-
-
-class UnusedType(types.Type):
-    """Numba type of what a part does not use."""
-
-
-UNUSED = UnusedType("unused")
+from fem.kernels.known_none import UNUSED, KernelCompiler, UnusedType
 
 
 @register_model(UnusedType)
@@ -107,11 +101,11 @@ def rebuilt(context, name, code, description, environment, signature):
     )
 
 
-class PartCompiler(CompilerBase):
-    """Numba's own compiler without machine code at its end."""
+class PartCompiler(KernelCompiler):
+    """The kernels' compiler without machine code at its end."""
 
     def define_pipelines(self):
-        manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        (manager,) = super().define_pipelines()
         manager.passes = [(_PartLowering if each is NativeLowering else each, name) for each, name in manager.passes]
         manager.finalize()
         return [manager]

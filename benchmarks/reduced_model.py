@@ -1,19 +1,17 @@
 """Speed of the reduced model beside finite elements: `python -m benchmarks.reduced_model`.
 
 Processor time of the time loop for 60 ms, one thread, the lowest of some runs taken in turns; finite elements of 1 mm
-for the first tenth of that. How the reduced model's step grows with the number of rollers. And shocks with modes: 20 ms
-by every model in turns, medians, steps restarted included.
+for the first tenth of that. How the reduced model's step grows with the number of rollers.
 """
 
 import sys
 from math import pi, sin
-from statistics import median
 
 from rich.console import Console
 
 from benchmarks.measuring import in_turns, new_table, timed
 from fem.solver.row_state import RowState
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan
 from lagrange.scene.scene import read_scene
 from tests.measurements import publish
@@ -21,15 +19,6 @@ from tests.measurements import publish
 TURNS = 15
 ELEMENTS_MS = 6.0
 ROLLERS = (8, 16, 24, 32)
-SHOCKS_MS, SHOCKS_TURNS = 20.0, 3
-SHOCKS = {
-    "load grown in 50 µs": ("numerics.start=rest", "numerics.load_ramp_ms=0.05"),
-    "rattling: 40 µm, 200 N": (
-        "bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200", "numerics.start=rest",
-        "numerics.load_ramp_ms=0",
-    ),
-}  # fmt: skip
-MODES_KHZ = (0, 300, 600)
 
 
 def plan_of(model: str, *settings: str) -> Plan:
@@ -42,34 +31,6 @@ def loop_seconds(plan: Plan) -> float:
     """Processor time of a plan's whole time loop, s."""
     state: RowState = plan.first_state()
     return timed(state.take_steps, plan.n_samples * plan.looks)[0]
-
-
-def to_the_end(plan: Plan) -> RowState:
-    """A run of a plan with all that it restarts."""
-    state: RowState = plan.first_state()
-    run(plan, lambda block: None, state=state, restart=lambda reason: None)
-    return state
-
-
-def shock_rows() -> list[list[str]]:
-    """A row for each scene and highest mode: step, steps of the run and those restarted, times."""
-    rows, duration = [], f"numerics.duration_ms={SHOCKS_MS}"
-    for name, settings in SHOCKS.items():
-        plans = {"elements": plan_of("fem", duration, *settings)}
-        for highest in MODES_KHZ:
-            plans[highest] = plan_of("reduced", duration, f"reduced.modes_up_to_kHz={highest}", *settings)
-        calls = {label: (lambda plan=plan: timed(to_the_end, plan)[0]) for label, plan in plans.items()}
-        found = [dict(turn) for turn in in_turns(calls, SHOCKS_TURNS)]
-        for highest in MODES_KHZ:
-            state, seconds = to_the_end(plans[highest]), median(turn[highest] for turn in found)
-            steps = state.plan.stride * state.plan.n_samples
-            each = seconds / (steps + state.void_steps)
-            ratio = median(turn["elements"] / turn[highest] for turn in found)
-            rows.append([
-                name, str(highest), f"{1e6 * state.plan.time_step:.3g}", str(steps), str(state.void_steps),
-                f"{1e6 * each:.2f}", f"{1e3 * seconds / SHOCKS_MS:.2f}", f"{ratio:.0f}",
-            ])  # fmt: skip
-    return rows
 
 
 def rollers_of(count: int) -> tuple[str, ...]:
@@ -106,18 +67,7 @@ def main() -> None:
         plan = plan_of("reduced", *rollers_of(count))
         step = min(loop_seconds(plan) for _ in range(TURNS)) / (plan.stride * plan.n_samples)
         table.add_row(str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}")
-    headings = (
-        "scene",
-        "modes, kHz",
-        "step, µs",
-        "steps",
-        "restarted",
-        "each, µs",
-        "for a second, s",
-        "times faster",
-    )
-    shocks = new_table(f"Shocks, {SHOCKS_MS:g} ms, beside finite elements of 1 mm", headings, shock_rows())
-    publish("reduced", "Speed", "python -m benchmarks.reduced_model", shocks, whole, table, write=write)
+    publish("reduced", "Speed", "python -m benchmarks.reduced_model", whole, table, write=write)
 
 
 if __name__ == "__main__":

@@ -95,7 +95,6 @@ TABLES: dict[str, tuple[str, tuple[str, ...]]] = {
     "unbalance": ("operation.unbalance_g_mm=50 operation.rotating_load_N=300", ()),
     "hunt-crossley": ("damping.hunt_crossley_s_m=0.5", ()),
     "body-damping": ("damping.bodies_1_s=500", ("reduced", "lagrange")),
-    "modes": ("reduced.modes_up_to_kHz=300", ("fem", "lagrange")),
     "balls": ("bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16 " + HOUSING, ("fem", "reduced")),
     "tilted": ("axial.roller_profile=logarithmic operation.misalignment_mrad=1", ()),
     "materials": ("material.roller.youngs_modulus_GPa=310 material.roller.density_kg_m3=3250", ()),

@@ -167,7 +167,6 @@ REFUSED = {
     "nearly all": ({"bearing": {"missing_rollers": list(range(11))}}, "leaves 2 rollers; at least 3"),
     "unequal": ({"unequal_roller": [{"roller": 2}]}, "not together with bearing.missing_rollers"),
     "a roller's spall": ({"spall": [{"body": "roller", "roller": 2}]}, "not together with bearing.missing_rollers"),
-    "modes": ({"model": "reduced", "reduced": {"modes_up_to_kHz": 200.0}}, "not together with bearing.missing_rollers"),
     "a number": ({"bearing": {"missing_rollers": 3}}, "missing_rollers = 3"),
 }  # fmt: skip
 

@@ -88,7 +88,6 @@ def test_a_solid_shaft_is_rated():
 
 
 REFUSED = {
-    "modes": ({"model": "reduced", "reduced": {"modes_up_to_kHz": 200.0}}, "a shaft whose mass is all over it"),
     "fits": ({"model": "reduced", "fit": {"shaft_interference_um": 5.0}}, "bearing.bore_diameter_mm = 0"),
     "springs": ({"contact": {"model": "penalty"}}, "held at its bore"),
 }  # fmt: skip

@@ -120,10 +120,6 @@ def test_a_load_that_turns_with_a_ring_that_stands_stands(tmp_path, model):
         ({"support": {"kind": "points"}, "model": "fem"}, 'not with "points"'),
         ({"fit": {"inner_ring_C": 30.0}}, "not with [fit], whose housing stands still"),
         ({"cage": {"mass_kg": 0.02, "guidance": "outer_ring"}}, 'cage.guidance = "outer_ring": not with operation'),
-        (
-            {"model": "reduced", "reduced": {"modes_up_to_kHz": 100.0}},
-            "not together with reduced.modes_up_to_kHz = 100",
-        ),
         ({"model": "fem", "contact": {"model": "resolved"}}, 'only with contact.model = "subgrid"'),
     ],
 )

@@ -177,8 +177,7 @@ def test_the_lagrangian_model_warns_of_missed_waves_as_the_others_do():
 
 @pytest.mark.parametrize(
     ("excited", "takes_none"),
-    [(("model=reduced", "spall.0.angle_deg=14"), "reduced.modes_up_to_kHz=600"),
-     (("support.kind=housing", "support.damping_N_s_m=0"), "contact.model=penalty")],
+    [(("support.kind=housing", "support.damping_N_s_m=0"), "contact.model=penalty")],
 )  # fmt: skip
 def test_damping_is_not_asked_for_where_it_would_be_refused(excited, takes_none):
     assert [each for each in plan_of(*excited).warnings if "contact_time_us" in each]

@@ -29,44 +29,12 @@ class Modes:
     shape: np.ndarray  # (n_modes,), kg^-½, surface displacement into the body
     carried: np.ndarray  # (n_modes,), kg^-½, displacement of the rigid hub on a ring's held circle, along +x
 
-    def compliance(self, angle: np.ndarray) -> np.ndarray:
-        """What modes carry of the static displacement, m/N, at angles, rad, from a unit force.
-
-        Relative to the hub, whose load holds the force.
-        """
-        relative = self.shape + self.carried
-        each = np.cos(np.multiply.outer(angle, self.order)) * (relative / self.frequency) ** 2
-        return each.sum(axis=-1)
-
-    def slope(self, angle: np.ndarray) -> np.ndarray:
-        """How that changes with the angle, m/N per rad."""
-        relative = self.shape + self.carried
-        each = -np.sin(np.multiply.outer(angle, self.order)) * self.order * (relative / self.frequency) ** 2
-        return each.sum(axis=-1)
-
-
-def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Modes:
-    """All modes up to a frequency, rad/s, of a disc or ring so thick, m; but for a disc's rotation.
-
-    `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
-    """
-    found = []
-    for n in range(MOST_WAVES):
-        frequency, into, carried = _of_order(n, section, thickness, hub)
-        some = (frequency > RIGID * highest) & (frequency <= highest)
-        found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
-        # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
-        if n > 2 and frequency[0] > highest:
-            break
-    table = np.array(found).reshape(-1, 4)
-    order, frequency, shape, carried = table.T
-    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
-
 
 @lru_cache(maxsize=8)
 def shift_vibrations(section: Section, thickness: float, hub: float | None = None) -> Modes:
-    """The modes of one wave around, which shift the loaded circle; parameters are those of `vibrations`.
+    """The modes of one wave around, which shift the loaded circle; of a disc or ring so thick, m.
 
+    `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
     As many as the polynomials have: the fastest are theirs, not the ring's, and all together carry its statics.
     """
     frequency, into, carried = _of_order(1, section, thickness, hub)
@@ -76,7 +44,7 @@ def shift_vibrations(section: Section, thickness: float, hub: float | None = Non
 
 
 def inertia(section: Section, thickness: float, hub: float | None = None) -> tuple[float, float]:
-    """Σ s²/ω⁴, s⁴/kg, of all modes, and the slowest's frequency, rad/s; parameters are those of `vibrations`.
+    """Σ s²/ω⁴, s⁴/kg, of all modes, and the slowest's frequency, rad/s; parameters are those of `shift_vibrations`.
 
     It is also ∫ρ u² of the displacements u by a unit force at rest, and most of it is that of the longest waves. Of few
     waves around by modes, of which one moves the whole body; of more by the displacements at rest.

@@ -216,7 +216,7 @@ def _kicked(law, forces, at, ahead, Q, there):
     P, residual = kick_by_energy(before, Q_before, last[0], last[1], approach, Q, work, eased)
     P = select(there, P, 0.0)
     residual = residual + cut_off(forces.cut, forces, at, free - approach, P)
-    P, residual = repay(forces, at, approach, P, residual, splat(0.0), (ahead, 1.0))
+    P, residual = repay(forces, at, approach, P, residual, splat(0.0), ahead)
     store(forces.approach, at, approach)
     store(forces.kick, at, P)
     store(forces.residual, at, residual)

@@ -23,12 +23,10 @@ from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import STEEPEST, distant_force
 from fem.kernels.reduced_housing import ring_place
-from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import LoadHistory
 from fem.kernels.surfaces import lowered_ring, lowered_rollers
 
-MORE_SWEEPS = 2  # where bodies vibrate
 NEAR = 0.03  # of a force: a step of third order no longer leaves a hundredth of its cube, less than sweeps do
 
 
@@ -153,7 +151,6 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
     inner, outer = compliance.inner, compliance.outer
     reach, track = touching(drive.history, compliance, drive)
     ring_x, ring_y = ring_place(bodies.housing)
-    gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
@@ -186,7 +183,6 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
             first_o,
             forces.slope,
         )
-        first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = level(inner, forces.bracket_now, group), level(outer, forces.bracket_now, columns + group)
         Q_i, stiff_i = _force(inner, B_i, first_i, guess_i)
@@ -280,36 +276,6 @@ def met_surfaces(slope, bodies, compliance, forces, group, turn, outer):
 def store_pair(array, at, apart, one, other):
     store(array, at, one)
     store(array, at + apart, other)
-
-
-@part
-def gauss_seidel_sweeps(vibrations, bodies, compliance, forces):
-    """Extra Gauss-Seidel sweeps over the coupled force increments; only where bodies have modes.
-
-    There the predictor's error is as large as a vibration's curvature over a step; what two sweeps leave of it lags
-    behind, and would excite the fastest modes.
-    """
-    if vibrations is None:
-        return
-    columns, n, halo = bodies.columns, bodies.n, forces.halo
-    width, across = columns + 2 * halo, compliance.across
-    for _ in range(MORE_SWEEPS):
-        for group in range(0, n, WIDTH):
-            at = halo + group
-            stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
-            guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
-            less_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
-            less_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
-            Q_i = load(forces.estimate, group) - stiff_i * less_i
-            Q_o = load(forces.estimate, columns + group) - stiff_o * less_o
-            Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
-            known_i, known_o = load(forces.gained, at), load(forces.gained, width + at)
-            gained_i = known_i + compliance.relaxation_factor * (maximum(Q_i, 0.0) - guess_i - known_i)
-            gained_o = known_o + compliance.relaxation_factor * (maximum(Q_o, 0.0) - guess_o - known_o)
-            there = count_from(group) < n
-            store_pair(forces.gained, at, width, select(there, gained_i, 0.0), select(there, gained_o, 0.0))
-        wrap(forces.gained, INNER, n, halo)
-        wrap(forces.gained, OUTER, n, halo)
 
 
 @part

@@ -12,16 +12,11 @@ from fem.kernels.prescribed_rollers import along_ray
 from fem.kernels.reduced_contacts import both_forces, coupled_approach, level, store_pair, take_more, wrap
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import ring_acceleration
-from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_radiation import note_strikes
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.reduced_surfaces import push_along
 from fem.kernels.rigid_parts import TWELFTH
 from fem.kernels.state import LoadHistory
-
-# share of the residual energy that contacts of vibrating surfaces release as they open: kicks drive their fastest
-# modes, and with three tenths rollers strike 6 % more often
-RELEASED_TO_WAVES = 0.1
 
 
 @verb
@@ -59,7 +54,6 @@ def kick(bodies, compliance, forces, drive, before):
     columns, n, halo, dt = bodies.columns, bodies.n, forces.halo, drive.dt
     width, over, across = columns + 2 * halo, dt / bodies.mass, compliance.across
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    share = _share_released(bodies.vibrations, drive)
     _tell_neighbours(forces.ahead, bodies, compliance, forces, drive, before)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
@@ -73,9 +67,9 @@ def kick(bodies, compliance, forces, drive, before):
         more_i, more_o = no_less(Q_i, more_i), no_less(Q_o, more_o)
         Q_i, Q_o = Q_i + more_i, Q_o + more_o
         take_more(forces.taken, columns, group, across * more_o, across * more_i)
-        P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, (further_i, share), Q_i, there)
+        P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, further_i, Q_i, there)
         at = columns + group
-        P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, (further_o, share), Q_o, there)
+        P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, further_o, Q_o, there)
         note_ahead(forces.ahead, forces, group, further_i, P_i)
         note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
@@ -90,7 +84,6 @@ def kick(bodies, compliance, forces, drive, before):
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
         T_i, T_o = T_i - P_i * load(forces.tilt, group), T_o - P_o * load(forces.tilt, columns + group)
-        T_i, T_o = push_modes(bodies.vibrations, bodies, forces, group, (P_i, P_o), (T_i, T_o))
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
@@ -178,11 +171,10 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
 
 
 @part
-def _kicked(law, forces, dt, at, ahead, opening, Q, there):
+def _kicked(law, forces, dt, at, ahead, further, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`.
 
-    `opening` is for `repay`: how much further the forces' bodies are there, m, and the released share of the residual
-    energy.
+    `further` : m, how much the forces' bodies are there, for `repay`
     """
     approach = load(forces.first, at) + ahead
     free = approach
@@ -194,7 +186,7 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     P = select(there, P, 0.0)
     P, residual, grown = _bounded(forces, forces.taken, at, approach, P, Q, residual)
     residual = residual + cut_off(forces.cut, forces, at, free - approach, P)
-    P, residual = repay(forces, at, approach, P, residual, grown, opening)
+    P, residual = repay(forces, at, approach, P, residual, grown, further)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
@@ -202,13 +194,7 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
 
 
 @part
-def _share_released(vibrations, drive):
-    """Share of its residual energy that an opening contact releases: all without friction, as it opens so often."""
-    return 1.0 if vibrations is None or drive.friction == 0.0 else RELEASED_TO_WAVES
-
-
-@part
-def repay(forces, at, approach, P, residual, grown, opening):
+def repay(forces, at, approach, P, residual, grown, further):
     """Kicks, N, of eight contacts, and their residual energies, J, released where they open.
 
     Half of a kick works in the step behind, in which bodies have moved by `grown`, m, more than the approach, half in
@@ -218,12 +204,11 @@ def repay(forces, at, approach, P, residual, grown, opening):
     opens = (before > 0.0) & (approach <= 0.0)
     if not any_lane(opens):
         return P, residual
-    further, share = opening
     behind = select(opens, approach - before + grown, -1.0)
     ahead = behind + further * (1.0 / TWELFTH)
     most = load(forces.force, at)
     more = (2.0 * residual - ahead * P) / minimum(ahead + behind, behind)
-    more = select(opens, share * maximum(minimum(more, most), -most), 0.0)
+    more = select(opens, maximum(minimum(more, most), -most), 0.0)
     return P + more, residual - 0.5 * behind * more
 
 
@@ -269,7 +254,7 @@ def _keep_brackets(forces, group, columns, brackets):
 def _bounded(forces, taken, at, approach, P, Q, residual):
     """A kick no further off than the larger force of the step behind; what contacts have stored beyond kicks, J.
 
-    Where bodies vibrate a guess can be so far off that approach and force of a contact that opens don't fit. And what
+    A guess can be so far off that approach and force of a contact that opens don't fit. And what
     energy between contacts has grown by is more than kicks have taken for it: forces Q at both ends of a step take it
     exactly, kicks P only where the contact neither opens nor closes.
     """

@@ -17,11 +17,10 @@ from fem.kernels.drive import (
 )
 from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damping, kick_isolated
 from fem.kernels.jit import kernel, part, verb
-from fem.kernels.reduced_contacts import corrected_forces, estimate_forces, gauss_seidel_sweeps
+from fem.kernels.reduced_contacts import corrected_forces, estimate_forces
 from fem.kernels.reduced_damping import damping_coefficients
 from fem.kernels.reduced_friction import press_neighbours
 from fem.kernels.reduced_kick import kick
-from fem.kernels.reduced_modes import carried_by
 from fem.kernels.reduced_paces import drive_of, sections_of, short_steps, steps_of, take_pace
 from fem.kernels.reduced_samples import note_beyond, write_energies, write_motion, write_works
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles
@@ -92,7 +91,6 @@ def _find_forces(compliance, bodies, forces, drive, time, inside):
     if inside % AGAIN == 0:
         follow_angles(bodies, compliance, forces)
     estimate_forces(bodies, compliance, forces, drive, turn_at(drive.history, drive, time))
-    gauss_seidel_sweeps(bodies.vibrations, bodies, compliance, forces)
     return corrected_forces(bodies, compliance, forces)
 
 
@@ -142,11 +140,9 @@ def _kick_hub(step, push, load):
 @part
 def _work_load(bodies, before, drive, load):
     """Count the work of the load, by the velocities before and after the whole kick."""
-    past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
     work = before.hub_velocity[1] + bodies.hub_velocity[1]
-    work += past[1] + next_[1]
     drive.sums[0] -= 0.5 * drive.dt * load[1] * work
-    work = before.hub_velocity[0] + bodies.hub_velocity[0] + past[0] + next_[0]
+    work = before.hub_velocity[0] + bodies.hub_velocity[0]
     drive.sums[0] = with_side_load(drive.history, drive.sums[0], 0.5 * drive.dt * load[0] * work)
 
 

@@ -15,7 +15,6 @@ from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import stored_energy
 from fem.kernels.reduced_contacts import coupled_approach, wrap
 from fem.kernels.reduced_housing import ring_place, ring_rates
-from fem.kernels.reduced_modes import carried_by, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.rigid_parts import TWELFTH
 from fem.kernels.sample_kernels import (
@@ -55,12 +54,9 @@ def write_motion(bodies, forces, drive, before, out, time):
     """
     out[TIME] = time
     ahead, a = TWELFTH * drive.dt * drive.dt, before.hub_acceleration
-    x, y = carried_by(bodies.vibrations, 0)
-    out[HUB_X], out[HUB_Y] = bodies.hub[0] + ahead * a[0] + x, bodies.hub[1] + ahead * a[1] + y
-    x, y = carried_by(bodies.vibrations, 1)
-    vx, vy = before.hub_velocity[0] + x, before.hub_velocity[1] + y
-    x, y = carried_by(bodies.vibrations, 2)
-    wx, wy = bodies.hub_velocity[0] + x, bodies.hub_velocity[1] + y
+    out[HUB_X], out[HUB_Y] = bodies.hub[0] + ahead * a[0], bodies.hub[1] + ahead * a[1]
+    vx, vy = before.hub_velocity[0], before.hub_velocity[1]
+    wx, wy = bodies.hub_velocity[0], bodies.hub_velocity[1]
     out[HUB_VX], out[HUB_VY] = 0.5 * (vx + wx), 0.5 * (vy + wy)
     out[HUB_AX], out[HUB_AY] = (wx - vx) / drive.dt, (wy - vy) / drive.dt
     n = bodies.n
@@ -79,9 +75,9 @@ def write_motion(bodies, forces, drive, before, out, time):
 @part
 def write_works(bodies, drive, before, out):
     """Works of load and drive up to the instant of the kick, and what friction has dissipated."""
-    half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
-    work = drive.sums[0] - half * before.load[1] * (before.hub_velocity[1] + carried[1])
-    more = half * before.load[0] * (before.hub_velocity[0] + carried[0])
+    half = 0.5 * drive.dt
+    work = drive.sums[0] - half * before.load[1] * before.hub_velocity[1]
+    more = half * before.load[0] * before.hub_velocity[0]
     out[WORK_LOAD] = with_side_load(drive.history, work, more)
     out[WORK_DRIVE] = 0.5 * (before.driven[0] + drive.sums[1])
     out[DISSIPATED] = drive.sums[2]
@@ -178,9 +174,8 @@ def write_energies(bodies, compliance, forces, drive, before, out):
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay + bodies.mass * total(pushed)
     pulled = with_side_load(drive.history, pulled, -2.0 * side_load * ax)
-    vibrating, strained = vibration_energies(bodies.vibrations, columns)
-    out[KINETIC] = 0.5 * kinetic + vibrating
-    out[ELASTIC] = strained
+    out[KINETIC] = 0.5 * kinetic
+    out[ELASTIC] = 0.0
     # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more
     out[CONTACT] = total(stored) + drive.dt * drive.dt / 24.0 * pulled
     out[WORK_GRAVITY] = -drive.gravity * (bodies.hub_mass * bodies.hub[1] + bodies.mass * total(lifted))

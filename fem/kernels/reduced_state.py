@@ -23,51 +23,10 @@ INNER, OUTER, NEXT = 0, 1, 2
 UNEVEN = "bracket", "bracket_now", "slope", "softening"  # of `ReducedForces`: None on perfect circles
 
 
-class RollerModes(NamedTuple):
-    """Modes of a roller, by waves around; each has a twin a quarter wave further. Modal masses are near 1 kg."""
-
-    start: given("orders + 1", int)  # first mode of so many waves around
-    shape: given("n_modes")  # surface displacement into the body
-    stiffness: given("n_modes")  # N/m
-    mass: given("n_modes")  # kg, with which leapfrog's steps have the mode's frequency
-    kick: given("n_modes")  # s/kg, a step over the mass
-    amplitude: state("n_modes, 2, columns")  # m
-    rate: state("n_modes, 2, columns")  # m/s, at t − dt/2
-    before: state("n_modes, 2, columns")  # the rate before the last kick
-
-
-class RingModes(NamedTuple):
-    """Modes of a ring, in layers: the first, second ... of every number of waves around; empty places have shape 0.
-
-    The values of a layer are ordered by waves around, in `width` for whole registers.
-    """
-
-    orders: int  # numbers of waves around, from none on
-    shape: given("layers, width")  # surface displacement into the ring
-    carried: given("layers, width")  # displacement of the hub
-    stiffness: given("layers, width")  # N/m
-    mass: given("layers, width")  # kg, with which leapfrog's steps have the mode's frequency
-    kick: given("layers, width")  # s/kg, a step over the mass
-    amplitude: state("layers, 2, width")  # m
-    rate: state("layers, 2, width")  # m/s, at t − dt/2
-    before: state("layers, 2, width")  # the rate before the last kick
-    wave: room("2, width")  # m, displacement into the ring by waves around
-    push: room("2, width, lanes")  # N, by lane, forces on them
-
-
-class Vibrations(NamedTuple):
-    """What bodies do beside moving as a whole."""
-
-    roller: RollerModes
-    inner: RingModes
-    outer: RingModes
-    lean: room("2, columns")  # m/rad, slope of the surfaces' displacement at contacts
-
-
 class RigidBodies(NamedTuple):
     """The hub with the inner ring, and the rollers."""
 
-    hub: state("2")  # m; with vibrations the centre of mass of hub and ring
+    hub: state("2")  # m
     hub_velocity: state("2")  # m/s, at t − dt/2
     centre: state("2, columns")  # m
     velocity: state("2, columns")  # m/s, at t − dt/2
@@ -77,7 +36,6 @@ class RigidBodies(NamedTuple):
     mass: float  # kg, of a roller
     inertia: float  # kg m²
     radius: float  # m, of a roller, undeformed
-    vibrations: Vibrations | None
     n: int
     columns: int
     cage: CagePair | None

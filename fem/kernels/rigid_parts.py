@@ -38,7 +38,6 @@ class Change(NamedTuple):
 def parts_of(bodies, forces):
     """All parts of a scene, None where it lacks one, in the order in which they act."""
     return (
-        bodies.vibrations,
         bodies.shaft,
         bodies.housing,
         bodies.cage,

@@ -30,7 +30,7 @@ def elastic_pitch(
         raise Unavailable("[bodies]: a body is rigid, and elastic rings take elastic bodies")
     bearing = replace(bearing, faults=())
     motion = kinematics(bearing, *operation.ring_speeds)
-    model = reduced_bearing(bearing, motion, None, operation.gravity)
+    model = reduced_bearing(bearing, motion, operation.gravity)
     loads = Loads.of(operation, motion.cage)
 
     def solve(angles: np.ndarray, near: Point | None) -> Point:

@@ -67,7 +67,7 @@ def bodies_of(plan: "LagrangianPlan") -> RigidBodies:
         work=np.zeros(2),
         column=row_width(n, None, mounting) if shown else -1,
     )
-    of_model = {"inertia": np.inf, "vibrations": None, "prescribed": prescribed}  # their spin is prescribed
+    of_model = {"inertia": np.inf, "prescribed": prescribed}  # their spin is prescribed
     free = None if problem.free_cage is None else plan.scene.ideal_cage()
     bodies = rigid_bodies(bearing, operation, free, placed, dt, **of_model)
     tilts = problem.first_state.state.tilts

@@ -5,7 +5,7 @@ finite elements, which must follow elastic waves, and each takes a small part of
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from math import ceil
 
 import numpy as np
 
@@ -26,10 +26,9 @@ from fem.solver.sections import RigidPlan, sections_of, time_along_a_wave
 from fem.solver.solver import sample_count
 from fem.solver.tilted_start import check_slices, tables_of, tilted_start
 from fem.solver.validity import may_strike
-from fem.solver.vibrations import longest_with_modes
 from fem.solver.warnings import plan_warnings
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
-from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
+from fem.statics.vibrating_bearing import UnseenWaves, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.tabulate import MORE
@@ -40,8 +39,7 @@ from lagrange.scene.tables import MODEL_NAMES
 
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
-# one thread of a 2024 server core; only a guide
-SECONDS_PER_LANES, SECONDS_PER_MODE = 0.33e-6, 6e-9
+SECONDS_PER_LANES = 0.33e-6  # one thread of a 2024 server core; only a guide
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,17 +65,15 @@ class ReducedPlan(RigidPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Two of the hub, three of each roller, one of each mode; tilts, skews and two of a hub's free slope."""
-        n, modes = self.model.bearing.n_rollers, self.model.modes
+        """Two of the hub, three of each roller; tilts, skews and two of a hub's free slope."""
+        n = self.model.bearing.n_rollers
         axial = self.scene.ideal_axial()
         tilts = 0 if axial is None else n * (1 + (axial.skew == "free")) + 2 * axial.has_free_slope
-        return 2 + 3 * n + tilts + (0 if modes is None else modes.count(n))
+        return 2 + 3 * n + tilts
 
     @property
     def expected_seconds(self) -> float:
-        n, modes = self.model.bearing.n_rollers, self.model.modes
-        each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
-        return pace("reduced") * each * self.steps
+        return pace("reduced") * SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * self.steps
 
     def static_hub(self) -> np.ndarray:
         return standing_hub(self.model, self.operation)
@@ -113,10 +109,9 @@ class ReducedPlan(RigidPlan):
         return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
-        start, up_to = self.start, self.scene.reduced.modes_up_to_kHz
+        start = self.start
         return {
-            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
-            + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
+            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
             **self.operation.mounting.rows,
             **self.step_rows(),
             "expected time": in_words("reduced", self.expected_seconds),
@@ -139,27 +134,20 @@ def make_plan(scene: Scene) -> ReducedPlan:
     _check(scene)
     bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
     ideal = kinematics(bearing, *operation.ring_speeds)
-    highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
-    modes = bearing_modes(bearing, operation.inner_mass, highest)
     check_speed(bearing, kinematics_met(bearing, operation))
-    model = reduced_bearing(bearing, ideal, modes, operation.gravity)
+    model = reduced_bearing(bearing, ideal, operation.gravity)
     fastest = fastest_kinematics(bearing, operation)
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)
     load = operation.heaviest + operation.inner_mass * operation.gravity
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
-    if modes is not None and min(model.inner_law.Q_line, model.outer_law.Q_line) < LOAD_MARGIN * largest:
-        raise UsageError(
-            f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}: so many modes carry more than the contacts' "
-            f"approach under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
-        )
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, longest_with_modes(modes, float(scene.friction_coefficient)))
-    longest = min(longest, time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
+    of_dampers = time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts)
+    longest = min(SHARE * critical, of_dampers)
     on_waves = min(longest, KNOTS_A_STEP * time_along_a_wave(bearing, fastest)) * numerics.time_step_safety
     longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest)) * numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
@@ -183,7 +171,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         operation=operation,
         tangential=tangential,
         relaxation_factor=relaxation_factor(strongest_coupling(model, LOAD_MARGIN * largest)),
-        waves=unseen_waves(bearing, operation.inner_mass, modes),
+        waves=unseen_waves(bearing, operation.inner_mass),
         strikes=scene.cage is not None or may_strike(scene, bearing, operation),
         start=start,
         tables=tables,

@@ -19,9 +19,8 @@ from fem.kernels.reduced_state import (
 )
 from fem.kernels.tilted_contacts import Tilted
 from fem.solver.part_arrays import raceway_profiles, rigid_dampers
-from fem.solver.rigid_arrays import STILL, Placed, columns_for, outer_drive, rigid_bodies
+from fem.solver.rigid_arrays import STILL, Placed, outer_drive, rigid_bodies
 from fem.solver.tilted_arrays import tilted, with_moments, with_skews, with_tilts
-from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
 from lagrange.axial import SpalledTable
@@ -36,18 +35,12 @@ if TYPE_CHECKING:
 def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     """Everything that moves, half a step behind in velocity."""
     bearing, operation, start, dt = plan.model.bearing, plan.operation, plan.start, plan.time_step
-    columns = columns_for(bearing.n_rollers)
     radial = np.array([np.cos(start.angle), np.sin(start.angle)])
     around = np.array([-radial[1], radial[0]])
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-    load = (operation.side_load, -operation.radial_load) if start.steady else (0.0, 0.0)
-    vibrating = vibrations(plan.model, start, load, columns, dt)
-    carried = STILL
-    if vibrating is not None:
-        carried = np.einsum("ln,ltn->t", vibrating.inner.carried, vibrating.inner.amplitude)
     placed = Placed(
         angle=start.angle,
-        hub=start.hub + start.ring - carried,
+        hub=start.hub + start.ring,
         hub_velocity=start.hub_velocity,
         # steps take forces dt²/12 of the acceleration ahead, on a circle inwards; that far out they are the static ones
         centre=(1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None],
@@ -59,7 +52,7 @@ def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     )
     inertia = float(0.5 * bearing.roller_mass * bearing.roller_radius**2)
     free = plan.scene.ideal_cage()
-    bodies = rigid_bodies(bearing, operation, free, placed, dt, inertia=inertia, vibrations=vibrating)
+    bodies = rigid_bodies(bearing, operation, free, placed, dt, inertia=inertia)
     bodies.spin[: bearing.n_rollers] = start.kinematics.roller
     axial = plan.scene.ideal_axial()
     if axial is None:
@@ -123,7 +116,7 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     absent = () if uneven else UNEVEN
     if plan.tables is not None:  # with accounts of their own
         absent += "ahead", "cut", "taken"
-    absent += () if plan.strikes else ("ahead", "cut") if plan.model.modes is not None else ("ahead", "cut", "taken")
+    absent += () if plan.strikes else ("ahead", "cut", "taken")
     found = filled(
         ReducedForces,
         {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": rings.distance.size},

@@ -5,7 +5,6 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.solver.vibrations import critical_with_modes
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Operation
 from lagrange.contact.damping import ContactDamping
@@ -65,7 +64,7 @@ def relaxation_factor(coupling: float) -> float:
 
 
 def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
-    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
+    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller."""
     bearing, (soft, force) = model.bearing, _softness_below(model, force)
     stiff = np.linalg.inv(soft)
     pushed = np.array([-1.0, 1.0])
@@ -73,5 +72,4 @@ def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarr
     # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
     rocking = 4.0 / float(tangential.min())
     in_machine = fastest_in_machine(bearing, operation, *np.diag(stiff).tolist())
-    rigid = 2.0 / sqrt(max(max(radial, rocking) / bearing.roller_mass, in_machine**2))
-    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, operation.inner_mass))
+    return 2.0 / sqrt(max(max(radial, rocking) / bearing.roller_mass, in_machine**2))

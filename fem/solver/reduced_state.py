@@ -1,11 +1,9 @@
 """The reduced model's state: runs that restart, what they warn of, what a checkpoint keeps."""
 
-from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.kernels.reduced_state import RingModes, RollerModes
 from fem.solver.reduced_arrays import bodies_of, contact_compliance, contact_forces, drive_of
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
@@ -25,7 +23,6 @@ MOST_HALVINGS = 6  # of the time step
 # a half by up to a factor of 2; below both by 2 % at most
 SHOCK, HARD_SHOCK = 0.075, 0.5
 BEYOND = 1e-3  # of the largest force on the inner ring: what kicks may give beyond forces before a run says so
-MODES, MODES_HARD = 2.5, 4.2  # highest mode, over the bodies' slowest vibration, that makes up for waves after either
 
 
 class ReducedState(RigidState):
@@ -85,20 +82,13 @@ class ReducedState(RigidState):
     @property
     def warnings(self) -> tuple[str, ...]:
         found = super().warnings
-        hard = self.shock > HARD_SHOCK
-        needed = (MODES_HARD if hard else MODES) / slowest_vibration(self.plan.model.bearing)
-        if self.shock < SHOCK or self.plan.scene.reduced.modes_up_to_kHz >= 1e-3 * needed:
+        if self.shock < SHOCK:
             return found + self._slow_hub + self._stiff_laws + self._unequal_kicks
-        off = "tens of per cent" if hard else "several per cent"
-        mounting = self.plan.operation.mounting
-        alone = mounting.shaft is None and mounting.housing is None  # modes are not made for these
-        modes = f"reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or " if alone else ""
+        off = "tens of per cent" if self.shock > HARD_SHOCK else "several per cent"
         return (
             *found,
-            f"contact forces have changed by {100.0 * self.shock:.0f} % of the largest within one vibration of the "
-            "bodies: elastic waves take part, of which the reduced model has the modes that it is given and what "
-            f"strikes lose to all others; single forces may be off by {off}, statistics of rattling by some per cent; "
-            f'where single ones matter take {modes}model = "fem"',
+            "impacts excite elastic waves, which the reduced model represents only in part: individual peak forces may "
+            f'be off by {off}; for peak forces use model = "fem"',
         )
 
     @property
@@ -107,8 +97,7 @@ class ReducedState(RigidState):
         plan, mounting = self.plan, self.plan.operation.mounting
         if mounting.shaft is not None or mounting.housing is not None:  # then they are not what the hub vibrates by
             return ()
-        up_to = plan.scene.reduced.modes_up_to_kHz
-        said = vibration_warning(plan.model.bearing, plan.operation.inner_mass, self._hub_sums, up_to)
+        said = vibration_warning(plan.model.bearing, plan.operation.inner_mass, self._hub_sums)
         return () if said is None else (said,)
 
     @property
@@ -139,19 +128,9 @@ class ReducedState(RigidState):
         self._worst, self._hub_sums = float(numbers["worst"]), arrays["hub_sums"]
 
     @property
-    def _modes(self) -> dict[str, RollerModes | RingModes]:
-        """Vibrating bodies by name."""
-        vibrating = self.bodies.vibrations
-        return {} if vibrating is None else {name: getattr(vibrating, name) for name in ("roller", "inner", "outer")}
-
-    @property
     def fixed(self) -> tuple:
-        waves, modes = self.forces.radiation, []
-        for vibrating in self._modes.values():
-            modes += [vibrating.stiffness, vibrating.shape, vibrating.mass]
-            modes += [vibrating.start] if isinstance(vibrating, RollerModes) else [vibrating.orders, vibrating.carried]
-        of_waves = () if waves is None else (waves.inertia, waves.settling)
-        return (*super().fixed, *of_waves, *modes)
+        waves = self.forces.radiation
+        return super().fixed if waves is None else (*super().fixed, waves.inertia, waves.settling)
 
     def check(self) -> None:
         bodies, n = self.bodies, self.bodies.n
@@ -163,10 +142,6 @@ class ReducedState(RigidState):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
         if self.forces.radiation is not None and np.any(self.forces.radiation.owed < 0.0):
             raise ValueError("contacts with a negative energy loss to waves")
-        for name, modes in self._modes.items():
-            shape = modes.shape[:, None, None] if isinstance(modes, RollerModes) else modes.shape[:, None]
-            if np.abs(modes.amplitude * shape).max(initial=0.0) > bodies.radius:
-                raise ValueError(f"{name}: vibrations beyond all bounds")
 
 
 def slowest_vibration(bearing: Bearing) -> float:

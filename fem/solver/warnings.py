@@ -111,9 +111,7 @@ def _undamped(scene: Scene, operation: Operation) -> str | None:
         'support.kind = "housing"': housing is not None and housing.damping == 0.0,
     }
     named = [name for name, there in excited.items() if there]
-    takes_none = scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0
-    takes_none |= scene.model == "fem" and scene.contact.model != "subgrid"
-    takes_none |= scene.axial is not None
+    takes_none = (scene.model == "fem" and scene.contact.model != "subgrid") or scene.axial is not None
     if not named or scene.damping.acts or takes_none or scene.numerics.duration_ms == 0.0:
         return None
     return (

@@ -5,5 +5,5 @@ pressure_balance  hub and rollers on contacts of many points that push or stand 
 equilibrium       of a model, by either of the two
 exact_statics     the whole bearing without a mesh, the reference of `equilibrium`
 reduced_bearing   the same series as the dynamics of the reduced model take them
-vibrating_bearing modes of its bodies, and laws less what they carry
+vibrating_bearing elastic waves of its bodies, to which impacts lose energy
 """

@@ -1,6 +1,5 @@
 """A bearing reduced to its contacts for dynamics: exact series for every body, couplings along its rings."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import log, pi
@@ -12,10 +11,9 @@ from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
 from fem.elastic.continuum import hertz_approach, plane_compliance, ring_sections, roller_section, weight_sag
 from fem.elastic.tangential import moving_softening, stick_approach
-from fem.elastic.vibration import Modes
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
-from fem.statics.vibrating_bearing import BearingModes, softened
+from fem.statics.vibrating_bearing import softened
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
 from lagrange.kinematics import roller_angles
@@ -62,22 +60,15 @@ def crossed_series(bearing: Bearing) -> np.ndarray:
 
 
 def ring_couplings(
-    bearing: Bearing, series: np.ndarray, crossed: np.ndarray, rings: Sequence[Modes], own: float
+    bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float
 ) -> RingCouplings:
-    """Couplings of `series_around` without the rings' modes, and of `crossed_series`.
-
-    `rings` : of both, or none; `own` : m/N, compliance of a contact, over ln Q.
-    """
+    """Couplings of `series_around`, and of `crossed_series`; `own` : m/N, compliance of a contact, over ln Q."""
     n, h = bearing.n_rollers, strays(bearing.n_rollers)
     distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
     ahead = distance > 0
     given, slope = series[:, :, :, np.abs(distance) - 1].swapaxes(0, 1)
     given = np.where(ahead, given, given[:, ::-1])  # an even function of the angle
     slope = np.where(ahead, slope, -slope[:, ::-1])
-    angles = np.add.outer(h * np.array([-1.0, 0.0, 1.0]), 2.0 * pi / n * distance)
-    for row, ring in enumerate(rings):
-        given[row] -= ring.compliance(angles)
-        slope[row] -= ring.slope(angles)
     along, steep, bent = given[:, 1], slope[:, 1], _bent(given, slope, h)
     changed = np.abs(given - given[:, 1:2]).max(axis=1)
     count = [_last(row, FAINT * own) for row in np.abs(along)]
@@ -140,10 +131,9 @@ def _last(values: np.ndarray, limit: float) -> int:
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedBearing:
-    """Compliances of the contacts, rollers at equal angles; laws and couplings without what the bodies' modes carry."""
+    """Compliances of the contacts, rollers at equal angles."""
 
     contacts: Condensed  # whole bodies, rollers from angle 0 on; `closing` by the growth of spinning bodies
-    modes: BearingModes | None
     inner_law: ContactLaw
     outer_law: ContactLaw
     between: ContactLaw  # of two rollers
@@ -173,9 +163,9 @@ class ReducedBearing:
 
 
 def reduced_bearing(
-    bearing: Bearing, motion: Kinematics, modes: BearingModes | None = None, gravity: float = 0.0
+    bearing: Bearing, motion: Kinematics, gravity: float = 0.0
 ) -> ReducedBearing:
-    """Reduce a bearing that rolls, under gravity, m/s², to its contacts and to some modes of its bodies.
+    """Reduce a bearing that rolls, under gravity, m/s², to its contacts.
 
     Errors
     ------
@@ -189,22 +179,17 @@ def reduced_bearing(
         inner_law=_rolling(contacts.inner_law, bearing, motion),
         outer_law=_rolling(contacts.outer_law, bearing, motion),
     )
-    n, rings = bearing.n_rollers, () if modes is None else (modes.inner, modes.outer)
-    laws, across = (contacts.inner_law, contacts.outer_law), float(contacts.compliance[0, n])
-    if modes is not None:
-        laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
-        across -= modes.across
+    n = bearing.n_rollers
     series = _kept_series(_sound(bearing))
     (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
     return ReducedBearing(
         contacts=replace(contacts, closing=closing),
-        modes=modes,
-        inner_law=laws[0],
-        outer_law=laws[1],
+        inner_law=contacts.inner_law,
+        outer_law=contacts.outer_law,
         between=between,
-        rings=ring_couplings(bearing.full, series["around"], series["crossed"], rings, contacts.inner_law.A),
-        across=across,
+        rings=ring_couplings(bearing.full, series["around"], series["crossed"], contacts.inner_law.A),
+        across=float(contacts.compliance[0, n]),
         inner_growth=inner_growth,
         roller_growth=roller_growth,
         outer_growth=of_outer,

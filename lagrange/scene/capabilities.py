@@ -63,7 +63,6 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "no mesh": lambda scene: scene.model != "fem",
     "other contacts": lambda scene: scene.contact.model != "subgrid",
     "other contacts on meshes": lambda scene: scene.model == "fem" and scene.contact.model != "subgrid",
-    "modes": lambda scene: scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0,
     "rigid outer ring": lambda scene: scene.bodies.outer_ring == "rigid",
     "outer ring moves": lambda scene: scene.mounting().bore is not None or scene.mounting().points is not None,
     "balls": lambda scene: scene.bearing.type == "ball",
@@ -85,8 +84,6 @@ EITHER = "; leave one of them out"
 SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
 COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
-RINGS_ALONE = "whose modes are those of rings that contacts and load alone move"
-OTHER_MODES = f"{{given}}: not together with {{modes}}, {RINGS_ALONE}{EITHER}"
 AXIAL_MESH = '{given}: not together with [axial] on meshes; take model = "reduced", or leave one of them out'
 RADIAL = f"{{given}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
 REFUSED = (
@@ -96,8 +93,6 @@ REFUSED = (
     ("points", "rigid outer ring", f"{{given}}: a rigid outer ring is held as well by any{EITHER}"),
     ("points", "other contacts", f"{SUBGRID}{EITHER}"),
     ("shaft", "other contacts on meshes", COMPARES),
-    ("shaft", "modes", OTHER_MODES),
-    ("housing", "modes", OTHER_MODES),
     ("sensor", "no housing",
      '{given}: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'),
     ("bore", "no mesh", f"{FEM} is held without play; leave it out"),
@@ -107,7 +102,6 @@ REFUSED = (
      "{given}: only for bodies with meshes, which model = '{model}' has none of; leave it out, or take model = 'fem'"),
     ("contacts' damping", "other contacts on meshes",
      f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
-    ("contacts' damping", "modes", f"{{modes}}: not together with {{given}}, which would feed the modes{EITHER}"),
     ("fit in the housing", "outer ring moves",
      f"{{given}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
     ("load history", "other contacts on meshes", COMPARES),
@@ -117,14 +111,11 @@ REFUSED = (
     ("points", "contact angle", RADIAL),
     ("bore", "contact angle", RADIAL),
     ("fit", "contact angle", RADIAL),
-    ("missing rollers", "modes", f"{{modes}}: not together with {{given}}{EITHER}"),
     ("rollers' surfaces", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
     ("unequal rollers", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
     ("fit", "solid shaft", f"{{given}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
-    ("solid shaft", "modes", f"{{modes}}: not together with {{given}}, a shaft whose mass is all over it{EITHER}"),
     ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
     ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
-    ("axial", "modes", f"{{given}}: not together with {{modes}}, which are those of plane sections{EITHER}"),
     ("axial", "other contacts on meshes", f"{SUBGRID}, whose law is that of slices{EITHER}"),
     ("rigid body", "axial on meshes",
      f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
@@ -149,7 +140,6 @@ REFUSED = (
      f"all around{EITHER}"),
     ("outer ring's speed", "fitted",
      f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
-    ("outer ring's speed", "modes", OTHER_MODES),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 
@@ -159,7 +149,6 @@ def refusals(scene: SceneTables) -> Iterator[str]:
     words = {
         "model": scene.model, "contact": scene.contact.model,
         "support": "held" if scene.support is None else scene.support.kind,
-        "modes": f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}",
     }  # fmt: skip
     found = {feature: written(scene) for feature, written in GIVEN.items()}
     for feature, kind, sentence in REFUSED:

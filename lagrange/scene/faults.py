@@ -27,6 +27,13 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "shapes of cage pockets": ("pocket", "pocket_shape"),
     "hollow rollers": ("hollow", "roller_bore"),
 }
+# keys of earlier versions: what they were by default, which scenes in their result files spell out, and what to do
+GONE: dict[tuple[str, ...], tuple[Any, str]] = {
+    ("reduced",): (
+        {"modes_up_to_kHz": 0.0},
+        'the reduced model no longer has modes; for elastic waves use model = "fem"',
+    ),
+}
 # keys of a file beside the scene, and the text that a result file keeps of it
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 Digest = Annotated[
@@ -97,6 +104,17 @@ def all_faults(error: ValidationError, model: type[Table], data: dict[str, Any])
     return [*lines[:MOST_FAULTS], f"and {more} more"] if more > 0 else lines
 
 
+def without_gone(data: dict[str, Any]) -> dict[str, Any]:
+    """A scene's tables without keys of earlier versions that say what now holds anyway."""
+    for (name, *rest), (default, _) in GONE.items():
+        table = data.get(name)
+        if rest and isinstance(table, dict) and table.get(rest[0]) == default:
+            data = data | {name: {key: value for key, value in table.items() if key != rest[0]}}
+        elif not rest and table == default:
+            data = {key: value for key, value in data.items() if key != name}
+    return data
+
+
 def plain(value: Any) -> Any:
     """A value of its own, tables in it as nested dictionaries of what they were given."""
     if isinstance(value, Table):
@@ -113,6 +131,8 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     """One pydantic fault, a line for each thing that is wrong."""
     place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
+        if fault["loc"] in GONE:
+            return [f"{place}: {GONE[fault['loc']][1]}"]
         known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
         lacking = None if likely else _absent(str(fault["loc"][-1]))

@@ -154,17 +154,6 @@ class LagrangeTable(Table):
         return OwnLaw(inner_stiffness=inner, outer_stiffness=outer, exponent=self.contact_exponent)
 
 
-class ReducedTable(Table):
-    """Options of the reduced model."""
-
-    modes_up_to_kHz: float = Field(
-        0.0,
-        ge=0.0,
-        le=1e5,
-        description="modes of bodies that vibrate: 600 where single shocks matter; 0: none, strikes lose all to waves",
-    )
-
-
 class OutputTable(Table):
     """What else is stored."""
 

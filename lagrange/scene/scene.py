@@ -21,7 +21,7 @@ from lagrange.scene.bearing import heavy_inner_ring_and_shaft
 from lagrange.scene.cage import CageTable, default_cage
 from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
-from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable
+from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable, without_gone
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
 from lagrange.scene.operation import TABLES
 from lagrange.scene.run import DampingTable, LagrangeTable, with_former_name
@@ -88,7 +88,7 @@ class Scene(SceneTables):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        data = with_former_name(data)
+        data = without_gone(with_former_name(data))
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data

@@ -19,7 +19,7 @@ from lagrange.scene.faults import Table
 from lagrange.scene.fit import FitTable
 from lagrange.scene.mounting import SensorTable, SupportTable
 from lagrange.scene.operation import OperationTable
-from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, NumericsTable, OutputTable, ReducedTable
+from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, NumericsTable, OutputTable
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.section import section_mounting, section_operation
 from lagrange.spinning import growths
@@ -52,7 +52,6 @@ class SceneTables(Table):
     contact: ContactTable = ContactTable()
     damping: DampingTable = DampingTable()
     lagrange: LagrangeTable = LagrangeTable()
-    reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
     support: SupportTable | None = None

@@ -1,4 +1,4 @@
-"""What waves of elastic bodies do, with and without modes: `python -m tests.accuracy.reduced_waves [rattling] [bands]`.
+"""What waves of elastic bodies do: `python -m tests.accuracy.reduced_waves [rattling] [bands]`.
 
 rattling  statistics of bearings in clearance that start with a step of load, over starts that differ a little: single
           paths are chaotic. Some half an hour, most of it by finite elements of 0.5 mm.
@@ -39,9 +39,6 @@ MODELS = {  # label: model, mesh in mm, settings
     "finite elements, 1 mm": ("fem", 1.0, ()),
     "finite elements, 2 mm": ("fem", 2.0, ()),
     "reduced": ("reduced", 1.0, ()),
-    "modes to 300 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=300",)),
-    "modes to 600 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=600",)),
-    "modes to 1000 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=1000",)),
 }
 # beside them, of rattling bearings: a wave's amplitude dies in 0.2 ms
 DAMPED = {"1 mm, waves damped by 10⁴/s": ("fem", 1.0, ("damping.bodies_1_s=1e4",))}

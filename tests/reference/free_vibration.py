@@ -11,6 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import jv, jvp, yv, yvp
 
+from fem.elastic import vibration
+from fem.elastic.continuum import Section
+from fem.elastic.vibration import Modes
 from lagrange import Material
 
 
@@ -78,3 +81,21 @@ def surface_tractions(n, r, x, material, kinds):
         # u_r = n ψ/r, u_θ = −ψ'
         columns.append([2.0 * n * (ds / r - s / r**2), -dds + ds / r - n**2 * s / r**2])
     return np.array(columns).T
+
+
+def vibrations(section: Section, thickness: float, highest: float, hub: float | None = None) -> Modes:
+    """All modes up to a frequency, rad/s, of a disc or ring so thick, m; but for a disc's rotation.
+
+    `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
+    """
+    found = []
+    for n in range(vibration.MOST_WAVES):
+        frequency, into, carried = vibration._of_order(n, section, thickness, hub)
+        some = (frequency > vibration.RIGID * highest) & (frequency <= highest)
+        found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
+        # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
+        if n > 2 and frequency[0] > highest:
+            break
+    table = np.array(found).reshape(-1, 4)
+    order, frequency, shape, carried = table.T
+    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
+LONGEST_WORD = 40  # characters: a longer one may break on a phone
 NAMES = tuple(f"reference/{name}.md" for name in ("scene", "examples", "result", "commands", "packages"))
 
 
@@ -41,9 +42,9 @@ def scene_page() -> str:
         rows = []
         for key in table.keys:
             default = "" if key.default is None else f"`{_toml(key.default)}`"
-            rows.append((f"`{key.name}`", default, key.unit, key.limits, key.meaning))
+            rows.append((f"`{key.name}`", key.meaning, default, key.unit, key.limits))
         if rows:
-            parts.append(_table(("key", "default", "unit", "limits", "meaning"), rows))
+            parts.append(_table(("key", "meaning", "default", "unit", "limits"), rows))
     return "\n\n".join(parts) + "\n"
 
 
@@ -65,17 +66,17 @@ def result_page() -> str:
     from lagrange.columns import COLUMNS, columns_of
 
     rows = [
-        (f"`{name}`", ", ".join(column.dimensions), column.unit, column.meaning, part)
+        (f"`{name}`", column.meaning, ", ".join(column.dimensions), column.unit, part)
         for part in COLUMNS
         for name, column in columns_of(part).items()
     ]
     return "\n\n".join(
         [
-            "# Result file",
+            "# Variables of the result",
             "HDF5 with dimension scales: opens with h5py, netCDF4, xarray and MATLAB, while the run goes too. SI. What "
             "of it may be trusted, and what stands in it on request: [result file, explained](../result_file.md).",
             "## Variables",
-            _table(("variable", "dimensions", "unit", "meaning", "only with"), rows),
+            _table(("variable", "meaning", "dimensions", "unit", "only with"), rows),
             "## Attributes",
             _table(("attribute", "meaning"), ((f"`{name}`", text) for name, text in ATTRIBUTES.items())),
         ]
@@ -137,17 +138,20 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Version and date of CITATION.cff in the page about citing."""
-    if page.file.src_uri != "cite.md":
-        return markdown
-    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    for word, key in (("VERSION", "version"), ("DATE", "date-released")):
-        markdown = markdown.replace(word, re.search(rf"^{key}: \"?([^\"\n]+)", text, re.M)[1])
+    """README's bearing with its output on the front page; version and date of CITATION.cff in the page about citing."""
+    if page.file.src_uri == "index.md":
+        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        shown = [re.search(rf"^```{kind}\n.*?^```$", text, re.M | re.S)[0] for kind in ("toml", "text")]
+        markdown = markdown.replace("<!-- bearing of README.md -->", "\n\n".join(shown))
+    if page.file.src_uri == "cite.md":
+        text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+        for word, key in (("VERSION", "version"), ("DATE", "date-released")):
+            markdown = markdown.replace(word, re.search(rf"^{key}: \"?([^\"\n]+)", text, re.M)[1])
     return markdown
 
 
 def on_page_content(content, page, config, files):
-    r"""Formulas as MathML, which browsers draw without a script; `\tag{n}` numbers an equation."""
+    r"""Formulas as MathML, which browsers draw without a script; `\tag{n}` numbers an equation. Keys do not break."""
     from latex2mathml.converter import convert
 
     def inline(found: re.Match) -> str:
@@ -160,5 +164,14 @@ def on_page_content(content, page, config, files):
         label = f'<span id="equation-{number[1]}">({number[1]})</span>' if number else ""
         return f'<div class="equation">{text}{label}</div>'
 
+    def unbroken(found: re.Match) -> str:
+        words = (
+            f'<span class="word">{word}</span>' if len(word) < LONGEST_WORD else word for word in found[1].split(" ")
+        )
+        return f"<code>{' '.join(words)}</code>"
+
+    content = re.sub(r"(?<!</span>)(?<!<pre>)<code>([^<]+)</code>", unbroken, content)
+    if page.file.src_uri in NAMES:
+        content = f'<div class="reference">{content}</div>'
     content = re.sub(r'<span class="arithmatex">\\\((.+?)\\\)</span>', inline, content, flags=re.S)
     return re.sub(r'<div class="arithmatex">\s*\\\[(.+?)\\\]\s*</div>', block, content, flags=re.S)

@@ -5,6 +5,7 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -176,6 +177,23 @@ def test_the_handbook_knows_every_key_command_and_package():
         assert f"## {name}\n\n```text\nUsage: {name}" in pages["reference/commands.md"]
     for variable in ("inner_force", "roller_turn"):
         assert f"| `{variable}` |" in pages["reference/result.md"]
+
+
+def test_the_front_page_shows_a_command_with_its_output_and_links_the_reference():
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="index.md"))
+    source = read(ROOT / "docs" / "index.md")
+    shown = handbook().on_page_markdown(source, page, None, None)
+    assert blocks(ROOT / "README.md", "text")[0] in shown and "$ run-fem motor.toml" in shown
+    assert [name for name in handbook().NAMES if f"]({name})" not in source] == []
+
+
+def test_keys_of_the_site_do_not_break_inside_a_word_and_code_blocks_stay():
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="reference/scene.md"))
+    content = "<p><code>run-fem --set a.b=1</code></p><pre><code>a-b c</code></pre>"
+    shown = handbook().on_page_content(content, page, None, None)
+    assert [re.sub("<.*?>", "", word) for word in re.findall('<span class="word">.*?</span>', shown)] == [
+        "run-fem", "--set", "a.b=1"]  # fmt: skip
+    assert "<pre><code>a-b c</code></pre>" in shown and shown.startswith('<div class="reference">')
 
 
 @pytest.mark.slow

@@ -139,7 +139,7 @@ def test_a_load_that_turns_is_a_duty_cycle():
 
 def test_a_load_that_turns_about_a_ring_that_stands_has_no_life():
     found = rating(scene("model=lagrange", "operation.speed_rpm=0", "operation.unbalance_g_mm=20"))
-    assert found["P_N"] is None and "must turn" in found.answer("P_N").reason
+    assert found["P_N"] is None and "does not turn" in found.answer("P_N").reason
 
 
 def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
@@ -233,6 +233,18 @@ def test_the_page_shows_what_was_rated(tmp_path, monkeypatch):
     assert f"{told['C_N']:.0f} N" in page and "second hand" in page
     for name in ("load-zone", "stiffness", "load-deflection", "life", "misalignment", "friction"):
         assert f'id="{name}"' in page
+
+
+@pytest.mark.parametrize("ring", ["speed_rpm=0", "outer_ring_speed_rpm=4500"])
+def test_the_page_of_a_bearing_that_does_not_turn_leaves_out_its_life(ring, tmp_path, monkeypatch):
+    """An unbalance makes the load one that changes, of which P is a mean over the turning."""
+    monkeypatch.chdir(tmp_path)
+    options = ["--set", f"operation.{ring}", "--set", "operation.unbalance_g_mm=10", "--output", "rated", "--quiet"]
+    assert rate_main(options) == 0
+    page = (tmp_path / "rated" / "rating.html").read_text(encoding="utf-8")
+    verdict = page.partition('class="verdict">')[2].partition("</p>")[0]
+    assert verdict.startswith("C = ") and "C0 = " in verdict and " P = " not in verdict
+    assert "does not turn" in page
 
 
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):

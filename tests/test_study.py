@@ -96,8 +96,8 @@ def test_a_plain_installation_makes_the_dataset_that_others_open(here, monkeypat
         assert found.message.values.tolist() == ["", "", ""]
 
 
-@pytest.mark.parametrize("words", [("--workers", "2"), ("--scheduler", "tcp://127.0.0.1:8786")])
-def test_dask_is_asked_for_before_any_work(here, monkeypatch, capsys, words):
+def test_dask_is_asked_for_before_any_work(here, monkeypatch, capsys):
+    words = "--scheduler", "tcp://127.0.0.1:8786"
     monkeypatch.setattr("fem.commands.start_up.find_spec", lambda name: None)
     for more in ((), ("--dry-run",)):
         assert study_main(["study.toml", *words, *more]) == 2
@@ -323,6 +323,24 @@ def ended_after(process, folder, count, number):
     wait_until(lambda: len(list(folder.glob("*.point"))) >= count, process, pause=0.005)
     process.send_signal(number)
     return process.wait(GIVE_UP)
+
+
+def test_resume_goes_on_with_the_same_study_or_a_grown_one_alone(here, capsys):
+    assert run(GRID) == 0
+    before = Path("studies/study/study.nc").read_bytes()
+    other = GRID.replace("[1500.0, 3000.0, 4500.0]", "[1000.0, 2000.0]")
+    assert run(other, "--resume") == 2
+    assert "studies/study: holds another study, none of whose points is one of this study" in capsys.readouterr().err
+    assert Path("studies/study/study.nc").read_bytes() == before
+    assert run(GRID.replace("[1500.0, ", "[1500.0, 2000.0, "), "--resume") == 0
+    assert len(list(Path("studies/study/points").iterdir())) == 8
+
+
+def test_two_runs_do_not_work_in_one_folder(here, capsys):
+    with Folder(path=Path("studies/study")).held(points_of(GRID), resume=False):
+        assert run(GRID, "--resume") == 2
+    assert "studies/study: another run-study works there; wait for its end" in capsys.readouterr().err
+    assert run(GRID, "--resume") == 0
 
 
 @pytest.mark.slow

@@ -79,9 +79,10 @@ def test_what_is_no_scheduler_is_named(here, monkeypatch, capsys):
     with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
         hangs = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         for address in ("tcp://127.0.0.1:9", hangs, "tls://127.0.0.1:9", "ucx://a", "inproc://x", "tcp://", ""):
-            assert study_main(["study.toml", "--quiet", "--resume", "--scheduler", address]) == 2
+            assert study_main(["study.toml", "--quiet", "--scheduler", address]) == 2
             said = capsys.readouterr().err
             assert f"--scheduler {address}: does not answer: " in said and not said.endswith(": \n")
+    assert not Path("studies").exists()  # the study has not begun
 
 
 @pytest.mark.slow
@@ -99,20 +100,6 @@ def test_points_of_a_killed_worker_are_solved_by_another(here, started, schedule
     assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
     thread.join()
     assert first.wait(GIVE_UP) == -signal.SIGKILL
-    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
-    same("studies/study/study.nc", "here/study.nc")
-
-
-@pytest.mark.slow
-def test_a_local_cluster_gives_what_one_process_gives(here):
-    Path("study.toml").write_text(GRID, encoding="utf-8")
-    program = (
-        f"import sys; sys.path[:0] = {[entry for entry in sys.path if entry]!r}\n"
-        "from fem.commands.run_study import study_main\n"
-        "if __name__ == '__main__': sys.exit(study_main(['study.toml', '--quiet', '--workers', '2']))\n"
-    )
-    Path("run.py").write_text(program, encoding="utf-8")  # its workers are started from it
-    assert subprocess.run([sys.executable, "run.py"]).returncode == 0
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")
 

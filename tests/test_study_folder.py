@@ -109,6 +109,17 @@ POINTS = {
 }
 
 
+def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(study, tmp_path, capsys):
+    """One copied under another's name is none of either's: solved anew, and missing where nothing is solved."""
+    folder = shutil.copytree(study, tmp_path / "s")
+    first, second = sorted((folder / "points").iterdir())
+    shutil.copy(first, second)
+    assert study_main(["--collect", str(folder)]) == 1
+    assert "2 points: 1 complete, 1 missing" in capsys.readouterr().out
+    assert study_main([str(study.parent / "s.toml"), "--output", str(folder), "--resume", "--quiet"]) == 0
+    assert first.read_bytes() != second.read_bytes()
+
+
 @pytest.mark.parametrize("kind", POINTS)
 def test_a_point_that_can_not_be_is_left_out(kind, study, tmp_path, capsys):
     folder = shutil.copytree(study, tmp_path / "s")

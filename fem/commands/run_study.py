@@ -43,7 +43,7 @@ def _study(
     output: Annotated[Path | None, Parameter(help="folder; default: studies/<study name>")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check every point, show the cost and run nothing")] = False,
     resume: Annotated[bool, Parameter(negative="", help="go on with the folder's points; finished ones stay")] = False,
-    workers: Annotated[int | None, Parameter(help="processes; default: as many as pay; 1: none but this")] = None,
+    workers: Annotated[int | None, Parameter(help="processes; default: as many as pay; 1: this one alone")] = None,
     scheduler: Annotated[str | None, Parameter(help="address of a dask scheduler: tcp://host:8786")] = None,
     keep_runs: Annotated[bool, Parameter(negative="", help="keep every point's result file too")] = False,
     collect: Annotated[
@@ -61,8 +61,8 @@ def _study(
         raise UsageError("--workers, --scheduler: a scheduler has workers of its own; leave --workers out")
     if export == "parquet":
         need("pyarrow", "--export parquet")
-    if scheduler is not None or (workers or 1) > 1:
-        need("distributed", "--workers" if scheduler is None else "--scheduler")
+    if scheduler is not None:
+        need("distributed", "--scheduler")
     if (study is None) == (collect is None):
         raise UsageError("name a study file, or a study's folder with --collect")
     from fem.commands.progress import count_display
@@ -84,10 +84,10 @@ def _study(
     with count_display("points checked", len(design.points), quiet) as count:
         points = checked_points(read, design, count)
     folder = Folder(path=output if output is not None else STUDIES / read.name)
-    options = StudyOptions(workers=workers, scheduler=scheduler, keep_runs=keep_runs, quiet=quiet)
+    options = StudyOptions(workers=workers, scheduler=scheduler, resume=resume, keep_runs=keep_runs, quiet=quiet)
     if dry_run:
         return _show(points, folder, options)
-    folder.refuse_foreign(resume)
+    folder.refuse_foreign(points, resume)
     return _solve(points, folder, options, export)
 
 
@@ -113,8 +113,6 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions", export: 
     total = 0.0
     if pending:
         total = expected(points, pending, None if options.quiet else say).seconds * len(pending)
-    folder.begin(points)
-    if pending:
         with stop_signals() as stopped:
             lost = solve_points(points, pending, folder, options, total, lambda: bool(stopped))
         if stopped:
@@ -122,6 +120,9 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions", export: 
             done = len(pending) - left
             say(f"interrupted; {done} points are in {folder.path}; --resume goes on with the other {left}")
             return (Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED).code
+    else:
+        with folder.held(points, options.resume):  # the study's text may have changed
+            pass
     code = _collect(points, folder, export, options.quiet)
     return Outcome.FAILED.code if lost else code
 

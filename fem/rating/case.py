@@ -146,10 +146,9 @@ class Case:
             np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight
         )
         speeds = np.broadcast_to(np.asarray(inner - outer) / RPM, time.shape)
-        try:
-            return DutyCycle(loads=load, speeds=speeds, shares=np.ones(INSTANTS))
-        except ValueError as error:
-            raise Unavailable(str(error)) from None
+        if not speeds.any():
+            raise Unavailable("the bearing does not turn")
+        return DutyCycle(loads=load, speeds=speeds, shares=np.ones(INSTANTS))
 
     @cached_property
     def load(self) -> float:

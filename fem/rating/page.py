@@ -67,7 +67,11 @@ def _verdict(rating: Rating) -> str:
     """The first sentence."""
     if rating["C_N"] is None:
         return f"No load ratings: {rating.answer('C_N').reason}."
-    words = [f"C = {1e-3 * rating['C_N']:.1f} kN, C0 = {1e-3 * rating['C0_N']:.1f} kN, P = {rating['P_N']:.0f} N"]
+    words = [f"C = {1e-3 * rating['C_N']:.1f} kN"]
+    if rating["C0_N"] is not None:
+        words.append(f"C0 = {1e-3 * rating['C0_N']:.1f} kN")
+    if rating["P_N"] is not None:
+        words.append(f"P = {rating['P_N']:.0f} N")
     if rating["L10_h"] is not None:
         words.append(f"L10 = {rating['L10_h']:.0f} h")
     elif rating["L10_Mrev"] is not None:

@@ -14,18 +14,22 @@ except ImportError:  # not a POSIX system: files are not locked there
 
 
 @contextmanager
-def alone_in(folder: Path) -> Iterator[None]:
+def alone_in(folder: Path, wait: bool = True) -> Iterator[None]:
     """Hold a folder while a file in it is examined and exchanged, so that no other run does the same in between.
 
-    Without effect on file systems that can't lock a folder.
+    Without effect on file systems that can't lock a folder. BlockingIOError: another holds it, and `wait` is False.
     """
     if fcntl is None:
         yield
         return
     handle = os.open(folder, os.O_RDONLY)
     try:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            raise
+        except OSError:
+            pass
         yield
     finally:
         os.close(handle)

@@ -1,4 +1,4 @@
-"""Points solved by the workers of dask.distributed: processes of this machine, or those of any scheduler.
+"""Points solved by the workers of a scheduler of dask.distributed.
 
 A task is a pure function of its scene. Few are under way at a time, so that neither this process nor the scheduler ever
 holds the study; a worker that dies is the scheduler's business, which gives its points to others; one that hangs is
@@ -6,19 +6,17 @@ killed (`Watch`).
 """
 
 import asyncio
-import logging
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from fem.commands.start_up import from_no_current_folder
 from fem.errors import UsageError
 from fem.study.solving import LOST, STOPPED, Solved, Wanted, program, solve
+from fem.study.workers import GRACE, HUNG, LOOK
 from lagrange.scene.scene import Scene
 
-GRACE = 60.0  # s, beyond the limit: planning a fine mesh, or compiling on a new node
 RESTART = 60.0  # s, that a worker may take to come back
 
 
@@ -69,11 +67,9 @@ def tell_begun(topic: str, point: int) -> None:
 
 
 AHEAD = 2  # tasks a thread of the cluster has in hand: one to solve, one to begin without waiting
-LOOK = 0.5  # s, between two looks at what has happened
 FIRST_WORKER = 60.0  # s, that the first one may take to come
 CONNECT = 20.0  # s
 COUNTING = 2.0  # s, between two looks at how many workers there are
-HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
 
 
 def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:
@@ -85,7 +81,7 @@ def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic:
 
 
 def solve_on_cluster(
-    where: str | int,
+    client: Any,
     scenes: Iterator[tuple[int, Scene]],
     wanted: Wanted,
     add: Callable[[int, Solved], None],
@@ -93,34 +89,31 @@ def solve_on_cluster(
 ) -> None:
     """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
 
-    `where` : address of a scheduler, or how many processes of this machine to start
-
     Errors
     ------
-    UsageError: the scheduler does not answer or has no workers. OSError: `add`'s.
+    OSError: `add`'s.
     """
-    with _client(where) as client:
-        under_way: dict[Any, int] = {}
-        watch = Watch(client, wanted.seconds)
-        room, counted = 0, -COUNTING
-        left = True
-        while not stop():
-            if time.monotonic() - counted > COUNTING:
-                room, counted = AHEAD * max(1, sum(client.nthreads().values())), time.monotonic()
-            while left and len(under_way) < room:
-                following = next(scenes, None)
-                left = following is not None
-                if following is not None:
-                    i, scene = following
-                    under_way[client.submit(task, i, scene, wanted, program(), watch.topic, pure=False)] = i
-            if not under_way:
-                return
-            for future in _ended(under_way):
-                i = under_way.pop(future)
-                watch.forget(i)
-                add(i, _outcome(future))
-            for i in _given_up(under_way, watch):
-                add(i, Solved(status=STOPPED, seconds=wanted.seconds, text=HUNG.format(wanted.seconds)))
+    under_way: dict[Any, int] = {}
+    watch = Watch(client, wanted.seconds)
+    room, counted = 0, -COUNTING
+    left = True
+    while not stop():
+        if time.monotonic() - counted > COUNTING:
+            room, counted = AHEAD * max(1, sum(client.nthreads().values())), time.monotonic()
+        while left and len(under_way) < room:
+            following = next(scenes, None)
+            left = following is not None
+            if following is not None:
+                i, scene = following
+                under_way[client.submit(task, i, scene, wanted, program(), watch.topic, pure=False)] = i
+        if not under_way:
+            return
+        for future in _ended(under_way):
+            i = under_way.pop(future)
+            watch.forget(i)
+            add(i, _outcome(future))
+        for i in _given_up(under_way, watch):
+            add(i, Solved(status=STOPPED, seconds=wanted.seconds, text=HUNG.format(wanted.seconds)))
 
 
 def _ended(under_way: dict[Any, int]) -> list[Any]:
@@ -155,14 +148,10 @@ def _outcome(future) -> Solved:
 
 
 @contextmanager
-def _client(where: str | int) -> Iterator[Any]:
-    from distributed import Client, LocalCluster
+def scheduler_client(where: str) -> Iterator[Any]:
+    """A client of the scheduler at an address. UsageError: it does not answer or has no workers."""
+    from distributed import Client
 
-    if isinstance(where, int):
-        how = dict(threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL)
-        with from_no_current_folder(), LocalCluster(n_workers=where, **how) as cluster, Client(cluster) as client:
-            yield client
-        return
     try:
         with ThreadPoolExecutor(1) as apart:  # here a loop may be running: a notebook's
             apart.submit(asyncio.run, asyncio.wait_for(_knock(where), CONNECT)).result()

@@ -10,7 +10,7 @@ import io
 import json
 import zipfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
@@ -30,6 +30,7 @@ from pydantic import (
 )
 
 from fem.errors import UsageError
+from fem.result.durable import alone_in
 from fem.result.layout import Variables
 from fem.study.sampling import Design
 from fem.study.solving import COMPLETE, LOST, Points, Solved
@@ -39,7 +40,7 @@ from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
 from lagrange.scene.scene import parse_scene_text
 
-PROGRAM = "run-study"
+PROGRAM: Literal["run-study"] = "run-study"
 LARGEST = 1e100  # of a quantity in its unit: none was ever computed
 LONGEST_NAME = 255
 Value = StrictBool | StrictInt | Annotated[StrictFloat, Field(allow_inf_nan=False)] | StrictStr
@@ -80,6 +81,7 @@ class PointRecord(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
+    digest: str  # of the point: a file under another name is not taken as that point's
     status: Literal["complete", "failed", "stopped"]
     text: str
     seconds: float = Field(ge=0.0)
@@ -94,7 +96,7 @@ class PointRecord(BaseModel):
         return self
 
 
-def read_point(data: bytes, keep: KeepTable, variables: Variables) -> Solved:
+def read_point(data: bytes, digest: str, keep: KeepTable, variables: Variables) -> Solved:
     """A point out of its file's data.
 
     Parameters
@@ -106,11 +108,8 @@ def read_point(data: bytes, keep: KeepTable, variables: Variables) -> Solved:
     ------
     ValueError, KeyError, OSError, zipfile.BadZipFile and more: damage has no end.
     """
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        if sum(member.file_size for member in archive.infolist()) > len(data):
-            raise ValueError("packed, which no point's file is")
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        facts = PointRecord.model_validate_json(arrays["facts"].tobytes())
+    with _arrays(data) as arrays:
+        facts = _facts(arrays, digest)
         signals = {name: arrays[name] for name in arrays.files if name != "facts"}
     wanted = set(keep.signals) if facts.status == COMPLETE else set()
     if not set(facts.quantities) <= set(keep.quantities) or set(signals) != wanted:
@@ -120,7 +119,39 @@ def read_point(data: bytes, keep: KeepTable, variables: Variables) -> Solved:
             raise ValueError(f"{name}: no signal")
     if len({len(values) for values in signals.values()}) > 1:
         raise ValueError("signals of several lengths")
-    return Solved(signals=signals, **facts.model_dump())
+    return Solved(signals=signals, **facts.model_dump(exclude={"digest"}))
+
+
+def _arrays(data: bytes) -> np.lib.npyio.NpzFile:
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        if sum(member.file_size for member in archive.infolist()) > len(data):
+            raise ValueError("packed, which no point's file is")
+    return np.load(io.BytesIO(data), allow_pickle=False)
+
+
+def _facts(arrays: np.lib.npyio.NpzFile, digest: str) -> PointRecord:
+    facts = PointRecord.model_validate_json(arrays["facts"].tobytes())
+    if facts.digest != digest:
+        raise ValueError("another point's")
+    return facts
+
+
+def _record_of(points: Points) -> StudyRecord:
+    study, design = points.study, points.design
+    return StudyRecord(
+        program=PROGRAM,
+        name=study.name,
+        study=study.text,
+        listed=study.listed,
+        scene=study.scene.to_written_toml(),
+        files=study.scene.files,
+        keys=design.keys,
+        points=design.points,
+        axes=design.axes,
+        base=design.base,
+        digests=points.digests,
+        made_by=points.made_by,
+    )
 
 
 MISSING = "missing"  # the status of a point that has not been solved
@@ -151,14 +182,7 @@ class Folder:
         ------
         UsageError, SceneError: there is none, or it is damaged.
         """
-        try:
-            facts = StudyRecord.model_validate_json(read_plain(self._about))
-        except OSError as error:
-            raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            fault = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
-            raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
+        facts = self._record()
         study = study_of(self._about, facts.study, facts.listed)
         scene = parse_scene_text(facts.scene, f"{self._about}: scene", facts.files)
         return Points(
@@ -168,6 +192,17 @@ class Folder:
             made_by=facts.made_by,
         )
 
+    def _record(self) -> StudyRecord:
+        """What study.json says. UsageError: there is none, or it is damaged."""
+        try:
+            return StudyRecord.model_validate_json(read_plain(self._about))
+        except OSError as error:
+            raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            fault = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
+            raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
+
     def run(self, digest: str) -> Path:
         """A point's result file."""
         return self.path / "runs" / f"{digest}.nc"
@@ -175,31 +210,59 @@ class Folder:
     def _point(self, digest: str) -> Path:
         return self.path / "points" / f"{digest}.point"
 
-    def refuse_foreign(self, resume: bool) -> None:
-        """Refuse a folder that holds something else, or a study that is to go on without `resume`: UsageError."""
+    def refuse_foreign(self, points: Points, resume: bool) -> None:
+        """Refuse a folder that holds something else, or a study that is not to go on: UsageError."""
         if self.path.exists() and not self.path.is_dir():
             raise UsageError(f"{self.path}: is a file, not a folder; choose another --output")
-        if self._about.exists() and not resume:
-            raise UsageError(f"{self.path}: holds a study; --resume goes on with it, or choose another --output")
+        self._refuse_begun(points, resume)
         if not self._about.exists() and self.path.exists() and any(self.path.iterdir()):
             raise UsageError(f"{self.path}: not empty and no study; choose another --output or empty it")
 
+    def _refuse_begun(self, points: Points, resume: bool) -> None:
+        if not self._about.exists():
+            return
+        if not resume:
+            raise UsageError(f"{self.path}: holds a study; --resume goes on with it, or choose another --output")
+        earlier, now = self._record(), _record_of(points)
+        is_same = all(getattr(earlier, name) == getattr(now, name) for name in ("study", "listed", "scene", "files"))
+        if not is_same and (earlier.keys != now.keys or not set(earlier.digests) & set(now.digests)):
+            raise UsageError(
+                f"{self.path}: holds another study, none of whose points is one of this study; choose another --output"
+            )
+
+    @contextmanager
+    def held(self, points: Points, resume: bool) -> Iterator[None]:
+        """Begin a study, or go on with it, and let nobody else do so meanwhile.
+
+        Errors
+        ------
+        OSError: it can't be written. UsageError: another run works in the folder, or has begun a study there.
+        """
+        with self._named():
+            (place := self.path / "points").mkdir(parents=True, exist_ok=True)
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(alone_in(place, wait=False))
+            except BlockingIOError:
+                raise UsageError(
+                    f"{self.path}: another run-study works there; wait for its end, or choose another --output"
+                ) from None
+            self._refuse_begun(points, resume)
+            self.begin(points)
+            yield
+
     def begin(self, points: Points) -> None:
         """Write what the study is. OSError: it can't be written."""
-        study, design = points.study, points.design
-        facts: dict[str, Any] = {"program": PROGRAM, "name": study.name, "study": study.text, "listed": study.listed}
-        facts |= {"scene": study.scene.to_written_toml(), "files": study.scene.files}
-        facts |= {name: getattr(design, name) for name in ("keys", "points", "axes", "base")}
-        facts |= {"digests": points.digests, "made_by": points.made_by}
         with self._named():
             (self.path / "points").mkdir(parents=True, exist_ok=True)
-            write_whole(self._about, json.dumps(facts, ensure_ascii=False).encode())
+            write_whole(self._about, _record_of(points).model_dump_json().encode())
 
     def done(self, digest: str) -> bool:
         """Whether a point has been solved, well or not."""
         try:
-            return read_sealed(self._point(digest)) is not None
-        except OSError:
+            with _arrays(read_sealed(self._point(digest)) or b"") as arrays:
+                return bool(_facts(arrays, digest))
+        except Exception:  # an archive can be damaged in more ways than there are errors to name here
             return False
 
     def add(self, digest: str, solved: Solved) -> None:
@@ -211,7 +274,8 @@ class Folder:
         """
         if solved.status == LOST:
             return
-        facts = {name: getattr(solved, name) for name in PointRecord.model_fields}
+        facts = {name: getattr(solved, name) for name in PointRecord.model_fields if name != "digest"}
+        facts["digest"] = digest
         archive = io.BytesIO()
         arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
         np.savez(archive, **arrays)
@@ -225,7 +289,7 @@ class Folder:
         """What became of point i; None: not solved yet, or its file is damaged. `variables`: which may be signals."""
         try:
             data = read_sealed(self._point(points.digests[i]))
-            return None if data is None else read_point(data, points.study.keep, variables)
+            return None if data is None else read_point(data, points.digests[i], points.study.keep, variables)
         except Exception:  # an archive can be damaged in more ways than there are errors to name here
             return None
 

@@ -2,23 +2,25 @@
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from importlib.util import find_spec
 from math import nan
 
 from fem.commands.progress import count_display
 from fem.errors import RunFailed, UsageError
 from fem.result.layout import readable
 from fem.solver.simulate import make_plan, programs_named
-from fem.study.cluster import solve_on_cluster
+from fem.study.cluster import scheduler_client, solve_on_cluster
 from fem.study.folder import Folder
 from fem.study.solving import LOST, Points, Solved, Wanted, needs_no_run, rated, solve
+from fem.study.workers import solve_in_processes
 from lagrange.columns import PER_ROLLER
 from lagrange.messages import say
+from lagrange.scene.scene import Scene
 
-WORTH_A_CLUSTER = 60.0  # s of work: below, starting workers takes longer than they save
+WORTH_PROCESSES = 60.0  # s of work: below, starting them takes longer than they save
 POINT_FILE = 2500  # bytes, without signals
 SOLVING = "points"
 
@@ -38,6 +40,7 @@ class StudyOptions:
 
     workers: int | None = None  # None: as many as pay
     scheduler: str | None = None
+    resume: bool = False
     keep_runs: bool = False
     quiet: bool = False
 
@@ -98,8 +101,7 @@ def workers_for(options: StudyOptions, total: float) -> int:
     if options.workers is not None:
         return 0 if options.workers == 1 else options.workers
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    pays = processors > 1 and total > WORTH_A_CLUSTER and find_spec("distributed") is not None
-    return processors if pays else 0
+    return processors if processors > 1 and total > WORTH_PROCESSES else 0
 
 
 def solve_points(
@@ -109,7 +111,8 @@ def solve_points(
 
     Errors
     ------
-    OSError: a point can't be kept; those before it are. UsageError: no cluster.
+    OSError: a point can't be kept; those before it are. UsageError: no scheduler, before anything is written; another
+    study in the folder.
     """
     keep, lost = points.study.keep, {}
     wanted = Wanted(
@@ -119,8 +122,11 @@ def solve_points(
         seconds=points.study.limits.seconds_per_point,
         runs=options.keep_runs,
     )
-    workers = workers_for(options, total)
-    with count_display(SOLVING, len(pending), options.quiet) as count:
+    with (
+        _solver(options, total) as solve_all,
+        folder.held(points, options.resume),
+        count_display(SOLVING, len(pending), options.quiet) as count,
+    ):
 
         def add(i: int, solved: Solved) -> None:
             folder.add(points.digests[i], solved)
@@ -128,21 +134,30 @@ def solve_points(
                 lost[i] = solved
             count()
 
-        if options.scheduler is not None or workers:
-            where = workers if options.scheduler is None else options.scheduler
-            solve_on_cluster(where, ((i, points.scene(i)) for i in pending), wanted, add, stop)
-        else:
-            _solve_here(points, pending, wanted, add, stop)
+        solve_all(((i, points.scene(i)) for i in pending), wanted, add, stop)
     for i, solved in lost.items():
         say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
     return lost
 
 
-def _solve_here(points: Points, pending: list[int], wanted: Wanted, add, stop: Callable[[], bool]) -> None:
-    for i in pending:
+@contextmanager
+def _solver(options: StudyOptions, total: float) -> Iterator[Callable[..., None]]:
+    """What solves numbered scenes: a scheduler's workers, processes of this machine, or this one."""
+    workers = workers_for(options, total)
+    if options.scheduler is not None:
+        with scheduler_client(options.scheduler) as client:
+            yield partial(solve_on_cluster, client)
+    elif workers:
+        yield partial(solve_in_processes, workers)
+    else:
+        yield _solve_here
+
+
+def _solve_here(scenes: Iterator[tuple[int, Scene]], wanted: Wanted, add, stop: Callable[[], bool]) -> None:
+    for i, scene in scenes:
         if stop():
             return
-        solved = solve(points.scene(i), wanted, stop)
+        solved = solve(scene, wanted, stop)
         if solved is None:
             return
         add(i, solved)

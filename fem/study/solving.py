@@ -24,7 +24,7 @@ from lagrange.columns import PER_ROLLER
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
 
-FORMAT = 1  # of a point's file
+FORMAT = 2  # of a point's file
 MOST_FAULTS = 10  # named at once
 LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
 

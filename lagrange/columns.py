@@ -99,17 +99,6 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "inner_slope_x": (PER_TIME, "rad", "slope of the hub's axis along z, x"),
         "inner_slope_y": (PER_TIME, "rad", "slope of the hub's axis along z, y"),
     },
-    "skew": {  # of rollers that are free to
-        "inner_traction_moment": (PER_ROLLER, "N m", "moment of inner_traction along the axis: traction times z"),
-        "inner_axial_traction": (
-            PER_ROLLER,
-            "N",
-            "force of the inner raceway on the roller along z, as a flange takes",
-        ),
-        "outer_traction_moment": (PER_ROLLER, "N m", "moment of outer_traction along the axis: traction times z"),
-        "outer_axial_traction": (PER_ROLLER, "N", "force of the outer raceway on the roller along z"),
-        "guide_moment": (PER_ROLLER, "N m", "moment of flange or pocket on the roller's skew, beyond its play"),
-    },
     "damping of tilt": {
         "inner_damping_moment": (PER_ROLLER, "N m", "part of inner_moment that damping gives"),
         "outer_damping_moment": (PER_ROLLER, "N m", "part of outer_moment that damping gives"),

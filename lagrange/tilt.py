@@ -4,8 +4,7 @@ A body's axis at the height z over the plane section is at its place there plus 
 a = τ e_r − σ e_t (the tilt τ moves the +z end outwards, the skew σ moves it backwards), of the hub b. Slopes are small.
 A contact closes by δ − P(z) − ψ z, with ψ = (a − b)·n at the inner raceway, −a·e_r at the outer one; its energy U(δ, ψ)
 gives the force Q = ∂U/∂δ and the moment M = −∂U/∂ψ = ∫ q z dz. Where the slopes have a part across the normal n, a
-moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without which no energy would be conserved. Tractions
-on the slices of a roller act on its slopes by virtual work: along the pitch circle times z, along the axis times r.
+moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without which no energy would be conserved.
 
 Source: Lagrange's equations of T = ½ I_t |ȧ|² − ½ I_a w (a_x ȧ_y − a_y ȧ_x), w the spin, and V = Σ U; the tests derive
 them by computer algebra.
@@ -273,44 +272,19 @@ def _turned(push, force) -> np.ndarray:
     return np.where(closed, push / np.where(closed, force, 1.0), 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SlicedTractions:
-    """What raceways' tractions on slices of rollers have beside their sums; (..., n_rollers)."""
-
-    inner_moment: np.ndarray  # N m, tractions along +θ times z
-    inner_axial: np.ndarray  # N, along +z
-    outer_moment: np.ndarray
-    outer_axial: np.ndarray
-
-    def on_roller(self, bearing: Bearing, normal) -> tuple[np.ndarray, np.ndarray]:
-        """Moments on a roller's tilt and skew, N m; `normal` : of the inner contact, along e_r and e_t."""
-        r, (out, around) = bearing.roller_radius, normal
-        tilting = r * (self.inner_axial * out - self.outer_axial) - self.inner_moment * around
-        return tilting, -(self.inner_moment * out + r * self.inner_axial * around + self.outer_moment)
-
-    def on_hub(self, bearing: Bearing, normal, cos, sin) -> tuple[np.ndarray, np.ndarray]:
-        """Moments on the hub's slope along x and y, (...,), N m; angles of the rollers."""
-        reach, (out, around) = bearing.inner_raceway_radius, normal
-        outwards = reach * self.inner_axial * out + self.inner_moment * around
-        onwards = reach * self.inner_axial * around - self.inner_moment * out
-        return np.sum(outwards * cos - onwards * sin, axis=-1), np.sum(outwards * sin + onwards * cos, axis=-1)
-
-
 def tilt_equations(
-    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, skew_acc, theta_acc, spin=None
+    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, skew_acc, theta_acc
 ) -> tuple[np.ndarray, np.ndarray]:
     """Left sides of the τ and of the σ equations, N m, (..., n_rollers): the moments that something else must give.
 
     τ: I_t (τ̈ + 2θ̇σ̇ + θ̈σ − θ̇²τ) − I_a w (σ̇ − θ̇τ) − M_in n·e_r + M_out
     σ: I_t (σ̈ − 2θ̇τ̇ − θ̈τ − θ̇²σ) + I_a w (τ̇ + θ̇σ) + M_in n·e_t
 
-    Of a roller whose skew is guided the second is the guide's moment on it; of one that is free to skew, that of its
-    tractions and its guide. `spin` : w, rad/s, (..., n_rollers); None: as rollers roll without slip.
+    The second is the moment of the guides on a roller, which rolls without slip at the spin w.
     """
     across, along = roller_inertias(bearing)
     t, omega = state.tilts, state.theta_rate
-    rolling = np.asarray(kinematics(bearing, *operation.ring_speeds).roller)[..., None]
-    turning = along * (rolling if spin is None else spin)
+    turning = along * np.asarray(kinematics(bearing, *operation.ring_speeds).roller)[..., None]
     of_tilt = tilt_acc + 2.0 * omega * t.skew_rate + theta_acc * t.skew - omega**2 * t.tilt
     of_skew = skew_acc - 2.0 * omega * t.tilt_rate - theta_acc * t.tilt - omega**2 * t.skew
     return (

@@ -108,11 +108,6 @@ class Record:
     inner_slope_x: np.ndarray | None = None  # (n_times,), rad, of the hub's axis
     inner_slope_y: np.ndarray | None = None
     slices: tuple[Slices, Slices] | None = None  # of inner and outer contacts of rollers that tilt
-    inner_traction_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, of rollers that are free to skew
-    inner_axial_traction: np.ndarray | None = None  # N, as the columns below
-    outer_traction_moment: np.ndarray | None = None
-    outer_axial_traction: np.ndarray | None = None
-    guide_moment: np.ndarray | None = None  # N m
     inner_damping_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, what damping gives of inner_moment
     outer_damping_moment: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves

@@ -137,19 +137,9 @@ def _tilts(found: TiltErrors) -> list[tuple[str, str]]:
     moment, balance = numbers["error_moment"]["rms_N_m"], numbers["budget"]["balance"]["rms_N_m"]
     x, y = (numbers[f"hub_moment_{axis}"]["mean_N_m"] for axis in "xy")
     own = "with the run's own moments"
-    rows = [
+    return [
         ("Largest tilt of a roller", f"{text(1e3 * found.largest_tilt)} mrad"),
         ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m {own}"),
-    ]
-    if found.skew is not None:
-        of_skew = numbers["skew"]
-        moment, balance = of_skew["error_moment"]["rms_N_m"], of_skew["budget"]["balance"]["rms_N_m"]
-        rows += [
-            ("Largest skew of a roller", f"{text(1e3 * found.largest_skew)} mrad"),
-            ("Error moment of skew, rms", f"{text(moment)} N m; {text(balance)} N m {own}"),
-        ]
-    return [
-        *rows,
         ("Moment on the shaft beside contacts, mean", f"{text(x)} N m along x, {text(y)} N m along y"),
     ]
 

@@ -19,7 +19,6 @@ from lagrange.rating.sources import Unavailable
 from lagrange.surface.deviation import Falls, SurfaceDeviation
 from lagrange.tilt import (
     Misalignments,
-    SlicedTractions,
     TiltedContacts,
     Tilts,
     falls,
@@ -150,16 +149,14 @@ class MomentError:
 
 @dataclass(frozen=True, kw_only=True)
 class TiltErrors(MomentError):
-    """Error moments of the equation of tilt, those of skew, and what the hub's slope needs."""
+    """Error moments of the equation of tilt, and what the hub's slope needs."""
 
-    skew: MomentError | None  # of rollers that are free to; None: guides give whatever moment it takes
     hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else must give the hub's slope
     largest_tilt: float  # rad
-    largest_skew: float
 
 
 def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
-    """Put a record's slopes into the equations of τ, σ and the hub's slope; `law` : by name; `order` : of stencils."""
+    """Put a record's slopes into the equations of τ and the hub's slope; `law` : by name; `order` : of stencils."""
     laws, bearing, contacts, interval = (
         contact_laws(law, record.bearing),
         record.bearing,
@@ -175,9 +172,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     }  # fmt: skip
     rates = {f"{name}_rate": derivative(value, interval, 1, order) for name, value in columns.items()}
     gains = {name: derivative(value, interval, 2, order) for name, value in columns.items()}
-    tractions, given, spin = _tractions(record), np.zeros_like(theta), None
-    if tractions is not None and record.roller_turn is not None:
-        spin = derivative(record.roller_turn, interval, 1, order)
+    given = np.zeros_like(theta)
     state = State(
         x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
         x_rate=0.0, y_rate=0.0, rho_rate=np.zeros_like(theta), theta_rate=derivative(theta, interval, 1, order),
@@ -187,32 +182,23 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     nx, ny = contacts.normal
     normal = nx * cos + ny * sin, ny * cos - nx * sin
     at = Misalignments(*misaligned(record, contacts)[:1], *(3 * (np.zeros_like(theta),)))
-    on_roller, on_hub = (given, given), (given[:, 0], given[:, 0])
-    if tractions is not None:
-        on_roller, on_hub = tractions.on_roller(bearing, normal), tractions.on_hub(bearing, normal, cos, sin)
-        on_roller = on_roller[0], on_roller[1] + np.asarray(record.guide_moment)
 
     def left(moments):
         more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at, normal=normal)
         around, touch = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
-        found = tilt_equations(bearing, record.acting, state, touch, gains["tilt"], gains["skew"], around, spin)
+        found = tilt_equations(bearing, record.acting, state, touch, gains["tilt"], gains["skew"], around)
         axial = record.scene.ideal_axial()
         hub = hub_tilt(record.operation, axial) if axial is not None else None
         slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])
-        of_rollers = tuple(each - moment for each, moment in zip(found, on_roller, strict=True))
-        return of_rollers, tuple(each - moment for each, moment in zip(slopes, on_hub, strict=True))
+        return found[0], slopes
 
     own = tuple(
         law if run is None else run for run, law in ((record.inner_moment, inner), (record.outer_moment, outer))
     )
-    (errors, hub), (balances, _) = left((inner, outer)), left(own)
-    tilt, skew = (
-        MomentError(error=error, contact_law=error - balance, balance=balance)
-        for error, balance in zip(errors, balances, strict=True)
-    )
+    (error, hub), (balance, _) = left((inner, outer)), left(own)
     return TiltErrors(
-        **vars(tilt), skew=None if tractions is None else skew, hub=hub,
-        largest_tilt=float(np.abs(columns["tilt"]).max()), largest_skew=float(np.abs(columns["skew"]).max()),
+        error=error, contact_law=error - balance, balance=balance, hub=hub,
+        largest_tilt=float(np.abs(columns["tilt"]).max()),
     )  # fmt: skip
 
 
@@ -315,17 +301,6 @@ def largest_pressures(record: Record) -> tuple[float, ...]:
     return tuple(found)
 
 
-def _tractions(record: Record) -> SlicedTractions | None:
-    """Of rollers that are free to skew; None: they are guided."""
-    if record.guide_moment is None:
-        return None
-    names = (f"{side}_{kind}" for kind in ("traction_moment", "axial_traction") for side in ("inner", "outer"))
-    inner_moment, outer_moment, inner_axial, outer_axial = (np.asarray(getattr(record, name)) for name in names)
-    return SlicedTractions(
-        inner_moment=inner_moment, inner_axial=inner_axial, outer_moment=outer_moment, outer_axial=outer_axial
-    )
-
-
 def tilt_summary(found: TiltErrors) -> dict:
     """Numbers of error moments, N m, as JSON has them."""
 
@@ -336,14 +311,9 @@ def tilt_summary(found: TiltErrors) -> dict:
             "max_abs_N_m": float(np.abs(values).max()),
         }  # fmt: skip
 
-    def of(equation: MomentError) -> dict:
-        terms = {"contact_law": numbers(equation.contact_law), "balance": numbers(equation.balance)}
-        return {"error_moment": numbers(equation.error), "budget": terms}
-
-    skew = {} if found.skew is None else {"skew": of(found.skew) | {"largest_skew_rad": found.largest_skew}}
     return {
-        **of(found),
+        "error_moment": numbers(found.error),
+        "budget": {"contact_law": numbers(found.contact_law), "balance": numbers(found.balance)},
         **{f"hub_moment_{axis}": numbers(values) for axis, values in zip("xy", found.hub, strict=True)},
         "largest_tilt_rad": found.largest_tilt,
-        **skew,
     }

@@ -27,7 +27,7 @@ PAPER = paper()
 def axial(profile: str, slices: int, coupling: bool) -> Axial:
     return Axial(
         roller=Profile(kind=profile, crown=1e-5), inner_raceway=Profile(), outer_raceway=Profile(), slices=slices,
-        coupling=coupling, ring_width=0.02, skew="guided",
+        coupling=coupling, ring_width=0.02,
     )  # fmt: skip
 
 

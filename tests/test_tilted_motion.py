@@ -148,7 +148,6 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
 @pytest.mark.parametrize(
     ("model", "axial", "changes", "remedy"),
     [
-        ("reduced", {"skew": "free"}, {"damping__contact_N_s_m": 10.0}, "leave the dampers out"),
     ],
 )
 def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, remedy):

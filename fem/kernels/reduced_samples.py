@@ -42,7 +42,6 @@ from fem.kernels.sample_kernels import (
     X,
     Y,
 )
-from fem.kernels.sliced_friction import sliced_energy
 from fem.kernels.tilted_contacts import Tilted, repeat_moments, tilted_energy
 
 
@@ -215,11 +214,11 @@ def _tilted_energy(compliance, bodies, forces, drive, before, group):
     own = tilted_energy(compliance, forces, bodies.columns, group)
     for row in range(2):
         own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
-    return own + _elastic_energy(compliance.between, bodies.tilts.skews, compliance, forces, bodies.columns, group)
+    return own + _elastic_energy(compliance.between, compliance, forces, bodies.columns, group)
 
 
 @part
-def _elastic_energy(between, skews, compliance, forces, columns, group):
+def _elastic_energy(between, compliance, forces, columns, group):
     """Of eight rollers' bodies between contacts, of rollers that meet and of tractions, J."""
     if between is None:
         return splat(0.0)
@@ -227,18 +226,10 @@ def _elastic_energy(between, skews, compliance, forces, columns, group):
     for row in range(2):
         at = row * columns + group
         others = load(forces.lifted, at) + 0.5 * coupled_approach(compliance, forces, forces.gained, row, group)
-        rubbing = _rubbing(skews, compliance, forces, columns, row, group)
+        T = load(forces.traction, at)
+        rubbing = (0.5 * compliance.tangential[row]) * T * T
         own += others * load(forces.force, at) + select(load(forces.force, at) > 0.0, rubbing, 0.0)
     return own + _stored(between, compliance, forces, NEXT, columns, group)
-
-
-@part
-def _rubbing(skews, compliance, forces, columns, row, group):
-    """Of eight contacts' tractions, J."""
-    if skews is None:
-        T = load(forces.traction, row * columns + group)
-        return (0.5 * compliance.tangential[row]) * T * T
-    return sliced_energy(skews, compliance, columns, row, group)
 
 
 @verb

@@ -36,18 +36,9 @@ from fem.kernels.reduced_kick import expect, grow, shift
 from fem.kernels.reduced_state import INNER, OUTER, Compliance
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles, push_along
 from fem.kernels.rigid_parts import TWELFTH
-from fem.kernels.sliced_friction import sliced_tractions
 from fem.kernels.tilted_contact import SHORTEST, kick_by_work
 from fem.kernels.tilted_surfaces import fallen, keep_slopes, own_approach, sunk, surfaces_met, table_at
-from fem.kernels.tilts import (
-    axes,
-    kick_hub_axis,
-    kick_rollers,
-    push_axes,
-    push_rollers,
-    pushed_rollers,
-    rubbed_hub,
-)
+from fem.kernels.tilts import kick_axes, kick_hub_axis, push_axes
 
 # `Compliance` and what tilt takes; `between` is None where bodies are rigid
 Tilted = NamedTuple(
@@ -88,8 +79,8 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
         away, ix, iy = direction(x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0], there)
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
-        ax, ay, tilt = axes(tilts.skews, tilts, group, ox, oy)
-        slope_i, slope_o = (ax - tilts.slope[0]) * ix + (ay - tilts.slope[1]) * iy, -tilt
+        tilt = load(tilts.tilt, group)
+        slope_i, slope_o = (tilt * ox - tilts.slope[0]) * ix + (tilt * oy - tilts.slope[1]) * iy, -tilt
         deep_i, deep_o = reach - away, out - track
         guess = _guesses(compliance.between, forces.guess, at, width, there)
         given = _guesses(compliance.between, forces.tilted.guess, at, width, there)
@@ -249,7 +240,7 @@ def _sums(bodies, forces, drive):
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
         M_i = select(there, load(forces.tilted.met, _at(INNER, MOMENT, columns, group)), 0.0)
         M_o = select(there, load(forces.tilted.met, _at(OUTER, MOMENT, columns, group)), 0.0)
-        push_rollers(tilts.skews, tilts, group, (ix, iy, ox, oy), (M_i, M_o))
+        store(tilts.pushed, group, (M_i * (ix * ox + iy * oy) - M_o) * (1.0 / tilts.inertia))
         hub_x -= Q_i * ix
         hub_y -= Q_i * iy
         ring_x += Q_o * ox
@@ -285,39 +276,24 @@ def kick_tilted(compliance, bodies, forces, drive, before):
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
         # where slopes have a part across the normal, moments push aside
-        aside_i, aside_o = kick_rollers(tilts.skews, tilts, drive, group, (ix, iy, ox, oy), (M_i, M_o))
-        over_i, over_o = _levers(tilts.skews, bodies, compliance, forces, group)
-        T_i += M_i * (aside_i - (by * ix - bx * iy)) * over_i
-        T_o -= aside_o * over_o
+        tilt, facing, beside = load(tilts.tilt, group), ix * ox + iy * oy, oy * ix - ox * iy
+        kick_axes(tilts, drive, group, M_i * facing - M_o)
+        T_i += M_i * (tilt * beside - (by * ix - bx * iy)) * splat(1.0 / compliance.reach)
+        T_o -= M_i * tilt * beside * splat(1.0 / compliance.track)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         gx, gy = P_o * ox + T_o * oy, P_o * oy - T_o * ox
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
         ring_x += select(there, gx, 0.0)
         ring_y += select(there, gy, 0.0)
-        on_x += rubbed_hub(tilts.skews, 0, group) - M_i * ix
-        on_y += rubbed_hub(tilts.skews, 1, group) - M_i * iy
+        on_x -= M_i * ix
+        on_y -= M_i * iy
         store(bodies.velocity, group, load(bodies.velocity, group) + over * (fx - gx))
         store(bodies.velocity, at, load(bodies.velocity, at) + over * (fy - gy) - drive.gravity * dt)
         _expect_both(compliance.between, forces, width, columns, group, (Q_i, Q_o), (M_i, M_o))
     kick_hub_axis(tilts, drive, (total(on_x), total(on_y)))
     _repeat(compliance.between, forces, drive, n)
     return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
-
-
-@part
-def _levers(skews, bodies, compliance, forces, group):
-    """Of moments' pushes along the rings: over the rollers' distances from hub and outer ring, 1/m."""
-    if skews is None:
-        return splat(1.0 / compliance.reach), splat(1.0 / compliance.track)
-    columns, (ring_x, ring_y), sag = bodies.columns, ring_place(bodies.housing), compliance.sag
-    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
-    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-    away = (x - bodies.hub[0]) * ix + (y - bodies.hub[1] + sag[0]) * iy
-    out = (x - ring_x) * ox + (y - ring_y + sag[1]) * oy
-    there = count_from(group) < bodies.n
-    return 1.0 / select(there, away, 1.0), 1.0 / select(there, out, 1.0)
 
 
 @part
@@ -339,8 +315,8 @@ def _ahead(bodies, forces, drive, before, group):
     ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
     ax, ay = along_ray(bodies.prescribed, ox, oy, ax, ay)
     store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
-    facing, pushed = pushed_rollers(tilts.skews, tilts, group, (ix, iy, ox, oy))
-    turned = facing - (tilts.slope_pushed[0] * ix + tilts.slope_pushed[1] * iy)
+    pushed = load(tilts.pushed, group)
+    turned = pushed * (ix * ox + iy * oy) - (tilts.slope_pushed[0] * ix + tilts.slope_pushed[1] * iy)
     inner, outer = ix * (hub[0] - ax) + iy * (hub[1] - ay), ox * (ax - ring[0]) + oy * (ay - ring[1])
     return share * inner, share * outer, share * turned, -share * pushed
 
@@ -432,26 +408,17 @@ def _rubbed(between, bodies, compliance, forces, drive, before, group, pushes):
     """
     if between is None:
         return splat(0.0), splat(0.0)
-    T_i, T_o, spinning, there = splat(0.0), splat(0.0), splat(0.0), count_from(group) < bodies.n
+    T_i, T_o, there = splat(0.0), splat(0.0), count_from(group) < bodies.n
     columns, width, (Q, P) = bodies.columns, bodies.columns + 2 * forces.halo, pushes
     if drive.friction > 0.0:
-        T_i, T_o, spinning = _tractions(bodies.tilts.skews, bodies, compliance, forces, drive, before, group, Q)
+        T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q[0], Q[1])
         pulled = select(there, T_i, 0.0), select(there, T_o, 0.0)
         store_pair(forces.pulled, forces.halo + group, width, pulled[0], pulled[1])
         shift(forces, drive, INNER, group, Q[0])
         shift(forces, drive, OUTER, group, Q[1])
-    turned = spinning * (drive.dt * bodies.radius / bodies.inertia)
+    turned = (T_o - T_i) * (drive.dt * bodies.radius / bodies.inertia)
     store(bodies.spin, group, load(bodies.spin, group) + turned)
     return T_i - P[0] * load(forces.tilt, group), T_o - P[1] * load(forces.tilt, columns + group)
-
-
-@part
-def _tractions(skews, bodies, compliance, forces, drive, before, group, Q):
-    """Tractions of eight rollers, N, of whole contacts or of slices, and what spins the rollers, N at their surface."""
-    if skews is None:
-        T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q[0], Q[1])
-        return T_i, T_o, T_o - T_i
-    return sliced_tractions(bodies.tilts, bodies, compliance, forces, drive, before, group)
 
 
 @part

@@ -4,7 +4,7 @@ A contact of the coefficient c and the stiffness K = ∂Q/∂δ damps by c/K ∂
 z = ∂Q/∂ψ/K, and by g = c/K (−∂M/∂ψ − z² K) on ψ̇ alone. The rollers' tilts are implicit as their centres are; the
 hub's slope is explicit, whose inertia is so much larger.
 
-Equation (7) of docs/tilted_motion.md.
+Equation (6) of docs/tilted_motion.md.
 """
 
 from typing import NamedTuple

@@ -1,7 +1,7 @@
 """Tilt of rigid bodies in the time loop: of rollers, and of a hub whose slope may be free.
 
-The axis of a roller that is guided against skew stays in the plane through the bearing's axis: a = τ n, n outward from
-the outer ring's centre. Those of rollers that are free to skew are in `skews`.
+Rollers are guided against skew: the axis of one stays in the plane through the bearing's axis, a = τ n, n outward from
+the outer ring's centre.
 """
 
 from math import cos, sin
@@ -16,7 +16,6 @@ from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.rigid_parts import TWELFTH, change_step, drift_part, rescale_kick, write_part
 from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
-from fem.kernels.skews import Skews, drift_skews, kick_skews, push_skews, write_skews
 
 INNER, OUTER = 0, 1
 
@@ -42,7 +41,6 @@ class Tilts(NamedTuple):
     hub_stiffness: float  # N m/rad, of the shaft
     rest: tuple[float, float]  # rad, where that is slack
     column: int  # of a sample's row
-    skews: Skews | None = None  # None: rollers are guided against skew, and `tilt` to `before` are theirs
 
 
 class TiltedForces(NamedTuple):
@@ -63,16 +61,15 @@ class TiltedForces(NamedTuple):
 
 @drift_part.of(Tilts)
 def _drift(tilts, step):
-    turn_axes(tilts, step.bodies, step.drive)
+    turn_axes(tilts, step.drive)
 
 
 @part
-def turn_axes(tilts, bodies, drive):
+def turn_axes(tilts, drive):
     """Turn the axes by a step. A hub that spins turns its slope's rate round (gyroscopic moment)."""
     dt = drive.dt
     for group in range(0, tilts.tilt.size, WIDTH):
         store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
-    drift_skews(tilts.skews, bodies, drive)
     if tilts.hub_over > 0.0:
         angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
         c, s, half = cos(angle), sin(angle), 0.5 * dt
@@ -81,61 +78,6 @@ def turn_axes(tilts, bodies, drive):
         tilts.slope[0] += half * (x + u)
         tilts.slope[1] += half * (y + v)
         tilts.slope_rate[0], tilts.slope_rate[1] = u, v
-
-
-@part
-def axes(skews, tilts, group, ox, oy):
-    """Slopes of eight rollers' axes along x, y and outwards, rad."""
-    if skews is None:
-        tilt = load(tilts.tilt, group)
-        return tilt * ox, tilt * oy, tilt
-    ax, ay = load(skews.axis, group), load(skews.axis, skews.axis.shape[1] + group)
-    return ax, ay, ax * ox + ay * oy
-
-
-@part
-def push_rollers(skews, tilts, group, normals, moments):
-    """Keep the angular accelerations of eight rollers by their contacts' moments, N m, inner and outer."""
-    if skews is None:
-        ix, iy, ox, oy = normals
-        store(tilts.pushed, group, (moments[0] * (ix * ox + iy * oy) - moments[1]) * (1.0 / tilts.inertia))
-    else:
-        push_skews(skews, tilts, group, normals, moments)
-
-
-@part
-def pushed_rollers(skews, tilts, group, normals):
-    """Those accelerations along the inner and the outer contacts' normals, rad/s²."""
-    ix, iy, ox, oy = normals
-    if skews is None:
-        pushed = load(tilts.pushed, group)
-        return pushed * (ix * ox + iy * oy), pushed
-    px, py = load(skews.pushed, group), load(skews.pushed, skews.axis.shape[1] + group)
-    return px * ix + py * iy, px * ox + py * oy
-
-
-@part
-def kick_rollers(skews, tilts, drive, group, normals, moments):
-    """The kick of eight rollers' axes by their contacts' moments, N m, inner and outer.
-
-    Returns the slopes' part across the inner contacts' normals, rad, and the moments, N m, by which contacts push
-    against +θ at the outer ones, as tilts turn with their rollers' angles.
-    """
-    (ix, iy, ox, oy), (M_i, M_o) = normals, moments
-    if skews is None:
-        tilt, facing, beside = load(tilts.tilt, group), ix * ox + iy * oy, oy * ix - ox * iy
-        kick_axes(tilts, drive, group, M_i * facing - M_o)
-        return tilt * beside, M_i * tilt * beside
-    ax, ay, _ = axes(skews, tilts, group, ox, oy)
-    return ay * ix - ax * iy, M_o * (ay * ox - ax * oy) - kick_skews(skews, tilts, drive, group, normals, moments)
-
-
-@part
-def rubbed_hub(skews, axis, group):
-    """Moments of eight rollers' tractions on the hub's slope along x or y, N m."""
-    if skews is None:
-        return splat(0.0)
-    return load(skews.rubbed, (2 + axis) * skews.axis.shape[1] + group)
 
 
 @part
@@ -210,24 +152,6 @@ def write_axes(tilts, bodies, forces, drive, out):
     n, at, ahead = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt
     for j in range(n):
         out[at + 2 * n + j], out[at + 3 * n + j] = forces.tilted.moment[INNER, j], forces.tilted.moment[OUTER, j]
-    kinetic, more, stored, turning = _write_rollers(tilts.skews, tilts, bodies, forces, drive, out)
-    for k in range(2):
-        place = tilts.slope[k] + ahead * tilts.slope_pushed[k]
-        out[at + 4 * n + k] = place
-        stored += 0.5 * tilts.hub_stiffness * (place - tilts.rest[k]) * (place - tilts.rest[k])
-        if tilts.hub_over > 0.0:
-            kinetic += tilts.slope_before[k] * tilts.slope_rate[k] / tilts.hub_over
-            more += tilts.slope_pushed[k] * tilts.slope_pushed[k] / tilts.hub_over
-    out[KINETIC] += 0.5 * kinetic + turning
-    out[CONTACT] += stored + drive.dt * drive.dt / 24.0 * more
-
-
-@part
-def _write_rollers(skews, tilts, bodies, forces, drive, out):
-    """The rollers' slopes; I_t Σ of squares of rates and of accelerations, energy of guides and of going round, J."""
-    if skews is not None:
-        return write_skews(skews, tilts, bodies, forces, drive, out)
-    n, at, ahead = bodies.n, tilts.column, TWELFTH * drive.dt * drive.dt
     moving, pushed, aslant = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         there, tilt = count_from(group) < n, load(tilts.tilt, group)
@@ -241,4 +165,13 @@ def _write_rollers(skews, tilts, bodies, forces, drive, out):
     precession, whirl = _going_round(tilts, drive)
     turning = 0.5 * whirl * total(aslant)
     out[WORK_DRIVE] += turning - 0.5 * precession * total(aslant)
-    return tilts.inertia * total(moving), tilts.inertia * total(pushed), 0.0, turning
+    kinetic, more, stored = tilts.inertia * total(moving), tilts.inertia * total(pushed), 0.0
+    for k in range(2):
+        place = tilts.slope[k] + ahead * tilts.slope_pushed[k]
+        out[at + 4 * n + k] = place
+        stored += 0.5 * tilts.hub_stiffness * (place - tilts.rest[k]) * (place - tilts.rest[k])
+        if tilts.hub_over > 0.0:
+            kinetic += tilts.slope_before[k] * tilts.slope_rate[k] / tilts.hub_over
+            more += tilts.slope_pushed[k] * tilts.slope_pushed[k] / tilts.hub_over
+    out[KINETIC] += 0.5 * kinetic + turning
+    out[CONTACT] += stored + drive.dt * drive.dt / 24.0 * more

@@ -65,10 +65,10 @@ class ReducedPlan(RigidPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Two of the hub, three of each roller; tilts, skews and two of a hub's free slope."""
+        """Two of the hub, three of each roller; tilts and two of a hub's free slope."""
         n = self.model.bearing.n_rollers
         axial = self.scene.ideal_axial()
-        tilts = 0 if axial is None else n * (1 + (axial.skew == "free")) + 2 * axial.has_free_slope
+        tilts = 0 if axial is None else n + 2 * axial.has_free_slope
         return 2 + 3 * n + tilts
 
     @property

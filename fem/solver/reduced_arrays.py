@@ -20,7 +20,7 @@ from fem.kernels.reduced_state import (
 from fem.kernels.tilted_contacts import Tilted
 from fem.solver.part_arrays import raceway_profiles, rigid_dampers
 from fem.solver.rigid_arrays import STILL, Placed, outer_drive, rigid_bodies
-from fem.solver.tilted_arrays import tilted, with_moments, with_skews, with_tilts
+from fem.solver.tilted_arrays import tilted, with_moments, with_tilts
 from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
 from lagrange.axial import SpalledTable
@@ -57,10 +57,7 @@ def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     axial = plan.scene.ideal_axial()
     if axial is None:
         return bodies
-    bodies = with_tilts(bodies, bearing, operation, axial, free, start.tilts)
-    if axial.skew == "guided":
-        return bodies
-    return with_skews(bodies, bearing, axial, start.tilts, np.array([radial, cage * around]), plan.tangential)
+    return with_tilts(bodies, bearing, operation, axial, free, start.tilts)
 
 
 def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance | Tilted:

@@ -5,7 +5,6 @@ import numpy as np
 from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import Compliance, ReducedForces, RigidBodies
-from fem.kernels.skews import Skews
 from fem.kernels.tilted_contact import TiltedLaw
 from fem.kernels.tilted_contacts import Tilted
 from fem.kernels.tilted_damping import TiltedDampers
@@ -51,33 +50,6 @@ def axes_at(
     )
     tilts.tilt[:n], tilts.rate[:n] = start.tilt, start.tilt_rate
     return tilts
-
-
-def with_skews(
-    bodies: RigidBodies, bearing: Bearing, axial: Axial, start: Tilts, directions: np.ndarray, tangential: np.ndarray
-) -> RigidBodies:
-    """Bodies that tilt, whose rollers may skew too, from the slopes of a start on.
-
-    Parameters
-    ----------
-    directions : (2, 2, n_rollers), of the start's tilts, and how these turn, 1/s
-    tangential : (3,), m/N, of contacts that stick: a guide is as stiff at the rollers' radius of gyration as the softer
-        of a raceway's, with which axes vibrate slower than rollers rock, which the step follows
-    """
-    n, (across, along) = bearing.n_rollers, roller_inertias(bearing)
-    skews = filled(
-        Skews,
-        {"columns": bodies.columns, "slices": axial.slices},
-        place=axial.centres(bearing),
-        drop=axial.drops(bearing),
-        gyration=float(along / across),
-        lateral=float(1.0 - bearing.roller.poisson_ratio),
-        play=float(axial.skew_play),
-        guide=float(across / (bearing.roller_mass * tangential[:2].max())),
-    )
-    skews.axis[:, :n] = start.tilt * directions[0]
-    skews.rate[:, :n] = start.tilt_rate * directions[0] + start.tilt * directions[1]
-    return bodies._replace(tilts=bodies.tilts._replace(skews=skews))
 
 
 def tilted(

@@ -1,7 +1,6 @@
 """What a scene says of the third dimension."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -21,8 +20,6 @@ class Axial:
     slices: int  # of a roller, equally wide
     coupling: bool  # whether neighbouring slices know each other
     ring_width: float  # m, of both rings
-    skew: Literal["guided", "free"]
-    skew_play: float = 0.0  # rad, either way, of rollers that are free to skew until their guide stops them
     hub_tilt_inertia: float | None = None  # kg m², about an axis across the shaft's; None: its slope is prescribed
     shaft_tilt_stiffness: float = 0.0  # N m/rad, of the shaft, against its slope
 

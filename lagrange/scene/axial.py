@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -23,7 +23,6 @@ FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
 PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a file beside the scene, CSV with the '
 PROFILE += "columns z_mm, drop_um"
-PLAY = 5.0  # mrad, of rollers in their guides
 
 
 class AxialTable(Table):
@@ -52,16 +51,6 @@ class AxialTable(Table):
     ring_width_mm: float | None = Field(
         None, gt=0.0, le=10_000.0, description="of both rings; if left out twice the rollers' length"
     )
-    skew: Literal["guided", "free"] = Field(
-        "guided", description="of rollers: held along the axis, or free, which takes friction"
-    )
-    skew_play_mrad: float | None = Field(
-        None,
-        ge=0.0,
-        le=50.0,
-        description='either way, of rollers whose skew is "free", until a flange or a pocket '
-        f"stops them; {PLAY:g} if left out",
-    )
     hub_tilt_inertia_kg_m2: float | None = Field(
         None,
         gt=0.0,
@@ -84,8 +73,6 @@ class AxialTable(Table):
                 yield f'a profile that is "{kind}" needs {key}, e.g. {key} = {example:g}'
             if kind not in kinds and given is not None:
                 yield f'{key} = {given:g}: only with a profile that is "{kind}"; leave it out'
-        if self.skew_play_mrad is not None and self.skew == "guided":
-            yield f'skew_play_mrad = {self.skew_play_mrad:g}: only with skew = "free"; leave it out'
         if self.hub_tilt_inertia_kg_m2 is None and self.shaft_tilt_stiffness_N_m_rad is not None:
             yield (
                 f"shaft_tilt_stiffness_N_m_rad = {self.shaft_tilt_stiffness_N_m_rad:g}: only of a shaft whose slope "
@@ -115,8 +102,6 @@ class AxialTable(Table):
             slices=self.slices,
             coupling=self.coupling,
             ring_width=2.0 * bearing.roller_length if width is None else MM * width,
-            skew=self.skew,
-            skew_play=1e-3 * (PLAY if self.skew_play_mrad is None else self.skew_play_mrad),
             hub_tilt_inertia=self.hub_tilt_inertia_kg_m2,
             shaft_tilt_stiffness=self.shaft_tilt_stiffness_N_m_rad or 0.0,
         )

@@ -56,7 +56,6 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "axial": lambda scene: None if scene.axial is None else "[axial]",
     "rows": lambda scene: f"bearing.rows = {scene.bearing.rows}" if scene.bearing.rows > 1 else None,
     "outer ring's speed": lambda scene: f"operation.{key}" if (key := scene.operation.turns_outer_ring) else None,
-    "free skew": lambda scene: 'axial.skew = "free"' if scene.axial and scene.axial.skew == "free" else None,
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -72,7 +71,6 @@ KINDS: dict[str, Callable[[SceneTables], bool]] = {
     "axial": lambda scene: scene.axial is not None,
     "no axial": lambda scene: scene.axial is None,
     "axial on meshes": lambda scene: scene.axial is not None and scene.model == "fem",
-    "free skew": lambda scene: scene.axial is not None and scene.axial.skew == "free",
     "not reduced": lambda scene: scene.model != "reduced",
     "frictionless": lambda scene: scene.friction_coefficient == 0.0,
     "fitted": lambda scene: scene.fit is not None,
@@ -123,15 +121,6 @@ REFUSED = (
      "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
     ("contacts' damping", "axial on meshes", AXIAL_MESH),
-    ("contacts' damping", "free skew",
-     '{given}: not together with axial.skew = "free", which dampers know nothing of; take skew = "guided", or leave '
-     'the dampers out'),
-    ("free skew", "not reduced",
-     '{given}: only with model = "reduced", whose tractions act slice by slice, not with "{model}"; take '
-     'skew = "guided"'),
-    ("free skew", "frictionless",
-     '{given}: rollers without friction are neutral against skew, in which they would turn on; give '
-     'contact.friction_coefficient, or take skew = "guided"'),
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),

@@ -33,6 +33,8 @@ GONE: dict[tuple[str, ...], tuple[Any, str]] = {
         {"modes_up_to_kHz": 0.0},
         'the reduced model no longer has modes; for elastic waves use model = "fem"',
     ),
+    ("axial", "skew"): ("guided", "rollers are always guided against skew; leave it out"),
+    ("axial", "skew_play_mrad"): (None, "rollers are always guided against skew; leave it out"),
 }
 # keys of a file beside the scene, and the text that a result file keeps of it
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]

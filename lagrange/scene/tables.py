@@ -161,8 +161,7 @@ class SceneTables(Table):
         """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
         if self.axial is None:
             return ()
-        free = ("skew",) if self.axial.skew == "free" else ()
-        return "axial", *free, *(("damping of tilt",) if self.damping.contacts.acts else ())
+        return "axial", *(("damping of tilt",) if self.damping.contacts.acts else ())
 
     def ideal_axial(self) -> Axial | None:
         """Profiles, slices and tilt in SI; None: the bearing is a plane section."""

@@ -114,20 +114,14 @@ def tilt_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     angle = np.degrees(t.from_load[rows]).ravel()
     figure, axes = panels(2, 5.0, x=FROM_LOAD, y=["tilt, mrad", "moment of a contact, N m"])
     axes[0].plot(angle, 1e3 * np.asarray(t.roller_tilt)[rows].ravel(), color=BLUE, label="tilt", **DOTS)
-    skewed, differ = "", "they differ by the roller's inertia alone. "
-    if t.guide_moment is not None:  # rollers are free to skew
-        axes[0].plot(angle, 1e3 * np.asarray(t.roller_skew)[rows].ravel(), color=ORANGE, label="skew", **DOTS)
-        axes[0].set_ylabel("tilt and skew, mrad")
-        axes[0].legend(loc="upper left", markerscale=5)
-        skewed, differ = "its skew (its +z end backwards), ", "they differ by tractions along the axis and inertia. "
     for name, moment, colour in (("inner", t.inner_moment, BLUE), ("outer", t.outer_moment, ORANGE)):
         axes[1].plot(angle, np.asarray(moment)[rows].ravel(), color=colour, label=f"{name} raceway", **DOTS)
     axes[1].set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45))
     axes[1].legend(loc="upper left", markerscale=5)
     slope = [1e3 * float(np.asarray(each).mean()) for each in (t.inner_slope_x, t.inner_slope_y)]
     caption = (
-        f"Tilt of each roller (its +z end outwards is positive), {skewed}and the moments of its contacts, all rollers "
-        f"and times; {differ}"
+        f"Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
+        "and times; they differ by the roller's inertia alone. "
         f"Mean slope of the shaft: {text(slope[0])} mrad in x, {text(slope[1])} mrad in y."
     )
     return save(figure, folder, "tilt", "Tilt and moments of the rollers", caption)

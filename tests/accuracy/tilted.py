@@ -1,4 +1,4 @@
-"""What rollers that tilt do: finite elements beside the reduced model, spalls and their edges, free skew.
+"""What rollers that tilt do: finite elements beside the reduced model, spalls and their edges.
 
 `python -m tests.accuracy.tilted`; writes docs/measurements/tilted.md. Takes a minute once loops are compiled.
 """
@@ -20,7 +20,7 @@ from tests.measurements import markdown_table, publish
 from tests.verification.runs import RunSamples, record
 
 MESHES_MM = 2.0, 1.0
-SETTLED = 0.02, 0.06  # s, from which runs with spalls, and with skew, are looked at
+SETTLED = 0.02  # s, from which runs with spalls are looked at
 BAND = 5e3, 20e3  # Hz, of the envelope
 NEAR = 6.0  # Hz, of BPFO
 OVER = 0.15e-3  # m, either side of a spall's middle
@@ -38,7 +38,6 @@ LAWS = {
 }
 DEEPER, LOADED = 1.5, 700.0  # ΔB of an edge; N, without it
 COLUMNS = {"hub": "inner_y", "forces": "outer_force", "moments": "outer_moment", "tilts": "roller_tilt"}
-PLAYS = [("guided", 0.1, 0.0), *((f"{play:g} mrad", mu, play) for mu in (0.05, 0.1) for play in (1.0, 5.0))]
 
 
 def moved(keys: dict) -> RunSamples:
@@ -93,7 +92,7 @@ def spalled() -> str:
         bearing = found.plan.scene.ideal_bearing()
         angle = np.arctan2(found["roller_x"], -found["roller_y"])
         over = np.abs(angle) * bearing.outer_raceway_radius < OVER
-        late = found["time"] > SETTLED[0]
+        late = found["time"] > SETTLED
         acceleration, interval = found["inner_ay"][late], float(np.diff(found["time"][:2])[0])
         columns.append(
             [
@@ -157,21 +156,6 @@ def _envelope_at_bpfo(found: RunSamples, acceleration: np.ndarray, interval: flo
     return float(size[np.abs(frequency - line) < NEAR].max())
 
 
-def skewed() -> str:
-    """Skew, tilt and friction of rollers that are free, 60 to 120 ms at 1 mrad."""
-    keys = {"model": "reduced", "operation.misalignment_mrad": 1.0, "numerics.duration_ms": 120.0}
-    rows = []
-    for name, friction, play in PLAYS:
-        free = {"axial.skew": "free", "axial.skew_play_mrad": play} if play else {}
-        found = moved(keys | {"contact.friction_coefficient": friction} | free)
-        late = found["time"] >= SETTLED[1]
-        lost = np.ptp(found["work_dissipated"][late]) / np.ptp(found["time"][late])
-        axial = f"{np.abs(found['inner_axial_traction'][late]).max():.0f} N" if play else "none"
-        largest = [f"{1e3 * np.abs(found[each][late]).max():.2f} mrad" for each in ("roller_skew", "roller_tilt")]
-        rows.append([name, f"{friction:g}", *largest, axial, f"{lost:.2g} W"])
-    return markdown_table(("play", "friction", "skew", "largest tilt", "axial traction", "dissipated"), rows)
-
-
 app = App(help=__doc__, help_format="markdown")
 
 
@@ -192,7 +176,6 @@ def main(*, write: bool = False) -> None:
             "2000 N, 4500 rpm, 1 mm wide, 20 ms, 1 mrad, elements of 2 mm.",
             spalled_on_meshes,
         ),
-        ("Free skew", "1 mrad, 60 to 120 ms.", skewed),
     ):
         publish("tilted", heading, COMMAND, about, table(), write=write)
 

@@ -305,9 +305,6 @@ def _axial(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:
         middle = 0.5 * (length - part) * values.uniform(-1.0, 1.0)
         for spall in tables.get("spall", []):
             spall |= {"length_mm": part, "z_mm": middle}
-    if tables["model"] == "reduced" and tables["contact"]["friction_coefficient"] > 0.0 and kinds.chance(0.3):
-        axial |= {"skew": "free", "skew_play_mrad": values.uniform(0.0, 10.0)}
-        _without(tables, "damping")  # of contacts, which know nothing of skew
     tables["axial"] = axial
 
 

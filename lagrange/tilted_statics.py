@@ -24,7 +24,8 @@ FAINTEST = 1e-4  # N, on rollers that only LOOSE holds: there the tables have ki
 ROUND_OFF = 1e-7  # N
 FITTING = 1e-13  # m, of approaches
 CONTRACTING = 0.5  # of what contacts took too little a turn ago
-LOOSE = 1.0  # N/m, and N m/rad a metre squared, keeps in the middle what no force holds
+LOOSE = 1.0  # N/m, and N m/rad a metre squared, keeps the hub in the middle, and rollers between raceways, that no
+# force holds
 
 
 class Elastic(NamedTuple):
@@ -90,6 +91,7 @@ class _Point(NamedTuple):
     ways: np.ndarray  # (4 n, 4 + 2 n), derivatives of approaches and misalignments by the bodies' places
     left: np.ndarray  # (4 + 2 n,), unbalanced forces and moments, 0 of a slope that is held
     turning: np.ndarray  # (4 + 2 n, 4 + 2 n), stiffness by contacts' normals that turn
+    surfaces: tuple[SurfaceDeviation, SurfaceDeviation] | None  # what contacts meet, where surfaces are not perfect
 
 
 def tilted_equilibrium(
@@ -145,6 +147,9 @@ def tilted_equilibrium(
 
 def _descended(system: "_System", moved, taken, here: _Point) -> tuple[np.ndarray, _Point]:
     """Newton's step, as much of it as makes the energy less, or what is left where round-off hides that."""
+    idle = system.rested(moved, here)
+    if idle is not moved:
+        moved, here = idle, system.at(idle, taken)
     step = system.newton(here)
     expected = -float(here.left @ step)  # < 0
     noise = ROUND_OFF_ENERGY * (np.abs(here.parts).sum() + abs(here.energy))
@@ -171,6 +176,7 @@ class _System:
         self.closing = np.concatenate([elastic.closing, np.zeros(2 * n)])
         cage, m = kinematics(bearing, *operation.ring_speeds).cage, bearing.roller_mass
         self.spin, self.length = m * cage**2, bearing.roller_length
+        self.is_pressed = cage != 0.0 or operation.gravity != 0.0  # rollers, against a raceway
         self.applied = np.concatenate([
             [operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)], np.zeros(2),
             -m * operation.gravity * self.sin, np.zeros(n),
@@ -179,13 +185,17 @@ class _System:
         slack = np.concatenate(
             [np.zeros(2), slope, np.full(n, bearing.pitch_radius), 0.5 * (slope[0] * self.cos + slope[1] * self.sin)]
         )
-        self.springs = np.full(4 + 2 * n, LOOSE)
-        self.springs[2:4] = hub.stiffness if hub.is_free else np.inf
-        self.springs[4 + n :] = LOOSE * self.length**2
+        self.springs = np.zeros(4 + 2 * n)
+        self.springs[:2] = LOOSE
+        self.springs[2:4] = max(hub.stiffness, LOOSE * self.length**2) if hub.is_free else np.inf
         if shaft is not None:
             self.springs[:2], slack[:2] = shaft.stiffness, -np.asarray(placement.ring)
         self.slack, self.moves = slack, np.isfinite(self.springs)
         self.arms = np.repeat([1.0, self.length], 2 * n)
+        # of half by how much inner contacts are closer than outer ones: a roller that bears nothing rests in its gap's
+        # middle, wherever the hub goes, and touches no raceway
+        half = 0.25 * LOOSE * np.kron(np.array([[1.0, -1.0], [-1.0, 1.0]]), np.eye(n))
+        self.between = np.kron(np.diag([1.0, self.length**2]), half)
         self.precession = precession_stiffness(bearing, operation.ring_speeds)
 
     def geometry(
@@ -241,17 +251,26 @@ class _System:
             self._aside(ways, found, deviations[0].at_contact(fallen[0]).slope)
         off = moved - self.slack
         pull = np.where(self.moves, self.springs, 0.0) * off
-        left = self.applied - pull - ways.T @ forces
+        rest = self.between @ own
+        left = self.applied - pull - ways.T @ (forces + rest)
         left[4 : 4 + n] += self.spin * moved[4 : 4 + n]
         left[4 + n :] -= self.precession * moved[4 + n :]
-        energy = float(parts.sum() + 0.5 * pull @ off - self.applied @ off)
+        energy = float(parts.sum() + 0.5 * (pull @ off + rest @ own) - self.applied @ off)
         energy -= 0.5 * self.spin * float(np.sum(off[4 : 4 + n] * (moved[4 : 4 + n] + self.slack[4 : 4 + n])))
         energy += 0.5 * self.precession * float(np.sum(moved[4 + n :] ** 2))
         across = np.zeros((n, 4 + 2 * n))  # ways along the inner contacts' tangents
         nx, ny = ways[j, 0], ways[j, 1]
         across[:, 0], across[:, 1], across[j, 4 + j] = ny, -nx, -found.tangential
         turning = -(across.T * (forces[:n] / found.distance)) @ across
-        return _Point(energy, parts, forces, stiff, own, ways, np.where(self.moves, left, 0.0), turning)
+        return _Point(energy, parts, forces, stiff, own, ways, np.where(self.moves, left, 0.0), turning, deviations)
+
+    def rested(self, moved: np.ndarray, here: _Point) -> np.ndarray:
+        """Places with rollers that nothing presses in the middle of their gaps, where those touch no raceway there."""
+        own, surfaces = here.own.reshape(2, 2, -1), here.surfaces or (None, None)
+        apart, middle = 0.5 * (own[:, 0] - own[:, 1]), own.mean(axis=1)
+        bear = [met(law, *middle, surfaces[row]).force > 0.0 for row, law in enumerate(self.laws)]
+        idle = ~(bear[0] | bear[1] | self.is_pressed) & (np.abs(apart).max(axis=0) > FITTING)
+        return moved + np.concatenate([np.zeros(4), *(idle * apart * [[1.0], [-1.0]])]) if idle.any() else moved
 
     def size_of(self, here: _Point, share: float = BALANCED) -> float:
         """Of what is left, over what may be: at most 1 in equilibrium."""
@@ -266,7 +285,7 @@ class _System:
         own = np.where(self.moves, self.springs, 0.0)
         own[4 : 4 + n] -= self.spin
         own[4 + n :] += self.precession
-        return here.ways.T @ contacts @ here.ways + here.turning + np.diag(own)
+        return here.ways.T @ (contacts + self.between) @ here.ways + here.turning + np.diag(own)
 
     def newton(self, here: _Point) -> np.ndarray:
         """Newton's step of the bodies; along directions with negative stiffness downhill."""
@@ -286,7 +305,7 @@ class _System:
         """Change of `taken` that Newton's method finds, (4 n,); `more` : its error under the forces at hand."""
         moves, stiff = self.moves, here.stiff
         ways = here.ways[:, moves]
-        follow = np.linalg.solve(self._stiffness(here, stiff)[np.ix_(moves, moves)], ways.T @ stiff)
+        follow = np.linalg.solve(self._stiffness(here, stiff)[np.ix_(moves, moves)], ways.T @ (stiff + self.between))
         return np.linalg.solve(np.eye(4 * self.n) + self.compliance @ (stiff - stiff @ ways @ follow), more)
 
     def found(self, moved, here: _Point) -> TiltedStatics:

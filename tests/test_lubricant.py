@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
+from fem.commands.run_fem import run_main
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import Pair
 from lagrange.scene.scene import parse_scene_text, read_scene
@@ -70,3 +72,17 @@ def test_a_scene_keeps_its_lubricant_and_takes_traction_from_it():
 )
 def test_a_lubricant_that_a_model_can_t_have_is_refused_by_name(settings, words):
     assert_refused(settings, *words)
+
+
+@pytest.mark.parametrize("model", ["fem", "reduced", "lagrange"])
+@pytest.mark.parametrize("speed", ["0", "3000"])
+def test_rings_that_stand_or_turn_as_one_run_without_a_film(model, speed, tmp_path):
+    """No film forms there: all surfaces are perfect, and the result has no columns of others."""
+    settings = [
+        f"model={model}", f"operation.speed_rpm={speed}", f"operation.outer_ring_speed_rpm={speed}",
+        "lubricant.viscosity_Pa_s=0.02", "numerics.mesh_size_mm=2", "numerics.duration_ms=0.05",
+    ]  # fmt: skip
+    options = [word for setting in settings for word in ("--set", setting)]
+    assert run_main(["--quiet", "--output", str(tmp_path / "run.nc"), *options]) == 0
+    with h5py.File(tmp_path / "run.nc") as file:
+        assert file.attrs["status"] == "complete" and "inner_sinkage" not in file

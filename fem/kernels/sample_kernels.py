@@ -47,6 +47,7 @@ BLOCKS = (
     "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force", "roller_roller_force",
     "inner_traction", "outer_traction", "inner_damping_force", "outer_damping_force",
 )  # fmt: skip
+IN_EVERY_ROW = "surfaces", "damping"  # parts of a scene, but for sinkages, which follow from the others
 X, Y, TURN, SPIN, FORCE, _, _, TRACTION, _, DAMPER_FORCE, _ = range(len(BLOCKS))  # forces by row of contacts
 
 

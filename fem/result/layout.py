@@ -52,13 +52,7 @@ Variables = Mapping[str, Column]
 
 def variables_of(scene: Scene) -> Variables:
     """Columns of a run of this scene by name."""
-    features = {
-        "surfaces": scene.has_faults or scene.lubricant is not None,
-        "cage": scene.cage is not None,
-        "damping": scene.damping.acts,
-    }
-    tilt = scene.parts_of_tilt
-    return columns_of("", *scene.mounting().parts, *tilt, *(name for name, is_there in features.items() if is_there))
+    return columns_of("", *scene.parts)
 
 
 def readable(scene: Scene) -> Variables:

@@ -43,10 +43,8 @@ class SampleReader:
     """
 
     def __init__(self, plan):
-        scene = plan.scene
-        cage = () if scene.cage is None else ("cage",)
-        parts = *plan.operation.mounting.parts, *cage, *scene.parts_of_tilt
-        self._places = row_places(plan.model.bearing.n_rollers, parts)
+        further = [part for part in plan.scene.parts if part not in row.IN_EVERY_ROW]
+        self._places = row_places(plan.model.bearing.n_rollers, further)
         self.width = _width(self._places)  # of a row
         self._pressed = plan.pressed_energy
         self._looks = plan.looks

@@ -163,6 +163,16 @@ class SceneTables(Table):
             return ()
         return "axial", *(("damping of tilt",) if self.damping.contacts.acts else ())
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs have beside those of every run."""
+        there = {
+            "surfaces": self.ideal_bearing().faults,  # no films where nothing rolls
+            "cage": self.cage is not None,
+            "damping": self.damping.acts,
+        }
+        return *self.mounting().parts, *(name for name, is_there in there.items() if is_there), *self.parts_of_tilt
+
     def ideal_axial(self) -> Axial | None:
         """Profiles, slices and tilt in SI; None: the bearing is a plane section."""
         return None if self.axial is None else self.axial.axial(self.perfect_bearing())

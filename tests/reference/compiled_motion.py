@@ -33,7 +33,7 @@ class Motion:
             model="lagrange",
             bearing=SimpleNamespace(type=kind),
             axial=problem.axial,
-            parts_of_tilt=tilted,
+            parts=(*problem.operation.mounting.parts, *(() if problem.cage is None else ("cage",)), *tilted),
             numerics=SimpleNamespace(output_interval_us=1e6 * interval),
         )
         plan = LagrangianPlan(

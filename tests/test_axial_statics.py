@@ -3,9 +3,11 @@
 from functools import cache
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 
+from fem.commands.run_fem import run_main
 from fem.rating.tilted import TiltedPitch, tilted_pitch
 from fem.solver.tilted_start import narrow_slices
 from fem.statics.exact_statics import exact_statics
@@ -150,3 +152,37 @@ def test_a_start_whose_tables_give_a_light_contact_too_large_a_moment_is_checked
 
     assert reason(1.0) is None
     assert "axial.slices = 21 are" in reason(100.0)  # all of it on the last slice
+
+
+def started(path, *settings: str) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and force of the raceways on it at the start of a run, m and N."""
+    options = [word for setting in settings for word in ("--set", setting)]
+    assert run_main(["--quiet", "--duration", "0", "--output", str(path), *options]) == 0
+    with h5py.File(path) as file:
+        hub = np.array([file[f"inner_{axis}"][0] for axis in "xy"])
+        apart = np.array([file[f"roller_{axis}"][0] for axis in "xy"]) - hub[:, None]
+        return hub, -(apart / np.hypot(*apart)) @ file["inner_force"][0]
+
+
+@pytest.mark.parametrize("clearance, load, mrad", [(30, 50, 1), (50, 1000, 4)])
+def test_a_bearing_in_clearance_without_weight_and_speed_stands_on_its_loaded_rollers(tmp_path, clearance, load, mrad):
+    """Rollers that bear nothing rest between the raceways; rigid rings on slices have the same hub within 5 %."""
+    scene = [
+        f"bearing.clearance_um={clearance}", f"operation.radial_load_N={load}", "operation.speed_rpm=0",
+        f"operation.misalignment_mrad={mrad}", "operation.gravity_m_s2=0", "axial.slices=11",
+    ]  # fmt: skip
+    hub, force = started(tmp_path / "reduced.nc", "model=reduced", *scene)
+    assert force == pytest.approx([0.0, load], abs=1e-4 * load)
+    on_slices, _ = started(tmp_path / "slices.nc", "model=lagrange", *scene)
+    assert hub[1] == pytest.approx(on_slices[1], rel=0.05)
+
+
+def test_a_free_slope_that_no_contact_holds_stays_where_it_is(tmp_path):
+    """One roller bears all: about the direction of the load nothing holds the shaft's slope."""
+    hub, force = started(
+        tmp_path / "run.nc", "model=lagrange", "bearing.clearance_um=30", "operation.radial_load_N=20",
+        "operation.speed_rpm=1000", "operation.gravity_m_s2=0", "axial.roller_profile=crowned", "axial.crown_um=1",
+        "axial.hub_tilt_inertia_kg_m2=1e-4", "axial.slices=15",
+    )  # fmt: skip
+    assert force == pytest.approx([0.0, 20.0], abs=1e-3)
+    assert hub[0] == pytest.approx(0.0, abs=1e-8)

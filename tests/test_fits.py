@@ -24,7 +24,6 @@ from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.spinning import spinning_growth
 from meshes import Mesh
 from residual.cli import main as check_main
-from tests.documented import ROOT, blocks
 from tests.reference.bearings import LENGTH, STEEL, STEEL_ON_STEEL, ring
 
 NU206 = Bearing(
@@ -251,11 +250,3 @@ def test_nonsense_is_refused(keys, words):
 
 def test_warm_rings_in_a_bore_of_support_are_allowed():
     assert scene("support.kind=bore", "fit.inner_ring_C=40").operating_clearance().temperature < 0.0
-
-
-def test_the_page_shows_what_its_scene_gives():
-    page = ROOT / "docs" / "clearance.md"
-    told = parse_scene_text(blocks(page, "toml")[0], "spindle").operating_clearance().rows()
-    shown = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
-    for row in told:
-        assert f"| {' | '.join(row)} |".replace("|  |", "| |") in shown

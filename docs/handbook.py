@@ -141,8 +141,8 @@ def on_page_markdown(markdown, page, config, files):
     """README's bearing with its output on the front page; version and date of CITATION.cff in the page about citing."""
     if page.file.src_uri == "index.md":
         text = (ROOT / "README.md").read_text(encoding="utf-8")
-        shown = [re.search(rf"^```{kind}\n.*?^```$", text, re.M | re.S)[0] for kind in ("toml", "text")]
-        markdown = markdown.replace("<!-- bearing of README.md -->", "\n\n".join(shown))
+        shown = re.search(r"^```toml\n.*?^```text\n.*?^```$", text, re.M | re.S)[0]
+        markdown = markdown.replace("<!-- bearing of README.md -->", shown)
     if page.file.src_uri == "cite.md":
         text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
         for word, key in (("VERSION", "version"), ("DATE", "date-released")):

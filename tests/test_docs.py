@@ -232,7 +232,7 @@ def test_the_front_page_shows_a_command_with_its_output_and_links_the_reference(
     page = SimpleNamespace(file=SimpleNamespace(src_uri="index.md"))
     source = read(ROOT / "docs" / "index.md")
     shown = handbook().on_page_markdown(source, page, None, None)
-    assert blocks(ROOT / "README.md", "text")[0] in shown and "$ run-fem motor.toml" in shown
+    assert blocks(ROOT / "README.md", "text")[0] in shown and "\nrun-fem motor.toml" in shown
     assert [name for name in handbook().NAMES if f"]({name})" not in source] == []
 
 

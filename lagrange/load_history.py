@@ -8,7 +8,6 @@ would overshoot; PCHIP alone has jumps of curvature. Points may also be joined b
 one: then forces jump in their rate, or themselves.
 """
 
-import re
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from lagrange.files.input import columns, header_of
+from lagrange.files.tables import columns
 from lagrange.limits import exceeds
 
 if TYPE_CHECKING:
@@ -184,13 +183,13 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
-    Headers may name other units, as `columns_in_units` takes them.
+    Headers may name other units, those of UNITS.
 
     Errors
     ------
     ValueError, a sentence on the text.
     """
-    found = columns_in_units(text, (TIME, *names), decimal)
+    found = columns(text, (TIME, *names), decimal, UNITS)
     if len(found) < FEWEST_POINTS:
         raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
     if not np.all(np.isfinite(found)):
@@ -210,36 +209,6 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
     if time[0] > 0.0:
         raise ValueError(f"it begins at {TIME} = {time[0]:g}, after the run; at most 0")
     return time, values
-
-
-def columns_in_units(text: str, names: tuple[str, ...], decimal: str = ".") -> np.ndarray:
-    """The columns of a table's text, (n_rows, n_names), in the units of `names`, keys of UNITS.
-
-    Headers may name other units, as in "time_s" or "speed [rad/s]".
-
-    Errors
-    ------
-    ValueError, a sentence on the text.
-    """
-    written = [_in_other_units(name, header_of(text)) for name in names]
-    return columns(text, tuple(header for header, _ in written), decimal) * [factor for _, factor in written]
-
-
-def _in_other_units(name: str, headers: list[str]) -> tuple[str, float]:
-    """How a table's header names a column, and the factor to its own unit. ValueError: twice, or in an unknown unit."""
-    units, bare = UNITS[name], name.partition("_")[0]
-    found = {
-        header: units[unit]
-        for header in headers
-        for unit in units
-        if re.fullmatch(rf"{bare}[\s_]*[\[(]?({re.escape(unit)}|{re.escape(unit.replace('/', '_'))})[\])]?", header)
-    }
-    if len(found) > 1:
-        raise ValueError(f"columns {' and '.join(found)} say the same thing; leave all but one out")
-    strange = [header for header in headers if re.fullmatch(rf"{bare}(\s*[\[(].*|_.*)?", header)]
-    if not found and strange and name not in headers:
-        raise ValueError(f"column {strange[0]}: its unit must be one of {', '.join(units)}, as in {name}")
-    return next(iter(found.items()), (name, 1.0))
 
 
 def load_share(time, ramp: float):

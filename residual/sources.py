@@ -19,7 +19,6 @@ from lagrange.files.hdf5 import (
     read_scene_text,
     refusal_in_child,
 )
-from lagrange.files.input import FOREIGN, not_text
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
@@ -219,8 +218,6 @@ def check_readable(path: Path) -> None:
             start = file.read(len(SIGNATURE))
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
-    if any(start.startswith(foreign) for foreign in FOREIGN):
-        raise InputError(f"{path}: neither an HDF5 result file nor a text table: {not_text(start, 0)}")
     if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != SIGNATURE:
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 

@@ -1,17 +1,13 @@
 """Reader of trajectory tables (CSV, TSV, semicolons, MATLAB): other people's data."""
 
-import csv
-import warnings
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lagrange.contact.raceway_laws import contact_laws
-from lagrange.files.input import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, not_text, row_fault
+from lagrange.files.input import read_plain
+from lagrange.files.tables import LARGEST_TEXT, TextTable, decoded
 from lagrange.kinematics import roller_angles, turned
 from lagrange.messages import shown
 from lagrange.scene.columns import Columns, per_roller
@@ -19,10 +15,9 @@ from lagrange.scene.scene import Scene
 from lagrange.statics import held_hub
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, TIME_JITTER, Record, checked, relative
-from residual.sources import LARGEST_READ, OPTIONAL, check_readable
+from residual.sources import OPTIONAL, check_readable
 
-LONGEST_LINE = 2**20  # characters
-LONGEST_QUOTE = 200  # characters of a message
+LONGEST_QUOTE = 200  # characters of a header in a message
 MOTION = ("time", "inner_x", "inner_y")
 CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
 SPLINE_DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
@@ -72,7 +67,7 @@ def _matlab_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.n
     except ValueError as error:
         hint = "; of a table write a struct: s = table2struct(T, 'ToScalar', true)" if "a signal" in str(error) else ""
         raise InputError(f"{path}: {error}{hint}") from None
-    named = {_matlab_name(name, scene.table): values for name, values in channels.values.items()}
+    named = {_matlab_name(name, scene.table): channels.values[name].astype(float) for name in channels.longest}
     header, arrays = list(named), {}
     for quantity, (indices, factor) in _columns_found(path, header, scene, kinematic).items():
         values = factor * np.column_stack([named[header[index]] for index in indices])
@@ -92,93 +87,24 @@ def _read_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.nda
     """Read every quantity that the table has, SI."""
     columns = scene.table
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = (line for line in _lines(path, file) if line.strip() and not line.startswith("#"))
-            first = next(lines, "")
-            delimiter = delimiter_of(first)
-            header = names_of(first, delimiter)
-            try:
-                found = _columns_found(path, header, scene, kinematic)
-            except InputError as error:
-                names = [columns.header(quantity)[0][0] for quantity in MOTION[:2]]
-                head = [first, *islice(lines, MOST_BEFORE)]
-                raise InputError(f"{error}{header_below(head, names)}") from None
-            check_decimal(delimiter, columns.decimal)
-            order = [index for indices, _ in found.values() for index in indices]
-            rows = _Rows(lines=lines, header=header, order=order, delimiter=delimiter, decimal=columns.decimal)
-            lines = _at_most(path, rows.checked(), LARGEST_READ // (8 * len(order)))
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # of an empty table, which is refused for want of samples
-                try:
-                    table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
-                except ValueError as error:
-                    raise ValueError(rows.fault() or str(error)) from None
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: neither an HDF5 result file nor a text table: {not_text(b'', error.start)}"
-        ) from None
-    except InputError:
-        raise
-    except (ValueError, csv.Error) as error:
-        raise InputError(f"{path}: a row can't be read: {_shown(str(error))}") from None
+        table = TextTable.named(decoded(read_plain(path, LARGEST_TEXT + 1)), columns.decimal)
+    except ValueError as error:
+        raise InputError(f"{path}: neither an HDF5 result file nor a text table: {error}") from None
+    try:
+        found = _columns_found(path, table.names, scene, kinematic)
+    except InputError as error:
+        names = [columns.header(quantity)[0][0] for quantity in MOTION[:2]]
+        raise InputError(f"{error}{table.header_below(names)}") from None
+    try:
+        numbers = table.numbers([index for indices, _ in found.values() for index in indices])
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
     arrays, start = {}, 0
     for quantity, (indices, factor) in found.items():
-        values = factor * table[:, start : start + len(indices)]
+        values = factor * numbers[:, start : start + len(indices)]
         arrays[quantity] = values if per_roller(quantity) else values[:, 0]
         start += len(indices)
     return arrays
-
-
-@dataclass(kw_only=True)
-class _Rows:
-    """Rows on their way to be read, of as many cells as the header has names; the last one is known."""
-
-    lines: Iterable[str]
-    header: list[str]
-    order: list[int]  # numbers of the columns that are read
-    delimiter: str | None
-    decimal: str
-    number: int = 0  # of the last row, from 1
-    line: str = ""  # the last row
-
-    def checked(self) -> Iterator[str]:
-        """Yield them with decimal points. ValueError: more or fewer cells."""
-        points = str.maketrans({",": ".", ".": "?"}) if self.decimal == "," else None
-        n_names = len(self.header)
-        for number, line in enumerate(self.lines, 1):
-            self.number, self.line = number, line
-            cells = line.count(self.delimiter) + 1 if self.delimiter else len(line.split())
-            if cells != n_names and (fault := self.fault()):
-                raise ValueError(fault)
-            yield line if points is None else line.translate(points)
-
-    def fault(self) -> str | None:
-        """Why the last row can't be read; None: it can."""
-        cells = self.line.rstrip("\r\n").split(self.delimiter)
-        reason = row_fault(cells, self.header, self.order, self.delimiter, self.decimal)
-        return reason and f"row {self.number} below the header: {reason}"
-
-
-def _lines(path: Path, file):
-    """Yield the lines of a text; refuse one so long that it can't be a table's."""
-    while line := file.readline(LONGEST_LINE + 1):
-        if len(line) > LONGEST_LINE:
-            raise InputError(f"{path}: a line of more than {LONGEST_LINE} characters; is it a table?")
-        yield line
-
-
-def _at_most(path: Path, lines, most: int):
-    """Yield lines, but no more rows than fit in memory."""
-    for count, line in enumerate(lines):
-        if count >= most:
-            raise InputError(f"{path}: more than {most} samples, {LARGEST_READ / 2**30:.0f} GiB; cut it into parts")
-        yield line
-
-
-def _shown(text: str) -> str:
-    """Make the first line of a message fit to be printed."""
-    line = (text.splitlines() or [""])[0]
-    return "".join(c if c.isprintable() else "?" for c in line[:LONGEST_QUOTE])
 
 
 def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Record:
@@ -256,7 +182,8 @@ def _columns_found(path: Path, header: list[str], scene: Scene, kinematic: bool)
     if not {"time", "inner_x"} & set(found):
         raise InputError(
             f"{path}: neither an HDF5 result file nor a trajectory table: missing column {', '.join(missing[:2])}; "
-            f"its first line: {_shown(', '.join(header)) or 'empty'}; other names and units: [table] in the scene file"
+            f"its first line: {shown(', '.join(header)[:LONGEST_QUOTE]) or 'empty'}; other names and units: [table] in "
+            "the scene file"
         )
     roller = POLAR[0] if polar_only else CARTESIAN[0]
     _check_count(path, header, columns, roller, n_rollers)

@@ -60,6 +60,26 @@ def test_summary_holds_what_is_promised(checked):
     assert set(summary["files"]) == {path.name for path in folder.iterdir()}
 
 
+def test_a_damaged_record_does_not_pass_as_sound_by_its_missing_samples_or_marks_of_thousands(tmp_path, capsys):
+    """Of 30 % of its lines, in silence, and of 25,600 Hz read as 25.6."""
+    values = written(tmp_path / "record.npz").signal.values
+    lines = [f"{x:.5f}" for x in values]
+    rate = round(np.load(tmp_path / "record.npz")["rate"].item())
+    given = [str(tmp_path / "record.csv"), *NU206, "--unit", "g", "--no-figures"]
+    (tmp_path / "record.csv").write_text("\n".join([f"Sampling rate: {rate:,} Hz", *lines]), encoding="utf-8")
+    assert main(given) == 0 and "The outer ring is damaged" in capsys.readouterr().out
+    (tmp_path / "record.csv").write_text("\n".join(["Sampling rate: 25,6 Hz", *lines]), encoding="utf-8")
+    assert main([*given, "--rate", str(rate)]) == 0
+    out = capsys.readouterr().out
+    assert "The outer ring is damaged" in out and f"The file says 25.6 Hz; --rate {rate} Hz was taken" in out
+    lines = [
+        x if shown else "#N/A"
+        for x, shown in zip(lines, np.random.default_rng(5).random(len(lines)) > 0.3, strict=True)
+    ]
+    (tmp_path / "record.csv").write_text("\n".join([f"Sampling rate: {rate} Hz", *lines]), encoding="utf-8")
+    assert main(given) == 2 and "samples without a number (the first: line" in capsys.readouterr().err
+
+
 def test_page_says_the_verdict_first_and_fetches_nothing(checked):
     page = (checked[0] / "vibration.html").read_text(encoding="utf-8")
     body = page[page.index("<body>") :]

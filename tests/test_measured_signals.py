@@ -1,8 +1,12 @@
 """Files of all kinds, each read into the same signal or refused in a sentence."""
 
 import io
+import resource
 import sys
+import time
 import wave
+from contextlib import nullcontext
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -86,7 +90,7 @@ READ = {  # name: content, options, factor from the file's numbers to m/s²
     ),
     "five.mat": (saved(savemat, {"X097_DE_time": WAVE[:, None], "fs": RATE}), {"unit": "g"}, G),
     "struct.mat": (
-        saved(savemat, {"bearing": {"sr": 3.0, "gs": WAVE, "rate": RATE, "note": "x"}}),
+        saved(savemat, {"fs": 3.0, "bearing": {"load": 3.0, "gs": WAVE, "rate": RATE, "note": "x"}}),
         {"unit": "g"},
         G,
     ),
@@ -115,7 +119,24 @@ REFUSED = {  # name: content, options, words of the refusal
     "words.csv": ("a,b\nc,d\n", {}, "no rows of numbers"),
     "empty.csv": ("\n", {}, "empty"),
     "no_rate.txt": (rows(columns=(WAVE,)), {}, "--rate"),
-    "other_rate.csv": (rows(head=HEAD), {"rate": 9000.0}, "leave --rate out"),
+    "two_rates.mat": (saved(savemat, {"b": {"sr": RATE, "gs": WAVE, "rate": 25.0}}), {}, "states 25 or 8000 Hz; give"),
+    "two_rates.txt": (rows(head="fs = 8000\nSampling rate: 1 kHz\nacc\n", columns=(WAVE,)), {}, "states 1000 or 8000"),
+    "two_times.csv": (
+        rows(head="t [s],a,time [s],b\n", columns=(TIME, WAVE, 2.0 * TIME, WAVE)),
+        {"channel": "b"},
+        "2 columns of times with different steps; give --rate",
+    ),
+    "spectrum.csv": (
+        rows(head="Frequency [Hz],acc [g]\n", columns=(RATE * TIME, WAVE)),
+        {"rate": RATE, "channel": "acc"},
+        "a spectrum over Frequency",
+    ),
+    "no_time.csv": (rows(head=HEAD).replace("\n0.", "\n#N/A,0.1\n0.", 3), {}, "line 2 has no time"),
+    "thousand_of_many.csv": (
+        rows(";", ",", HEAD.replace(",", ";")) + "0,3;1.234\n",
+        {},
+        "line 2002: acc_g = '1.234'",
+    ),
     "which.csv": (rows(head="time,x,y\n", columns=(TIME, WAVE, WAVE)), {}, "add --channel"),
     "none_such.csv": (rows(head="time,x,y\n", columns=(TIME, WAVE, WAVE)), {"channel": "z"}, "no channel"),
     "broken.csv": (rows(head=HEAD) + "0.3,abc\n", {}, "'abc' is no number"),
@@ -199,6 +220,112 @@ def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
     assert signal.rate == pytest.approx(RATE, rel=1e-4)
 
 
+@pytest.mark.parametrize("missing", ["", "#N/A", "% an event", "# an event"])
+def test_a_line_without_a_number_is_a_missing_sample(tmp_path, missing):
+    lines = rows(columns=(WAVE,)).splitlines()
+    lines[500] = missing
+    (tmp_path / "record.csv").write_text("acc [g]\n" + "\n".join(lines), encoding="utf-8")
+    signal = read_signal(tmp_path / "record.csv", rate=RATE)
+    assert signal.values.size == 1499 and "1 sample without a number (the first: line 502)" in signal.notes[0]
+    lines[1:-1:3] = [missing] * len(lines[1:-1:3])
+    (tmp_path / "record.csv").write_text("acc [g]\n" + "\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputError, match=r"[23] samples in one piece; .* 667 samples without"):
+        read_signal(tmp_path / "record.csv", rate=RATE)
+
+
+def test_blank_lines_between_rows_with_times_lose_nothing(tmp_path):
+    (tmp_path / "record.csv").write_text(rows(head=HEAD).replace("\n", "\n\n"), encoding="utf-8")
+    signal = read_signal(tmp_path / "record.csv")
+    assert signal.values.size == 2000 and signal.rate == pytest.approx(RATE) and signal.notes == ()
+
+
+def test_a_given_rate_decides_with_a_note(tmp_path):
+    (tmp_path / "record.csv").write_text(rows(head=HEAD), encoding="utf-8")
+    signal = read_signal(tmp_path / "record.csv", rate=9000.0)
+    assert signal.rate == 9000.0 and signal.notes == ("The file says 8000 Hz; --rate 9000 Hz was taken.",)
+
+
+def test_marks_of_thousands_in_numbers_are_refused(tmp_path):
+    values = "\n".join(f"{5000.0 * x:,.0f}" for x in WAVE)
+    for text in (values, values.replace(",", ".")):
+        (tmp_path / "record.txt").write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match="with a mark of thousands; write numbers without"):
+            read_signal(tmp_path / "record.txt", rate=RATE)
+
+
+def test_each_channel_of_a_matlab_file_has_the_rate_or_the_times_of_its_own_struct(tmp_path):
+    runs = {"a": {"x": WAVE, "fs": RATE}, "b": {"x": WAVE, "fs": 1000.0}, "c": {"x": WAVE, "t": TIME}}
+    savemat(tmp_path / "runs.mat", runs | {"d": {"x": WAVE, "t": 10.0 * TIME}})
+    found = [read_signal(tmp_path / "runs.mat", channel=f"{name}.x").rate for name in "abcd"]
+    np.testing.assert_allclose(found, [RATE, 1000.0, RATE, 0.1 * RATE])
+
+
+class Channel(SimpleNamespace):
+    """A channel of a TDMS file as nptdms gives it."""
+
+    group_name = "rig"
+
+    def __len__(self):
+        return len(self.data)
+
+    def __getitem__(self, which):
+        return self.data[which]
+
+
+def universal(function, step, values=WAVE, axis=0):
+    """A data set 58 as pyuff gives it."""
+    return {"type": 58, "func_type": function, "abscissa_spacing": 1, "abscissa_inc": step, "data": values,
+            "abscissa_spec_data_type": axis, "id1": "acc"}  # fmt: skip
+
+
+def test_channels_of_other_programs_have_their_own_rates_and_spectra_are_none(tmp_path, monkeypatch):
+    """By stand-ins for optional packages."""
+    slow, fast = (Channel(name=name, data=WAVE[:n], dtype=WAVE.dtype, properties={"wf_increment": 1.0 / rate})
+                  for name, n, rate in (("slow", 1500, 500.0), ("fast", 2000, RATE)))  # fmt: skip
+    opened = SimpleNamespace(groups=lambda: [SimpleNamespace(channels=lambda: [slow, fast])])
+    tdms = SimpleNamespace(TdmsFile=SimpleNamespace(open=lambda path: nullcontext(opened)))
+    monkeypatch.setitem(sys.modules, "nptdms", tdms)
+    (tmp_path / "a.tdms").write_bytes(b"TDSm" + bytes(99))
+    assert read_signal(tmp_path / "a.tdms").rate == RATE  # the longest, if none is named
+    assert read_signal(tmp_path / "a.tdms", channel="slow").rate == 500.0
+    sets = [universal(2, 0.5), universal(1, 1e-3), universal(0, 1.0 / RATE, axis=17), universal(0, 0.5, axis=18)]
+    pyuff = SimpleNamespace(UFF=lambda path: SimpleNamespace(read_sets=lambda: sets))
+    monkeypatch.setitem(sys.modules, "pyuff", pyuff)
+    (tmp_path / "a.unv").write_bytes(b"    -1\n    58\n")
+    assert read_signal(tmp_path / "a.unv", channel="2 acc").rate == 1000.0
+    assert read_signal(tmp_path / "a.unv", channel="3 acc").rate == pytest.approx(RATE)
+    with pytest.raises(InputError, match="there are: 1 2 acc, 2 3 acc"):
+        read_signal(tmp_path / "a.unv", channel="1 acc")
+    del sets[1:3]
+    with pytest.raises(InputError, match="2 data sets, none of them over time"):
+        read_signal(tmp_path / "a.unv", rate=RATE)
+
+
+COLUMN = rows(columns=(WAVE,))
+HOSTILE = {
+    "words of a rate": ("freq" * 24_000 + "\n" + COLUMN, "neither a rate"),
+    "brackets": ("(" * 90_000 + "\n" + COLUMN, "neither a rate"),
+    "line ends": ("    -1\n" + "\n" * 200_000 + COLUMN, "neither a rate"),
+    "cells": (("1.5," * 49_999 + "2\n") * 260, "a line of more than 100000 characters"),
+    "short cells": (("1," * 49_999 + "2\n") * 260, "no rows of numbers"),
+    "lines": (b"1\n" * 50_000_000, "numbers; cut it into parts"),
+    "packed": (saved(np.savez_compressed, x=np.zeros(600 << 20, np.int8)), "unpacks to more than 512 MiB"),
+    "whole numbers": (saved(np.savez_compressed, x=np.zeros(60 << 20, np.int8)), "at most 33554432 are read"),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_hostile_record_is_refused_soon_and_in_little_memory(kind, tmp_path):
+    content, words = HOSTILE[kind]
+    path = tmp_path / "record"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    began, held = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(InputError, match=words):
+        read_signal(path)
+    assert time.process_time() - began < 10.0
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - held < 1e6  # kB
+
+
 @pytest.mark.parametrize(
     ("line", "rate"),
     [
@@ -208,6 +335,11 @@ def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
         ("Sampling frequency (Hz),8000", 8000.0),
         ("Sample rate [kHz]: 8", 8000.0),
         ("fs = 8000 Hz, speed 1480 rpm", 8000.0),
+        ("Sampling rate: 25,600 Hz", 25600.0),
+        ("Sampling rate: 1,024.5 Hz", 1024.5),
+        ("Sampling rate: 48.828 kHz", 48828.0),
+        ("Sampling rate: 25,6 kHz", 25600.0),
+        ("Frequency range: 10 kHz\nSampling rate: 8 kHz", 8000.0),
     ],
 )
 def test_rate_before_the_numbers(tmp_path, line, rate):

@@ -12,7 +12,7 @@ QUOTE = '"' + ("x" * 900 + "\n") * 300  # a quotation mark that does not close, 
 NESTED = "[" * 5000
 GIANT = "9" * 400  # more than a float can hold
 THOUSANDS = "0x" + "f" * 9000  # whole numbers in hexadecimal have any number of digits
-LARGE, NO_FILE = "field larger", "a pipe or a device, not a plain file"
+CUT, NO_FILE = "line 2: 1 cells under 2 names", "a pipe or a device, not a plain file"
 STUDY = '[sampling]\nmethod = "{}"\n{}\n[fixed]\nmodel = "lagrange"\n[parameters]\n{}\n'
 SPEED = '"operation.speed_rpm" = '
 GRID = STUDY.format("grid", "", "{}")
@@ -21,8 +21,8 @@ MANY = "\n".join(f'"numerics.key_{i}" = [1]' for i in range(1001))
 WIDE = "\n".join(f'"numerics.key_{i}" = {{ from = 1, to = 2 }}' for i in range(11))
 
 SCENES = {  # the scene, the file it names, what must be told
-    "heights that are quoted": ('[[profile]]\nfile = "table.csv"\n', "angle_deg,height_um\n" + QUOTE, LARGE),
-    "speeds that are quoted": ('[operation]\nspeed_table = "table.csv"\n', "time_ms,speed_rpm\n" + QUOTE, LARGE),
+    "heights that are quoted": ('[[profile]]\nfile = "table.csv"\n', "angle_deg,height_um\n" + QUOTE, CUT),
+    "speeds that are quoted": ('[operation]\nspeed_table = "table.csv"\n', "time_ms,speed_rpm\n" + QUOTE, CUT),
     "heights in a pipe": ('[[profile]]\nfile = "table.csv"\n', None, NO_FILE),
     "loads in a pipe": ('[operation]\nload_table = "table.csv"\n', None, NO_FILE),
     "heights that never end": ('[[profile]]\nfile = "/dev/zero"\n', None, NO_FILE),

@@ -102,7 +102,7 @@ REFUSED = {
     "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "greater than 0"),
     "softening": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 0.9}, None, "greater than or equal"),
     "twice": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 1.1}, table(), "are fitted to it"),
-    "no units": ({}, table(header="force; approach"), "no column force with its unit"),
+    "no units": ({}, table(header="force; approach"), "column force: its unit must be one of N, mN, kN, lbf"),
     "one row": ({}, table(FORCES[:1]), "at least 3 different approaches"),
     "exchanged": ({}, table(header="approach [um]; force [kN]"), "are the columns exchanged"),
     "pulling": ({}, table().replace("0.5;", "-0.5;"), "must both be above 0"),

@@ -160,7 +160,8 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
         ("load_N,speed_rpm,share\n1,0,1\n", "must turn"),
         ("load_lbf,speed_rpm,share\n1,1,1\n", "must be one of N, kN"),
         ("load_N;speed_rpm;share\n1,5;1;1\n", "give --decimal , where commas are decimal"),
-        ("load_N,speed_rpm,share\n1,x,1\n", "row 1"),
+        ("load_N,speed_rpm,share\n1,x,1\n", "line 2"),
+        ("load_N,speed_rpm,share\n1,1,1\n#N/A,2,3\n", "line 3"),
     ],
 )
 def test_bad_duty_cycles_are_named(text, word, tmp_path, monkeypatch, capsys):

@@ -135,11 +135,12 @@ def _run(path: Path):
 def _cycle(path: Path, decimal: str):
     """A duty cycle from a file."""
     from lagrange.files.input import plain_text
-    from lagrange.load_history import columns_in_units
+    from lagrange.files.tables import columns
+    from lagrange.load_history import UNITS
     from lagrange.rating.life import DutyCycle
 
     try:
-        loads, speeds, shares = columns_in_units(plain_text(path, LONGEST), CYCLE_COLUMNS, decimal).T
+        loads, speeds, shares = columns(plain_text(path, LONGEST), CYCLE_COLUMNS, decimal, UNITS).T
         return DutyCycle(loads=loads, speeds=speeds, shares=shares)
     except ValueError as error:
         reason = str(error).replace('decimal = ","', "--decimal ,")  # tables of scenes have it as a key

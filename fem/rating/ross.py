@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from fem.rating.answers import Rating
-from lagrange.files.input import columns, plain_text
+from lagrange.files.input import plain_text
 from lagrange.files.output import write_whole
+from lagrange.files.tables import columns
 
 SPEEDS, BEYOND = 7, 1.5  # of the shaft, from 0 to so many times the scene's
 SAMPLES = 32  # cage angles in a pitch

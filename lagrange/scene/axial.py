@@ -10,7 +10,7 @@ from pydantic import Field
 from lagrange.axial.facts import Axial
 from lagrange.axial.profile import Kind, Profile
 from lagrange.bearing import Bearing
-from lagrange.files.input import columns
+from lagrange.files.tables import columns
 from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass, field
 from math import sqrt
 from typing import Literal
 
-from lagrange.files.input import HeightTable
 from lagrange.limits import exceeds
+from lagrange.surface.heights import HeightTable
 
 Body = Literal["outer_ring", "inner_ring", "roller"]
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from lagrange.messages import G, shown
 from residual.errors import InputError
-from residual.measured.formats import read_channels
-from residual.measured.text import Channels
+from residual.measured.formats import MOST_NUMBERS, Channels, read_channels
 
 TIME = re.compile(
     r"(?:.*[._])?(?:time|t|zeit|timestamp|abscissa|x[_ ]?values?)(?:[\s_]*[\[(]?(s|sec|ms|us|µs|ns)[\])]?)?",
     re.IGNORECASE,
 )
+SPECTRAL = re.compile(r"(?:.*[._])?(?:f|freq|frequen\w{0,9})(?:[\s_]*[\[(]?k?Hz[\])]?)?", re.IGNORECASE)
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 UNITS = {  # as people write them: factor to SI, SI unit
     "g": (G, "m/s²"), "gn": (G, "m/s²"), "mg": (1e-3 * G, "m/s²"), "m/s²": (1.0, "m/s²"), "m/s2": (1.0, "m/s²"),
@@ -63,7 +63,7 @@ def read_signal(
 
     Parameters
     ----------
-    rate : Hz, where the file has neither a rate nor a column of times
+    rate : Hz; None: the channel's own, by its column of times or as the file states it
     channel : its name, also without _m_s2, a part of it, or its number from 1; None: the only one
     unit : g, m/s2, mm/s or V; None: as the file says
     sensitivity : of a record in volts, as "100 mV/g"
@@ -81,15 +81,40 @@ def read_signal(
         raise InputError(f"{path}: {error}") from None
     times = _times(channels)
     name = _chosen(path, channels, channel)
-    values = channels.values[name].astype(float)
+    values = channels.values[name]
+    if values.size > MOST_NUMBERS:
+        raise InputError(f"{path}: {name} has {values.size} samples, at most {MOST_NUMBERS} are read; cut a part of it")
+    word, place = "line" if channels.line else "sample", (channels.line or 1) + np.arange(values.size)
+    values, time = values.astype(float), _time_of(path, name, values.size, times, rate)
+    if time is not None:  # rows that hold neither: the times about them tell of the gap
+        there = ~(np.isnan(time) & np.isnan(values))
+        time, values, place = time[there], values[there], place[there]
+        if not np.all(np.isfinite(time)):
+            if rate is None:
+                raise InputError(
+                    f"{path}: {word} {place[np.argmin(np.isfinite(time))]} has no time; delete it, or give --rate, "
+                    "which goes before times"
+                )
+            time = None
+    else:
+        for axis, along in channels.values.items():
+            if SPECTRAL.fullmatch(axis.strip()) and along.size == values.size and _rises(along):
+                raise InputError(
+                    f"{path}: a spectrum over {shown(axis)}, not a record over time; export the time signal"
+                )
     notes = [f"{note[0].upper()}{note[1:]}." for note in channels.notes]
-    found = _rate(path, channels, times, rate, notes)
-    values = _longest(path, values, times, notes)
+    found = _rate(path, name, time, channels.rates.get(name, frozenset()), rate, notes)
+    whole, (values, missing) = values.size, _longest(path, values, time, word, place)
+    if values.size < FEWEST:
+        raise InputError(
+            f"{path}: {name} has {values.size} samples in one piece; at least {FEWEST} are needed"
+            + (f"; it has {missing}" if missing else "")
+        )
+    if missing:
+        notes.append(f"The record has {missing}; the longest piece was taken, {values.size} of {whole} samples.")
     factor, si = _unit(path, name, channels, unit, sensitivity)
     if not si:
         notes.append("The record does not tell its unit: levels are in the file's own; give --unit for others.")
-    if values.size < FEWEST:
-        raise InputError(f"{path}: {name} has {values.size} samples in one piece; at least {FEWEST} are needed")
     notes += _faults(values, found)
     mean = float(values.mean())
     values = factor * (values - mean)
@@ -99,17 +124,44 @@ def read_signal(
     return Signal(name=title, values=values, rate=found, unit=si, notes=tuple(notes))
 
 
-def _times(channels: Channels) -> np.ndarray | None:
-    """The column of times, s, taken out of the channels; None: there is none."""
+def _times(channels: Channels) -> dict[str, np.ndarray]:
+    """Columns of times, s, by name, taken out of the channels."""
+    times = {}
     for name, values in list(channels.values.items()):
         said = TIME.fullmatch(name.strip())
-        rising = values.size > 2 and bool(np.all(np.diff(values[np.isfinite(values)]) > 0.0))
-        unnamed = name == "column 1" and len(channels.values) > 1 and rising and _even(values)
-        if (said and rising) or unnamed:
+        unnamed = name == "column 1" and len(channels.values) > 1
+        if (said or unnamed) and _rises(values) and (said or _even(values)):
             del channels.values[name]
             unit = (said and said[1]) or channels.units.get(name, "s")
-            return values * SECONDS.get(unit.strip().lower(), 1.0)
-    return None
+            times[name] = values * SECONDS.get(unit.strip().lower(), 1.0)
+    return times
+
+
+def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], given: float | None) -> np.ndarray | None:
+    """The times of a channel, of its own struct or of one about it; None: there are none, or a rate must decide.
+
+    InputError: several columns of times differ, and no rate is given.
+    """
+    within = name.split(".")[:-1]
+    found: dict[str, list[np.ndarray]] = {each.rpartition(".")[0]: [] for each in times}
+    for each, values in times.items():
+        if values.size == size:
+            found[each.rpartition(".")[0]].append(values)
+    scopes = [".".join(within[:depth]) for depth in range(len(within), -1, -1)]
+    own = next((found[scope] for scope in scopes if found.get(scope)), [])
+    if not own and sum(map(len, found.values())) == 1:  # the only one: signals and times in structs of their own
+        own = next(columns for columns in found.values() if columns)
+    steps = [float(np.median(np.diff(values[np.isfinite(values)]))) for values in own]
+    if steps and max(steps) > (1.0 + RATES_AGREE) * min(steps):
+        if given is None:
+            raise InputError(f"{path}: {len(own)} columns of times with different steps; give --rate for {shown(name)}")
+        return None
+    return own[0] if own else None
+
+
+def _rises(values: np.ndarray) -> bool:
+    finite = values[np.isfinite(values)]
+    return bool(finite.size > 2 and np.all(np.diff(finite) > 0))
 
 
 def _even(values: np.ndarray) -> bool:
@@ -119,13 +171,14 @@ def _even(values: np.ndarray) -> bool:
 
 def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
     names = list(channels.values)
-    listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(names[:20], 1))
+    first = channels.longest if wanted is None else names  # short ones are seldom what a record is of
+    listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(first[:20], 1))
     if not names:
         raise InputError(f"{path}: holds times but no signal")
     if wanted is None:
-        if len(names) == 1:
-            return names[0]
-        raise InputError(f"{path}: holds {len(names)} channels; add --channel and one of: {listed}")
+        if len(first) == 1:
+            return first[0]
+        raise InputError(f"{path}: holds {len(first)} channels; add --channel and one of: {listed}")
     for whole in (wanted, f"{wanted}_m_s2"):  # as exports of accelerations name them, beside the same in g
         if whole in names:
             return whole
@@ -140,49 +193,58 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
     raise InputError(f"{path}: --channel {wanted}: {how} of that name; there are: {listed}")
 
 
-def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float | None, notes: list[str]) -> float:
-    """The rate, Hz, of the times, of the file or as given; those that contradict each other are refused."""
+def _rate(
+    path: Path, name: str, time: np.ndarray | None, stated: frozenset[float], given: float | None, notes: list[str]
+) -> float:
+    """The rate, Hz, as given, of the times, or as the file states it for this channel."""
     if given is not None and not 1.0 <= given <= FASTEST:
         raise InputError(f"--rate {given:g}: must be a number of Hz from 1 to 1e9")
-    stated = channels.rate
-    if times is not None:
-        if not np.all(np.isfinite(times)):
-            raise InputError(f"{path}: a time is missing; delete that row, or the column of times and give --rate")
-        steps = np.diff(times)
+    own = sorted(stated)
+    if time is not None:
+        steps = np.diff(time)
         step = float(np.median(steps))
         near = steps[steps < APART * step]
-        stated = 1.0 / float(near.mean())
+        own = [1.0 / float(near.mean())]
         if np.std(near) > UNEVEN * step:
             notes.append(
                 f"Times scatter by {100.0 * float(np.std(near)) / step:.2g} % of a step; samples were taken as equally "
                 "spaced, which blurs lines where they are not."
             )
-    if stated is None and given is None:
+    written = " or ".join(f"{rate:.6g}" for rate in own)
+    if given is not None:
+        if any(abs(rate / given - 1.0) > RATES_AGREE for rate in own):
+            notes.append(f"The file says {written} Hz; --rate {given:g} Hz was taken.")
+        return float(given)
+    if not own:
         raise InputError(f"{path}: neither a rate nor a column of times is in it; add --rate and the number of Hz")
-    if stated is not None and not 1.0 / SLOWEST <= stated <= FASTEST:
-        raise InputError(f"{path}: its times or rate tell {stated:g} Hz, which no record has; give --rate without them")
-    if stated is not None and given is not None and abs(stated / given - 1.0) > RATES_AGREE:
-        raise InputError(f"{path}: --rate {given:g} Hz, but the file's own is {stated:.6g} Hz; leave --rate out")
-    return float(stated if given is None else given)  # type: ignore[arg-type]
+    if not all(1.0 / SLOWEST <= rate <= FASTEST for rate in own):
+        raise InputError(f"{path}: its times or rate tell {written} Hz, which no record has; give --rate")
+    if own[-1] > (1.0 + RATES_AGREE) * own[0]:
+        raise InputError(f"{path}: states {written} Hz; give --rate for {shown(name)}")
+    return own[-1]
 
 
-def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: list[str]) -> np.ndarray:
-    """The longest piece without a gap."""
+def _longest(
+    path: Path, values: np.ndarray, time: np.ndarray | None, word: str, place: np.ndarray
+) -> tuple[np.ndarray, str]:
+    """The longest piece without a gap, and what is missing between pieces; `place`: numbers of lines or samples."""
     broken = ~(np.abs(values) < LARGEST)
     missing = int(broken.sum())
-    steps = np.diff(times) if times is not None else np.ones(1)
+    steps = np.diff(time) if time is not None else np.ones(1)
     ends = np.flatnonzero(steps > APART * float(np.median(steps))) + 1
     if missing == 0 and len(ends) == 0:
-        return values
+        return values, ""
     edges = sorted({0, values.size, *map(int, ends), *map(int, np.flatnonzero(np.diff(broken.astype(int))) + 1)})
     pieces = [(b - a, a, b) for a, b in pairwise(edges) if not broken[a]]
     if not pieces:
         raise InputError(f"{path}: no sample of it is a number")
-    size, first, last = max(pieces)
-    counts = (missing, "sample", " without a number"), (len(ends), "gap", " in time")
+    _, first, last = max(pieces)
+    counts = (
+        (missing, "sample", f" without a number (the first: {word} {place[np.argmax(broken)]})"),
+        (len(ends), "gap", f" in time (the first before {word} {place[ends[0]] if len(ends) else 0})"),
+    )
     what = " and ".join(f"{n} {one}{'s' if n > 1 else ''}{which}" for n, one, which in counts if n)
-    notes.append(f"The record has {what}; the longest piece was taken, {size} of {values.size} samples.")
-    return values[first:last]
+    return values[first:last], what
 
 
 def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:

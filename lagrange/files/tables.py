@@ -1,0 +1,356 @@
+"""Tables of numbers in text: delimiter, header, columns by name, rows at fault in a sentence; the one reader of them.
+
+`TextTable.sniffed` is for records: it finds the first row of numbers, the delimiter, the decimal sign, names and units.
+`TextTable.named` is for tables whose columns are asked for by name: the first line is the header and has the delimiter
+(comma, tab, semicolon or blanks), # begins a comment, and the decimal sign is a key of whoever names the file, since
+1,5 and 1.500 are not the same number everywhere. Numbers have ASCII digits and no marks of thousands.
+
+Time and memory grow with the size of the text, which is limited, as are its lines, columns and numbers.
+"""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lagrange.files.input import FOREIGN, not_text
+from lagrange.messages import shown
+
+LARGEST_TEXT = 1 << 28  # bytes
+MOST_NUMBERS = 1 << 25
+MOST_COLUMNS = 4096
+LONGEST_LINE, LONGEST_NAME, LONGEST_QUOTE = 100_000, 200, 40  # characters: of a line, a name, a cell in a message
+MOST_ROWS = 50_000  # of a table that a scene names
+PART = 1 << 20  # characters read at once
+MOST_BEFORE = 200  # lines before the header, or before the first row of numbers
+HEAD, SAMPLED = 1 << 18, 40  # characters and rows that the form of a record is found by
+FORMS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", "."), (None, "."), (None, ","))  # delimiter, decimal
+ERRORS = ("#n/a", "#nv", "#null!", "#div/0!", "#value!", "#wert!", "#ref!", "#bezug!", "#name?", "#num!", "#zahl!")
+MISSING = frozenset(["", "nan", "-nan", "null", "none", "n/a", "na", "-", *ERRORS])  # cells that hold no number
+UNIT = re.compile(
+    r"|[\[(].*[\])]|-|1|m?g|s|sec|[mµun]s|m?V|m?m/s(?:\^?2|²)?|°?C|rpm|Hz|N", re.IGNORECASE
+)  # a cell below names
+DATED = re.compile(r"\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{4}|\d{1,2}:\d\d:\d\d")
+GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:[.,]\d{3})+")  # 1.234 where it may be 1234
+FEWEST_GROUPED = 8  # cells that tell marks of thousands from decimal signs
+
+
+def decoded(data: bytes) -> str:
+    """A text in UTF-8, UTF-16 with a mark, or else Windows-1252. ValueError: it is none, or too large."""
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"a text of more than {LARGEST_TEXT >> 20} MiB; cut a part of it")
+    for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
+        if data.startswith(mark):
+            try:
+                return data.decode(encoding)
+            except UnicodeDecodeError as error:
+                raise ValueError(f"begins as {encoding} but is not (byte {error.start}); save it as UTF-8") from None
+    if any(data.startswith(start) for start in FOREIGN) or b"\0" in data[:4096]:
+        raise ValueError(not_text(data, 0))
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        return data.decode("cp1252", errors="replace")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TextTable:
+    """A text's names of columns, and its numbers on demand."""
+
+    text: str
+    names: list[str]  # of columns; none: an empty text
+    delimiter: str | None  # None: blanks
+    decimal: str
+    start: int  # of the rows in the text
+    line: int  # number of the first of them
+    keyed: bool  # named: the decimal sign is a key; comments and blank lines are no rows, each row holds all numbers
+    before: list[str] = field(default_factory=list)  # sniffed: lines before the rows, without marks of comments
+    units: dict[str, str] = field(default_factory=dict)  # sniffed: by name
+
+    @classmethod
+    def named(cls, text: str, decimal: str = ".") -> "TextTable":
+        """The table whose header is its first line. ValueError: quotation marks that do not close, too many columns."""
+        text = _with_line_feeds(text)
+        found = re.search(r"^(?!#).*\S", text, re.MULTILINE)
+        first = found.start() if found else len(text)
+        start = text.find("\n", first) + 1 or len(text)
+        names, delimiter = _names(text[first:start])
+        line = 1 + text.count("\n", 0, start)
+        return cls(text=text, names=names, delimiter=delimiter, decimal=decimal, start=start, line=line, keyed=True)
+
+    @classmethod
+    def sniffed(cls, text: str) -> "TextTable":
+        """The table of which nothing is known. ValueError: no rows of numbers; marks of thousands or decimal signs?"""
+        text = _with_line_feeds(text)
+        head = text[: text.find("\n", HEAD) + 1 or len(text)].split("\n")
+        lines = [(number, line) for number, line in enumerate(head, 1) if line.strip(" \t")]
+        _check_lengths([line for _, line in lines])
+        first, delimiter, decimal = _form([line for _, line in lines])
+        before = [line.lstrip("#% ") for _, line in lines[:first]]
+        rows = [_cells(line, delimiter) for _, line in lines[first:]]
+        _check_thousands(rows, decimal)
+        number, width = lines[first][0], len(rows[0])
+        names, units = _heads(before, delimiter, width)
+        start = sum(len(line) + 1 for line in head[: number - 1])
+        return cls(text=text, names=names, delimiter=delimiter, decimal=decimal, start=start, line=number, keyed=False,
+                   before=before, units=units)  # fmt: skip
+
+    def header_below(self, names: Sequence[str]) -> str:
+        """What to do where a later line is the header; empty: none is."""
+        lines = [x for x in self.text[:PART].split("\n") if x.strip() and not x.startswith("#")]
+        for before, line in enumerate(lines[:MOST_BEFORE]):
+            if before and set(names) <= set(_names(line)[0]):
+                return f": the header comes after {before} other lines; begin those with #, or delete them"
+        return ""
+
+    def numbers(self, wanted: Sequence[int] | None = None) -> np.ndarray:
+        """Columns, (n_rows, n_wanted); of a sniffed table each line is a row, nan where it holds no number.
+
+        Errors
+        ------
+        ValueError, a sentence: the line at fault and what to do; too many numbers, too long a line.
+        """
+        if self.delimiter == self.decimal:
+            raise ValueError('decimal = ",", but commas are between its columns, too; write semicolons or tabs there')
+        wanted = range(len(self.names)) if wanted is None else wanted
+        if (self.text.count("\n", self.start) + 1) * len(self.names) > MOST_NUMBERS:
+            raise ValueError(f"more than {MOST_NUMBERS:,} numbers; cut it into parts".replace(",", " "))
+        found, at, number = [], self.start, self.line
+        while at < len(self.text):
+            end = self.text.find("\n", at + PART) + 1 or len(self.text)
+            lines = self.text[at:end].removesuffix("\n").split("\n")
+            _check_lengths(lines)
+            found.append(self._part(lines, number, wanted))
+            at, number = end, number + len(lines)
+        return np.concatenate(found) if found else np.empty((0, len(wanted)))
+
+    def _part(self, lines: list[str], number: int, wanted: Sequence[int]) -> np.ndarray:
+        """Rows of lines, the first of this number: by numpy as they stand, else cell by cell, else one by one."""
+        kept = [(k, "" if self._is_note(line) else line) for k, line in enumerate(lines, number)]
+        if self.keyed:
+            kept = [(k, line) for k, line in kept if line.strip()]
+        between = len(self.names) - 1
+        if self.delimiter is None:
+            regular = all(len(line.split()) == between + 1 for _, line in kept)
+        else:
+            regular = all(line.count(self.delimiter) == between for _, line in kept)
+        found = self._loaded([line for _, line in kept], self.delimiter, wanted) if regular else None
+        if found is None:
+            found = self._loaded([self._between_tabs(line) for _, line in kept], "\t", wanted)
+        if found is None:  # to say which can't be read
+            found = np.array([self._row(k, line, wanted) for k, line in kept], dtype=float)
+        return found
+
+    def _is_note(self, line: str) -> bool:
+        return line.startswith("#" if self.keyed else ("#", "%")) and not line.lower().startswith(ERRORS)
+
+    def _loaded(self, rows: list[str], delimiter: str | None, wanted: Sequence[int]) -> np.ndarray | None:
+        """Numbers of rows; None: one of them is empty or can't be read."""
+        if not rows:
+            return np.empty((0, len(wanted)))
+        if not all(rows):
+            return None
+        if self.decimal == ",":
+            rows = [row.replace(".", "?").replace(",", ".") for row in rows]
+        try:
+            return np.loadtxt(rows, delimiter=delimiter, usecols=wanted, ndmin=2, comments=None)
+        except ValueError:
+            return None
+
+    def _between_tabs(self, line: str) -> str:
+        """A row's cells; of a sniffed table all, nan where they hold no number. Empty: a row to be looked at."""
+        cells, width = _cells(line, self.delimiter), len(self.names)
+        if not self.keyed:
+            cells = ["nan" if cell.lower() in MISSING else cell for cell in cells] + ["nan"] * (width - len(cells))
+        odd = len(cells) > width or (self.delimiter is None and len(cells) < width)
+        row = "\t".join(cells)
+        return "" if odd or row.count("\t") >= max(len(cells), 1) else row
+
+    def _row(self, number: int, line: str, wanted: Sequence[int]) -> list[float]:
+        cells, width = _cells(line, self.delimiter), len(self.names)
+        too_few = len(cells) <= max(wanted) or (self.delimiter is None and len(cells) < width)
+        if any(cells[width:]) or (self.keyed and too_few):
+            hint = ""
+            if len(cells) > width and self.delimiter == ",":
+                hint = '; where commas are decimal, write semicolons or tabs between columns and give decimal = ","'
+            raise ValueError(f"line {number}: {len(cells)} cells under {width} names{hint if self.keyed else ''}")
+        cells += [""] * (width - len(cells))
+        values = [_number(cells[k], self.decimal, not self.keyed) for k in wanted]
+        if None not in values:
+            return [value for value in values if value is not None]
+        words = all(re.search(r"[^\W\d]|[%°]", cells[k]) for k in wanted)
+        if self.keyed and len(values) > 1 and set(values) == {None} and words and not line.startswith("#"):
+            raise ValueError(
+                f"line {number}: no numbers in it; a line of units is none of the table's rows: delete it, or begin it "
+                "with #"
+            )
+        at = wanted[values.index(None)]
+        cell = cells[at] if len(cells[at]) <= LONGEST_QUOTE else f"{cells[at][:LONGEST_QUOTE]}…"
+        name = shown(self.names[at][:LONGEST_QUOTE])
+        raise ValueError(f"line {number}: {name} = {cell!r} is no number{self._remedy(cells[at])}")
+
+    def _remedy(self, cell: str) -> str:
+        if self.keyed and self.decimal == "." and _number(cell, ",", False) is not None:
+            return '; give decimal = "," where commas are decimal'
+        if self.decimal == "," and "." in cell:
+            return '; with decimal = "," no point may stand in it' if self.keyed else "; its decimals take a comma"
+        return "; write digits 0 to 9 without marks between thousands"
+
+
+def columns(
+    text: str, names: Sequence[str], decimal: str = ".", units: Mapping[str, Mapping[str, float]] | None = None
+) -> np.ndarray:
+    """Columns of a named table, (n_rows, n_names), in the units of `names`; others are left out.
+
+    Parameters
+    ----------
+    units : by name, as time_ms, the units that a header may have in its place and their size, as in "time_s" or
+        "time [s]"; those without stand as they are named
+
+    Errors
+    ------
+    ValueError, a sentence on the text: columns missing or twice, an unknown unit, a line at fault.
+    """
+    table = TextTable.named(text, decimal)
+    written = [_in_units(name, table.names, (units or {}).get(name, {})) for name in names]
+    headers = [header for header, _ in written]
+    for name in headers:
+        if table.names.count(name) != 1:
+            what = "missing" if name not in table.names else "there twice"
+            listed = f"{', '.join(headers[:-1])} and {headers[-1]}"
+            raise ValueError(f"column {name} is {what}; its first line must name {listed}{table.header_below(headers)}")
+    found = table.numbers([table.names.index(name) for name in headers])
+    if len(found) > MOST_ROWS:
+        raise ValueError(f"more than {MOST_ROWS} rows")
+    return found * [factor for _, factor in written]
+
+
+def _in_units(name: str, headers: list[str], units: Mapping[str, float]) -> tuple[str, float]:
+    """How a header names a column, and the factor to its own unit. ValueError: twice, or in an unknown unit."""
+    bare = name.partition("_")[0]
+    found = {
+        header: units[unit]
+        for header in headers
+        for unit in units
+        if re.fullmatch(rf"{bare}[\s_]*[\[(]?({re.escape(unit)}|{re.escape(unit.replace('/', '_'))})[\])]?", header)
+    }
+    if len(found) > 1:
+        raise ValueError(f"columns {' and '.join(found)} say the same thing; leave all but one out")
+    strange = [header for header in headers if units and re.fullmatch(rf"{bare}(\s*[\[(].*|_.*)?", header)]
+    if not found and strange and name not in headers:
+        raise ValueError(f"column {strange[0]}: its unit must be one of {', '.join(units)}, as in {name}")
+    return next(iter(found.items()), (name, 1.0))
+
+
+def _with_line_feeds(text: str) -> str:
+    """A text whose lines end by one line feed, without what is blank at its end."""
+    if "\r" in text:
+        text = text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n")
+    return text.rstrip(" \t\n\x1a")
+
+
+def _check_lengths(lines: list[str]) -> None:
+    if max(map(len, lines), default=0) > LONGEST_LINE:
+        raise ValueError(f"a line of more than {LONGEST_LINE} characters; a table has one row in each line")
+
+
+def _names(header: str) -> tuple[list[str], str | None]:
+    """Names and the delimiter of a header; between blanks a unit in brackets belongs to the name before it."""
+    _check_lengths([header])
+    delimiter = next((character for character in "\t;," if character in header), None)
+    found = _cells(header, delimiter) if delimiter else re.findall(r"[^\s\[]+(?:\s*\[[^\]\[]*\])?", header)
+    if len(found) > MOST_COLUMNS:
+        raise ValueError(f"more than {MOST_COLUMNS} columns")
+    return found, delimiter
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    """Cells of a line, without blanks about them; an empty one at its end is none."""
+    if delimiter is None:
+        return line.split()
+    cells = next(csv.reader([line], delimiter=delimiter), []) if '"' in line else line.split(delimiter)
+    cells = [cell.strip() for cell in cells]
+    return cells[:-1] if cells and not cells[-1] else cells
+
+
+def _number(cell: str, decimal: str, may_miss: bool) -> float | None:
+    """The number of a cell, nan where it may hold none; None: something else."""
+    if may_miss and cell.lower() in MISSING:
+        return float("nan")
+    if not cell.isascii() or "_" in cell or (decimal == "," and "." in cell):
+        return None
+    try:
+        return float(cell.replace(decimal, "."))
+    except ValueError:
+        return None
+
+
+def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
+    """Number of the first row of numbers, the delimiter (None: blanks) and the decimal sign."""
+    best: tuple[int, int, str | None, str] | None = None
+    for delimiter, decimal in FORMS:
+        widths = [_width(line, delimiter, decimal) for line in lines[: MOST_BEFORE + SAMPLED]]
+        for first, width in enumerate(widths[:MOST_BEFORE]):
+            sample = widths[first : first + SAMPLED]
+            if width and set(sample) <= {None, 0, width}:
+                if sample.count(width) >= 0.8 * (len(sample) - sample.count(None)) and (
+                    best is None or width > best[0]
+                ):
+                    best = width, first, delimiter, decimal
+                break
+    if best is None:
+        dated = DATED.search("\n".join(lines[:MOST_BEFORE]))
+        marked = next((x for x in lines[:MOST_BEFORE] if re.search(r"\d[.]\d{3},\d|\d,\d{3}[.]\d", x)), None)
+        raise ValueError(
+            "no rows of numbers in it; a record has one sample in each line, in columns"
+            + (f"; dates and clock times ({dated[0]}) are none: leave that column out and give --rate" if dated else "")
+            + (f"; write numbers without marks of thousands ({marked.strip()[:LONGEST_QUOTE]!r})" if marked else "")
+        )
+    width, first, delimiter, decimal = best
+    heads = lines[first - 1] if first else ""
+    rows = lines[first : first + SAMPLED]
+    one_comma = delimiter == "," and width == 2 and all("." not in x and x.count(",") == 1 for x in rows)
+    if one_comma and "," not in heads:  # 0,123 below a header of one name, or none
+        return first, None, ","
+    return first, delimiter, decimal
+
+
+def _width(line: str, delimiter: str | None, decimal: str) -> int | None:
+    """How many cells a row of numbers has; 0: it is none; None: a note, or all its numbers are missing."""
+    cells = _cells(line, delimiter)
+    if len(cells) > MOST_COLUMNS:
+        return 0
+    if line[0] in "#%" and not line.lower().startswith(ERRORS):
+        return None
+    numbers = 0
+    for cell in cells:
+        value = _number(cell, decimal, True)
+        if value is None:
+            return 0
+        numbers += value == value
+    return len(cells) if numbers else None
+
+
+def _check_thousands(rows: list[list[str]], decimal: str) -> None:
+    """ValueError: marks before groups of three digits beside whole numbers below 1000, as of thousands."""
+    for cells in zip(*(row for row in rows if len(row) == len(rows[0])), strict=True):
+        marked = [cell for cell in cells if decimal in cell]
+        bare = [cell for cell in cells if re.fullmatch(r"[-+]?[1-9]\d{0,2}", cell)]
+        if bare and len(marked) >= FEWEST_GROUPED and all(GROUPED.fullmatch(cell) for cell in marked):
+            raise ValueError(
+                f"{marked[0]} beside {bare[0]} may be {marked[0].replace(decimal, '')} with a mark of thousands; write "
+                "numbers without such marks, or all with the same number of decimals"
+            )
+
+
+def _heads(before: list[str], delimiter: str | None, width: int) -> tuple[list[str], dict[str, str]]:
+    """Names and units of columns from the lines before them; numbers where there are none."""
+    fitting = [cells for cells in (_cells(line, delimiter) for line in before[-4:]) if len(cells) == width]
+    below = fitting.pop() if len(fitting) > 1 and all(UNIT.fullmatch(cell) for cell in fitting[-1]) else []
+    names = fitting[-1] if fitting else [""] * width
+    names = [name[:LONGEST_NAME] or f"column {k}" for k, name in enumerate(names, 1)]
+    names = [f"{name} ({k + 1})" if name in names[:k] else name for k, name in enumerate(names)]
+    units = {name: unit.strip("[]()") for name, unit in zip(names, below, strict=False)}
+    return names, units

@@ -6,9 +6,13 @@
 import sys
 import tomllib
 from math import asin, pi
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fem.commands.rate_bearing import rate_main
+from fem.commands.run_fem import run_main
 from lagrange import BallBearing
 from lagrange.catalogue import (
     bearing_keys,
@@ -21,6 +25,7 @@ from lagrange.catalogue import (
 from lagrange.rating.capacity import Dimensions, ball_capacity_factor, dynamic_capacity
 from lagrange.scene.bearing import BearingTable
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
+from residual.check_vibration import main as vibration_main
 from tests.measurements import DOCS, markdown_table, publish
 
 ONE_OF_EACH = "NU205 N206 NUP210 NU2220 NJ304 NU2310 NU1010 NCF3006 NJG2308 NA4900 NA4914".split()
@@ -184,6 +189,30 @@ def test_series_types_and_letters_are_told_apart(written, known):
 def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice):
     with pytest.raises(SceneError, match=f"designation = '{written}': not in the table; .*{advice}"):
         scene_of(written)
+
+
+ALONE = "[bearing]\nrollers = 16\nroller_diameter_mm = 8.4\npitch_diameter_mm = 71.5\n"
+
+
+def test_sizes_of_rollers_and_pitch_alone_are_a_bearing_in_every_command(tmp_path, monkeypatch, capsys):
+    """Rings and lengths in the proportions of the paper's, whose own sizes follow from its raceway."""
+    monkeypatch.chdir(tmp_path)
+    bearing = read_scene(None, ("bearing.inner_raceway_diameter_mm=36",)).bearing
+    assert bearing.model_dump() == read_scene().bearing.model_dump()
+    Path("sizes.toml").write_text(ALONE, encoding="utf-8")
+    found = read_scene("sizes.toml").bearing
+    assert found.outer_raceway_diameter_mm + 0.9 * 8.4 == pytest.approx(found.outside_diameter_mm)
+    assert (found.roller_length_mm, found.bore_diameter_mm) == (8.4, pytest.approx(71.5 - 8.4 - 1.1 * 8.4))
+    assert run_main(["sizes.toml", "--model", "reduced", "--duration", "0", "--output", "run.nc"]) == 0
+    assert run_main(["sizes.toml", "--mesh-size", "2", "--duration", "0", "--output", "fem.nc"]) == 0
+    assert rate_main(["sizes.toml"]) == 0
+    values = np.random.default_rng(1).normal(size=20_000)
+    np.savez("noise.npz", acc=values, rate=10_000.0)
+    assert vibration_main(["noise.npz", "--unit", "g", "--scene", "sizes.toml", "--speed", "1480", "--no-figures"]) == 0
+    printed = capsys.readouterr()
+    assert "65.0" not in printed.out + printed.err
+    Path("balls.toml").write_text(f'{ALONE}type = "ball"\n', encoding="utf-8")
+    assert run_main(["balls.toml", "--duration", "0", "--output", "balls.nc"]) == 0
 
 
 if __name__ == "__main__":

@@ -147,8 +147,7 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
 
 @pytest.mark.parametrize(
     ("model", "axial", "changes", "remedy"),
-    [
-    ],
+    [],
 )
 def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, remedy):
     with pytest.raises(SceneError, match=remedy):

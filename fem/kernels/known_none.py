@@ -83,8 +83,7 @@ def _is_none(code: ir.FunctionIR, arguments: tuple, variable: ir.Var) -> bool | 
     if any(isinstance(kind, UnusedType) for kind in kinds):
         raise TypeError(f"{code.func_id.func_qualname}: fields_used does not see that {variable.name} is compared")
     answers = {
-        None if kind is None or isinstance(kind, types.Optional) else isinstance(kind, types.NoneType)
-        for kind in kinds
+        None if kind is None or isinstance(kind, types.Optional) else isinstance(kind, types.NoneType) for kind in kinds
     }
     return answers.pop() if len(answers) == 1 else None
 

@@ -59,9 +59,7 @@ def crossed_series(bearing: Bearing) -> np.ndarray:
     return crossings_at(bearing, 2.0 * pi / n * np.arange(1, n // 2 + 1))
 
 
-def ring_couplings(
-    bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float
-) -> RingCouplings:
+def ring_couplings(bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
     """Couplings of `series_around`, and of `crossed_series`; `own` : m/N, compliance of a contact, over ln Q."""
     n, h = bearing.n_rollers, strays(bearing.n_rollers)
     distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
@@ -162,9 +160,7 @@ class ReducedBearing:
         return replace(self.contacts, radial=radial, turns=turns, closing=self.contacts.closing + fallen)
 
 
-def reduced_bearing(
-    bearing: Bearing, motion: Kinematics, gravity: float = 0.0
-) -> ReducedBearing:
+def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) -> ReducedBearing:
     """Reduce a bearing that rolls, under gravity, m/s², to its contacts.
 
     Errors

@@ -19,6 +19,8 @@ FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
 ROUNDED = 6  # decimals of a clearance in mm, a difference of diameters
 
+FOLLOWS = "; left out with an inner raceway or a pitch"  # of which the paper's rings are none
+SIZES = "inner_raceway_diameter_mm", "pitch_diameter_mm"  # where one is given, what is not follows from the roller's
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
 
 MM = 1e-3
@@ -56,7 +58,9 @@ class BearingTable(Table):
     )
     rollers: int = Field(13, ge=3, le=200, description="number of rollers, or balls")
     roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller, or ball")
-    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0, description="length over which a roller bears")
+    roller_length_mm: float = Field(
+        10.0, ge=0.1, le=2000.0, description=f"length over which a roller bears{FOLLOWS}: its diameter"
+    )
     inner_raceway_diameter_mm: float = Field(
         36.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's raceway"
     )
@@ -68,9 +72,19 @@ class BearingTable(Table):
         "angle outer − inner − 2 · roller · cos α is the clearance times cos α",
     )
     bore_diameter_mm: float = Field(
-        25.0, ge=0.0, le=10_000.0, description="diameter of the inner ring's bore; 0: a solid shaft is the inner ring"
+        25.0,
+        ge=0.0,
+        le=10_000.0,
+        description="diameter of the inner ring's bore; 0: a solid shaft is the inner ring"
+        + FOLLOWS
+        + ": 0.55 of a roller's diameter inside it",
     )
-    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0, description="outside diameter of the outer ring")
+    outside_diameter_mm: float = Field(
+        65.0,
+        gt=0.0,
+        le=10_000.0,
+        description=f"outside diameter of the outer ring{FOLLOWS}: 0.45 of a roller's diameter outside the outer one",
+    )
     clearance_um: float | None = Field(
         None,
         ge=-10_000.0,
@@ -112,7 +126,10 @@ class BearingTable(Table):
             data = {key: value for key, value in bearing_keys(*found).items() if not given.get(key)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
+        sized = any(data.get(key) is not None for key in SIZES)
         data = cls._with_inner_raceway(data)
+        if sized:
+            data = cls._rings(data) | data
         parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
         if outer or not all(map(_is_number, parts)):
             return data
@@ -139,6 +156,19 @@ class BearingTable(Table):
         data = {key: value for key, value in data.items() if key not in ("pitch_diameter_mm", "clearance_um")}
         kept = {} if clearance is None else {"clearance_um": clearance}
         return data | {"inner_raceway_diameter_mm": round(inner, 9)} | kept
+
+    @classmethod
+    def _rings(cls, data: dict[str, Any]) -> dict[str, float]:
+        """Rings, and length, of rollers on such an inner raceway: in proportion to the roller as the paper's are."""
+        inner, roller, angle = (data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF)
+        if not all(map(_is_number, (inner, roller, angle))):
+            return {}
+        outer = inner + 2.0 * roller * cos(radians(angle))
+        return {
+            "bore_diameter_mm": round(max(inner - 1.1 * roller, 0.5 * inner), 6),
+            "outside_diameter_mm": round(outer + 0.9 * roller, 6),
+            "roller_length_mm": float(roller),
+        }
 
     @property
     def present(self) -> int:

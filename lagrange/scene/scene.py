@@ -105,7 +105,7 @@ class Scene(SceneTables):
             and isinstance(numerics, dict)
         ):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
-        if known.get("type") == "ball":
+        if kind == "ball":
             data = {"model": "lagrange"} | data  # the one that has balls
         if kind == "ball" and isinstance(options, dict):
             data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}

@@ -234,5 +234,5 @@ BAD_SETTINGS = {
     "more nodes than memory": setting(
         "operation.radial_load_N=1", "numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"
     ),
-    "balls as plane sections": setting("bearing.type=ball", say='bearing.type = "ball" & --model lagrange'),
+    "balls as plane sections": setting("model=fem", "bearing.type=ball", say='type = "ball" & --model lagrange'),
 }

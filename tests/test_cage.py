@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numba import njit
 
+from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import EVENLY
 from fem.kernels.cage import CagePair, GuidingRing, Riders
 from fem.kernels.cage_kernels import meet, rub
@@ -18,6 +19,7 @@ from lagrange.catalogue import entries, has_balls
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.mounting import Housing, Mounting
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene
+from tests.accuracy.fault_finding import diagnosis_of_sensor
 from tests.reference.bearings import paper
 
 DT = 1e-7  # s
@@ -253,3 +255,27 @@ def test_keys_of_the_table_override_the_default_and_soft_raceways_soften_it():
 def test_the_scene_of_an_earlier_result_without_a_cage_has_none():
     text = '[bearing]\ndesignation = "NU206"'
     assert parse_stored_scene(text, "result").cage is None and parse_scene_text(text, "scene").cage is not None
+
+
+@pytest.mark.parametrize("seeded", [(0.8, "outer_ring", 1450.0, 0.5), (1.5, "inner_ring", 2700.0, 0.5)])
+def test_a_seeded_spall_is_named_from_a_record_of_a_bearing_that_says_nothing_of_its_cage(seeded):
+    """Without a cage 6 of 24 were: `python -m tests.accuracy.fault_finding sensor` tries them all."""
+    assert diagnosis_of_sensor(*seeded).verdict == seeded[1]
+
+
+def test_the_plan_prints_the_cage_and_a_run_whether_it_slips_or_rollers_coast(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    motor = ["--bearing", "NU206", "--model", "reduced", "--set", "operation.speed_rpm=1500"]
+    none = ["--set", "cage.kind=none"]
+    long, short = (["--set", f"numerics.duration_ms={ms}", "--force"] for ms in (150, 50))
+
+    def line(name, *options):
+        assert run_main([*motor, *options]) == 0
+        lines = [each for each in capsys.readouterr().out.splitlines() if each.startswith(f"{name}:")]
+        return lines[0].partition(":")[2].strip()
+
+    assert line("cage", "--dry-run").startswith("5.71 g, guided by the outer ring with 0.0465 mm, pocket clearance 0.0")
+    assert line("cage", *none, "--dry-run") == "none: rollers coast where they are not loaded"
+    assert "slip" in line("cage", *long) and line("cage", *short).endswith(" Hz")
+    assert "% slower than rolling: no cage, rollers coast" in line("roller orbit", *long, *none)
+    assert line("roller orbit", *short, *none).endswith(" Hz")

@@ -1,10 +1,11 @@
-"""Whole runs with a cage."""
+"""Whole runs with a cage, given or by default."""
 
 import numpy as np
 import pytest
 
 from fem.interface import simulate as run_scene
 from fem.solver.simulate import make_plan
+from lagrange.catalogue import ratings
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
@@ -154,3 +155,28 @@ def test_an_outer_ring_in_a_housing_guides_its_cage(model, limit):
     inertia, guide, rest = (np.convolve(force, np.full(50, 0.02), "valid") for force in (inertia, guide, rest))
     assert np.std(guide) > 0.1 * np.std(inertia)
     assert np.std(rest) < 0.01 * np.std(inertia)
+
+
+BEARINGS = "NU204", "N206", "NJ306", "NU1006", "NU2210", "NA4906", "NU316", "NU220"
+SPEEDS = (300.0, 8), (1500.0, 5), (3000.0, 3), (9000.0, 2)  # rpm, per cent of the dynamic rating as load
+
+
+@pytest.mark.parametrize(("number", "designation"), list(enumerate(BEARINGS)))
+def test_rollers_in_the_default_cage_orbit_as_rolling(number, designation):
+    """Within −0.1 to +0.25 %, the cage's own slip with them: over two turns, at two speeds and loads each."""
+    for rpm, share in (SPEEDS[number % 4], SPEEDS[(number + 2) % 4]):
+        tables = {
+            "model": "reduced",
+            "bearing": {"designation": designation},
+            "operation": {"speed_rpm": rpm, "radial_load_N": 10.0 * share * ratings(designation)[0]},
+        }
+        scene = parse_scene(tables, "")
+        pitch = 2e6 * scene.perfect_bearing().pitch_radius  # µm
+        turn = 2e3 * np.pi / kinematics(scene.ideal_bearing(), scene.ideal_operation().speed).cage  # ms
+        changes = {"bearing.clearance_um": 3.5e-4 * pitch, "numerics.duration_ms": 30.0 + 2.0 * turn}
+        found = run_scene(scene.varied(changes))
+        late, ideal = found.time > 0.03, kinematics(scene.ideal_bearing(), scene.ideal_operation().speed).cage
+        for angle in (found["roller_theta"].mean(axis=1), found["cage_angle"]):
+            angle, time = angle[late], found.time[late]
+            assert -1e-3 < (angle[-1] - angle[0]) / (time[-1] - time[0]) / ideal - 1.0 < 2.5e-3, (designation, rpm)
+        assert abs(found.quantities["cage_slip"].value) < 2.5e-3

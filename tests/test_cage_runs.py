@@ -168,7 +168,7 @@ def test_rollers_in_the_default_cage_orbit_as_rolling(number, designation):
         tables = {
             "model": "reduced",
             "bearing": {"designation": designation},
-            "operation": {"speed_rpm": rpm, "radial_load_N": 10.0 * share * ratings(designation)[0]},
+            "operation": {"speed_rpm": rpm, "radial_load_N": 0.01 * share * ratings(designation)[0]},
         }
         scene = parse_scene(tables, "")
         pitch = 2e6 * scene.perfect_bearing().pitch_radius  # µm

@@ -3,9 +3,11 @@
 import json
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from fem.commands.run_fem import EXAMPLES, run_main
+from lagrange.kinematics import kinematics
 from lagrange.scene.keys import key_tables
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
@@ -128,3 +130,15 @@ def test_the_schema_knows_every_key_and_no_other(capsys):
     assert (speed["type"], speed["default"], speed["maximum"]) == ("number", 4500.0, 200_000.0)
     assert schema["properties"]["model"]["enum"] == list(get_args(Scene.model_fields["model"].annotation))
     assert "content" not in schema["$defs"]["ProfileTable"]["properties"]  # no key of the file
+
+
+@pytest.mark.parametrize(
+    ("name", "rpm"), [("NU206", 2900.0), ("NU206", 1800.0), ("spindle", 15000.0), ("faults", 4500.0)]
+)
+def test_an_example_lasts_long_enough_to_part_its_rings_lines_from_its_rollers(here, name, rpm):
+    """Two lines are two peaks from twice the resolution on (Hann window)."""
+    run_main(["--example", name])
+    scene = read_scene(f"{name}.toml", (f"operation.speed_rpm={rpm}",))
+    lines = kinematics(scene.ideal_bearing(), scene.ideal_operation().speed).frequencies
+    gap = abs(np.subtract(2.0 * lines["BSF"], [lines["BPFO"], lines["BPFI"]])).min()
+    assert 1e-3 * scene.numerics.duration_ms * gap >= 2.0

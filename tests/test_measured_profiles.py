@@ -6,7 +6,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
-from fem.live.controls import Values
+from fem.live import controls
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
@@ -198,7 +198,7 @@ def test_the_table_travels_with_the_run_and_another_one_is_not_resumed(tmp_path,
 
 def test_a_live_scene_keeps_its_table(tmp_path):
     scene = read_scene(scene_with(tmp_path, table(lambda a: 0.0, count=720)))
-    changed = Values.of(scene).model_copy(update={"speed_rpm": 3000.0}).put_into(scene)
+    changed = controls.changed(scene, controls.values_of(scene) | {"speed_rpm": 3000.0})
     assert changed.profile == scene.profile and changed.operation.speed_rpm == 3000.0
     assert profiles(changed.ideal_bearing()) is not None
 

@@ -69,6 +69,7 @@ READ = {  # name: content, options, factor from the file's numbers to m/s²
     "milliseconds.csv": (rows(head="time [ms],acc [g]\n", columns=(1e3 * TIME, WAVE)), {}, G),
     "preamble.csv": (rows(head="Logger 3\nSensor: A\n\n" + HEAD), {}, G),
     "rate_in_words.csv": (rows(head="Sampling rate: 8 kHz\nacc [g]\n", columns=(WAVE,)), {}, G),
+    "missing_first.csv": (rows(head=HEAD + "#N/A,#N/A\n"), {}, G),
     "no_header.csv": (rows(), {"unit": "m/s2"}, 1.0),
     "one_column.txt": (rows(columns=(WAVE,)), {"rate": RATE, "unit": "g"}, G),
     "one_column_comma.txt": (rows(decimal=",", columns=(WAVE,)), {"rate": RATE, "unit": "g"}, G),

@@ -348,6 +348,7 @@ def _check_thousands(rows: list[list[str]], decimal: str) -> None:
 def _heads(before: list[str], delimiter: str | None, width: int) -> tuple[list[str], dict[str, str]]:
     """Names and units of columns from the lines before them; numbers where there are none."""
     fitting = [cells for cells in (_cells(line, delimiter) for line in before[-4:]) if len(cells) == width]
+    fitting = [cells for cells in fitting if not all(cell.lower() in MISSING for cell in cells)]  # a first row
     below = fitting.pop() if len(fitting) > 1 and all(UNIT.fullmatch(cell) for cell in fitting[-1]) else []
     names = fitting[-1] if fitting else [""] * width
     names = [name[:LONGEST_NAME] or f"column {k}" for k, name in enumerate(names, 1)]

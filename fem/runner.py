@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fem.commands.progress import progress_display
 from fem.commands.start_up import Outcome, imported, stop_signals
-from fem.commands.summary import print_estimates, print_plan, print_run
+from fem.commands.summary import print_estimates, print_plan, print_run, size_warning
 from fem.errors import RunFailed, UsageError
 from fem.result.checkpoint import (
     checkpoint_path,
@@ -77,7 +77,9 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     plan = _planned(scene, None if options.quiet else say)
     estimate = programs_named(plan.error_estimate) if options.estimate_error else None
     plan.prepare(None if options.quiet else say)
-    for sentence in (*plan.notices, *(() if options.quiet else plan.warnings)):
+    large = size_warning(plan)
+    further = () if options.quiet else (*plan.warnings, *(() if large is None else (large,)))
+    for sentence in (*plan.notices, *further):
         say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
+from fem.commands.summary import result_megabytes, size_warning
 from fem.errors import RunFailed
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
@@ -27,9 +28,20 @@ def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys
     monkeypatch.chdir(tmp_path)
     assert run_main(["--dry-run", "--mesh-size", "2"]) == 0
     out = capsys.readouterr().out
-    for word in ("degrees of freedom", "time step", "steps", "memory", "angles"):
+    for word in ("degrees of freedom", "time step", "steps", "memory", "result file", "angles"):
         assert word in out
     assert not list(tmp_path.iterdir())
+
+
+def test_a_large_result_file_is_announced_with_the_keys_that_make_it_smaller(tmp_path):
+    """What is announced is what the file takes, but for some tens of kB of its own."""
+    short, long = (
+        make_plan(read_scene(None, ("model=lagrange", f"numerics.duration_ms={duration}"))) for duration in (20, 2000)
+    )
+    assert size_warning(short) is None
+    assert {"numerics.duration_ms", "numerics.output_interval_us"} <= set(size_warning(long).split())
+    with ResultFile(tmp_path / "run.nc", short, 0.0):
+        assert 1e-6 * (tmp_path / "run.nc").stat().st_size == pytest.approx(result_megabytes(short), rel=0.05)
 
 
 def test_static_run_prints_and_stores_the_equilibrium(tmp_path, capsys):

@@ -228,7 +228,8 @@ def run_app_main(app: "App", arguments: list[str] | None = None) -> int:
             raise
         ended, reason = Outcome.UNUSABLE, "not enough memory to load the program"
     except MemoryError:
-        ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
+        ended = Outcome.UNUSABLE
+        reason = "not enough memory; a coarser numerics.mesh_size_mm or fewer axial.slices take less"
     except ValueError as error:
         from lagrange.files.hdf5 import Damaged
         from lagrange.rating.sources import Unavailable

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from fem.result.layout import bytes_of_a_sample, variables_of
 from fem.run_summary import run_summary
 from fem.solver.compiling import CompiledPlan
 from fem.solver.solver import Plan, RunState
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
     from fem.solver.mesh_convergence import MeshTable
 
+LARGE_RESULT = 200.0  # MB, of which a run warns
 LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 
@@ -37,6 +39,7 @@ def print_plan(plan: Plan) -> None:
     seconds = seconds_by_trial(plan)
     if seconds is not None:
         rows["expected time"] = f"about {seconds:.2g} s, by a piece of it"
+    rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
     if isinstance(plan, CompiledPlan):
         rows["compiling before it"] = "nothing, the time loop is kept" if is_compiled(plan) else plan.compiling
     console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
@@ -46,7 +49,26 @@ def print_plan(plan: Plan) -> None:
     for name, value in (_of_the_bearing(plan.scene) | rows).items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
     _print_choices(console, plan, seconds)
-    _print_warnings(console, (*plan.notices, *plan.warnings))
+    large = size_warning(plan)
+    _print_warnings(console, (*plan.notices, *plan.warnings, *(() if large is None else (large,))))
+
+
+def result_megabytes(plan: Plan) -> float:
+    """Of the samples that a plan's result file will hold; stored fields come on top."""
+    rollers = plan.scene.ideal_bearing().n_rollers
+    return 1e-6 * plan.n_samples * bytes_of_a_sample(variables_of(plan.scene), rollers)
+
+
+def size_warning(plan: Plan) -> str | None:
+    """What makes a large result file smaller; None: it is not large."""
+    size, numerics = result_megabytes(plan), plan.scene.numerics
+    if size <= LARGE_RESULT:
+        return None
+    return (
+        f"the result file takes {size:.3g} MB; a shorter numerics.duration_ms than {numerics.duration_ms:g} makes it "
+        f"smaller, or a longer numerics.output_interval_us than {numerics.output_interval_us:g} where no vibration "
+        "matters that is too fast for it"
+    )
 
 
 def print_meshes(name: str, found: "MeshTable") -> None:

@@ -61,6 +61,11 @@ def readable(scene: Scene) -> Variables:
     return {**variables_of(scene), **(tilted_or_not if scene.bearing.type == "roller" else {})}
 
 
+def bytes_of_a_sample(variables: Variables, n_rollers: int) -> int:
+    """What a sample takes in the file."""
+    return sum(8 * (n_rollers if column.dimensions == PER_ROLLER else 1) for column in variables.values())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Places:
     """Where numbers stand in a result file: bytes from its start."""
@@ -92,9 +97,8 @@ def create(
     OSError: the disk has not enough room.
     """
     n_rollers = len(rollers)
-    per_sample = sum(8 * (n_rollers if column.dimensions == PER_ROLLER else 1) for column in variables.values())
     with open(path, "wb") as file:  # before HDF5 tries, which would name no reason
-        claim(file.fileno(), capacity * per_sample)
+        claim(file.fileno(), capacity * bytes_of_a_sample(variables, n_rollers))
     with hdf5_to_write(path, libver="earliest") as file:
         roller = file.create_dataset("roller", data=np.array(rollers, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"

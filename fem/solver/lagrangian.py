@@ -17,7 +17,6 @@ from fem.run_summary import largest_loads
 from fem.solver.lagrangian_start import Beginning, StartState, beginning
 from fem.solver.pace import in_words, pace
 from fem.solver.sections import RigidPlan, sections_of
-from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import RunState, sample_count
 from fem.solver.warnings import of_scene
 from lagrange import Bearing, Operation, contact_laws, static_equilibrium
@@ -30,7 +29,6 @@ from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
 from lagrange.step_size import critical_time_step, longest_step
 
-ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core, a step of eight elements; only a guide
 SECONDS_PER_EIGHT = {True: 0.2e-6, False: 0.2e-6}  # power law, other
 DAMPED = 1.5  # times, dampers with them
@@ -151,14 +149,12 @@ class LagrangianPlan(RigidPlan):
         largest = statics.inner_force.max(), statics.outer_force.max()
         if problem.axial is not None:
             largest = self.begin.samples["inner_force"].max(), self.begin.samples["outer_force"].max()
-        memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}",
             "damping of a contact": problem.damping.words,
             **problem.operation.mounting.rows,
             **self.step_rows(", halved where contacts rattle"),
-            "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
             "largest static forces": largest_loads(problem.bearing, *largest, tilts=problem.axial is not None),
         }

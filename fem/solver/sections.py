@@ -6,11 +6,13 @@ from math import ceil, inf, pi
 import numpy as np
 
 from fem.solver.compiling import CompiledPlan
+from fem.solver.simulate import LARGEST_BLOCK
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import profiles
 
+ARRAYS = 30  # per roller and sample of a block, at the most at a time
 WAY = 0.02  # of a spall with its edges, that contacts go in a section at most: what is looked at no more often
 REACH = 2.0  # sections' ways, from which on a contact is near
 WORTH = 0.7  # of the steps of one length, that those of two must come down to
@@ -138,6 +140,8 @@ class RigidPlan(CompiledPlan):
     def step_rows(self, more: str = "") -> dict[str, str]:
         """What --dry-run shows of the steps; `more` : on their length."""
         critical, duration = self.critical_time_step, f"{1e3 * (self.n_samples - 1) * self.interval:g} ms"
+        block = 8e-6 * ARRAYS * (self.scene.ideal_bearing().n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
+        memory = {"memory of a block of samples": f"{block:.1f} MB"}
         share = f"{self.long_step / critical:.2f} of the critical {1e6 * critical:.3g} µs"
         long = f"{1e6 * self.long_step:.3g} µs{more} ({share})"
         if self.sections is None:
@@ -145,9 +149,11 @@ class RigidPlan(CompiledPlan):
                 "time step": long,
                 "steps": f"{self.steps} for {duration}",
                 "samples": f"{self.n_samples}, one each {self.stride} steps",
+                **memory,
             }
         return {
             "time step": f"{long}, {1e6 * self.time_step:.3g} µs near edges and until strikes have died away",
             "steps": f"about {self.steps} for {duration}",
             "samples": f"{self.n_samples}, one each {self.stride} steps at most",
+            **memory,
         }

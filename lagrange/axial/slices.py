@@ -14,6 +14,7 @@ from lagrange.axial.table import TiltedContact
 
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
+MATRICES = 2**22  # numbers in the matrices of contacts that are solved at once: 34 MB, which some copies share
 FIRST, BISECTIONS = 1e-8, 60  # m, beyond the opening, to begin with
 
 
@@ -94,7 +95,9 @@ class Slices:
         deep = self.approaches(approach, slope, sunk)
         if self.coupling is None:
             return self.law.force(deep) / self.count
-        return _coupled(self.law, self.coupling, deep.reshape(-1, self.count)).reshape(deep.shape)
+        every = deep.reshape(-1, self.count)
+        blocks = np.array_split(every, 1 + len(every) * self.count**2 // MATRICES)
+        return np.concatenate([_coupled(self.law, self.coupling, each) for each in blocks]).reshape(deep.shape)
 
     def sums(self, approach, slope, sunk=0.0) -> Sums:
         """Energy, force and moment of contacts, (...,)."""

@@ -1,10 +1,19 @@
 """The report as a reader meets it, in a real browser without a network, on a desk and on a phone."""
 
+import io
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
+from fem.commands.rate_bearing import rate_main
+from lagrange.scene.scene import parse_scene
+from residual.measured.checks import Options, Question, check_record
+from residual.measured.report import write_check
+from residual.measured.simulated import assumed
 from tests.waiting import GIVE_UP
 
 WIDTHS = (390, 1280)
@@ -13,7 +22,6 @@ WIDTHS = (390, 1280)
 @pytest.fixture(scope="module")
 def report(coarse_run, tmp_path_factory):
     """The report on the shared run, with a picture beside the run that says it is of it."""
-    from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
     from residual.cli import main
@@ -210,3 +218,51 @@ def test_a_comparison_fits_the_screen_too(browser, page, coarse_run, tmp_path):
     table = page.locator("#against ~ .scroll").first
     assert table.is_visible() and "palmgren" in page.locator("#against").inner_text()
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def _brightness(locator):
+    """Mean of an element's pixels, 0 to 1, as it is seen."""
+    return np.asarray(Image.open(io.BytesIO(locator.screenshot())).convert("L")).mean() / 255.0
+
+
+@on_a_desk
+def test_in_the_dark_page_figures_and_canvases_are_dark_and_text_is_light(page):
+    page.emulate_media(color_scheme="dark")
+    for name in ("#orbit img", "#player canvas", "#spectra-plot", "#run + .scroll"):
+        assert _brightness(page.locator(name)) < 0.25, name
+    assert _brightness(page.locator("#picture img")) == pytest.approx(0.4, abs=0.1)  # a picture is as it is: #0072b2
+    ink = page.evaluate("getComputedStyle(document.querySelector('.verdict')).color")
+    assert min(int(part) for part in ink[4:-1].split(",")) > 200
+    page.emulate_media(color_scheme="light")
+    assert _brightness(page.locator("#orbit img")) > 0.8
+
+
+@pytest.fixture(scope="module")
+def other_pages(tmp_path_factory):
+    """Pages of a rating, and of a record beside a simulation whose assumed keys it lists."""
+    folder = tmp_path_factory.mktemp("pages")
+    assert (
+        rate_main(["--bearing", "NU206", "--set", "operation.radial_load_N=3000", "--output", str(folder / "a")]) == 0
+    )
+    time = np.arange(20_000) / 20_000.0
+    np.savez(folder / "record.npz", acc=np.sin(1e4 * time) * (1.0 + np.cos(1e3 * time)), rate=20_000.0)
+    check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0), Options())
+    keys = tuple(assumed(parse_scene({"bearing": {"designation": "NU206"}, "spall": [{}]}, "")))
+    write_check(replace(check, other=check.record, command="run-fem", assumed=keys), folder / "b", figures=False)
+    return folder / "a" / "rating.html", folder / "b" / "vibration.html"
+
+
+def test_on_a_phone_the_verdict_is_first_meanings_are_on_the_screen_and_no_word_is_broken(browser, other_pages):
+    context = browser.new_context(viewport={"width": 390, "height": 800}, offline=True)
+    page = context.new_page()
+    for path in other_pages:
+        page.goto(path.as_uri())
+        assert page.locator(".verdict").bounding_box()["y"] < 200
+        cells = page.locator(".stacked td").evaluate_all(
+            "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
+        )
+        assert len(cells) > 60
+        assert all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
+    keys = page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")
+    assert set(keys) == {1}
+    context.close()

@@ -151,7 +151,7 @@ DECLARED: tuple[_Declared, ...] = (
      else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
      else refuse("the scene has no [damping] of contacts")),
     ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub's mass", s.LINEARISED, lambda c: c.frequencies()),
-    ("hub_um", "µm", "hub's displacement x, y at the scene's speed, mean over a pitch", s.LINEARISED,
+    ("hub_um", "µm", "hub x, y at speed, mean over a pitch", s.LINEARISED,
      lambda c: 1e6 * c.pitch.place.mean(axis=0)),
     ("film_um", "µm", "least film thickness, the thinner of both raceways", s.FILM,
      lambda c: 1e6 * c.film),

@@ -25,7 +25,7 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
     shares = 1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE
     figure, (*axes, bars) = panels(
-        (2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x="rms, N (dark: x, light: y)"
+        (2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x="rms, N (full colour: x, faint: y)"
     )
     names = ["error", *acting, "momentum"]
     position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []

@@ -7,7 +7,16 @@ from matplotlib import rc_context
 
 from lagrange.kinematics import OUTER_RING
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SavedFigure
-from residual.figures.style import STYLE, legend_above, line_handles, mark_lines, panels, save, without_minor_ticks
+from residual.figures.style import (
+    BESIDE,
+    STYLE,
+    legend_above,
+    line_handles,
+    mark_lines,
+    panels,
+    save,
+    without_minor_ticks,
+)
 from residual.formatting import text
 from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import DEEP
@@ -34,7 +43,7 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
     found = check.record.diagnosis
     judged = [check.record] if check.other is None else [check.record, check.other]
     figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
-    by_turns = len(judged) > 1
+    by_turns, deepest = len(judged) > 1, 0.0
     for axis, each in zip(axes, judged, strict=True):
         spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
         lines = {name: line / unit for name, line in each.diagnosis.lines.items()}
@@ -50,13 +59,16 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
             axis.plot([line.found / unit for line in inside], [line.depth for line in inside], "o", color="black",
                       markersize=3.5)  # fmt: skip
         axis.set(xlim=(0.0, top), ylabel="depth of modulation")
-        axis.set_ylim(0.0, 1.15 * float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
+        deepest = max(deepest, float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
         if by_turns:
-            axis.text(0.99, 0.9, each.signal.name, transform=axis.transAxes, ha="right", fontsize=9.5)
+            axis.text(0.99, 0.97, each.signal.name, transform=axis.transAxes, ha="right", va="top", fontsize=9.5,
+                      bbox=BESIDE)  # fmt: skip
         if axis is axes[0]:
             handles = line_handles(families, lines, "" if by_turns else " Hz")
             legend_above(axis, 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4,
                          fontsize=9)  # fmt: skip
+    for axis in axes:  # both records by one scale
+        axis.set_ylim(0.0, 1.15 * deepest)
     axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
     caption = (
         f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "

@@ -33,6 +33,8 @@ SLIM, SLIM_GAP, SLIM_LABELS = 0.6, 0.12, 0.5  # axes for the paper's ranges
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
 COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
 MARK = 0.012  # of a panel's height, long
+LETTER, ROW = 0.014, 0.11  # of a panel: width of a name's letter, height of a row of names
+BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
 RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 2))
 DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
@@ -155,8 +157,41 @@ def colour_bar(drawn, axes, label: str, **keywords) -> None:
 
 
 def legend_above(axis, columns: int, left: float = 0.0, **style) -> None:
-    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own."""
-    axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=columns, **{"borderaxespad": 0.2, **style})
+    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own.
+
+    Of so many columns at most, as many as the figure is wide for.
+    """
+    figure, style = axis.figure, {"borderaxespad": 0.2, **style}
+    for ncols in range(columns, 0, -1):
+        legend = axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=ncols, **style)
+        if legend.get_window_extent(FigureCanvasAgg(figure).get_renderer()).x1 <= figure.bbox.x1:
+            return
+
+
+def make_room(figure) -> None:
+    """Raise the upper edge of a figure above its legends, with every panel where it is."""
+    renderer, (width, height) = FigureCanvasAgg(figure).get_renderer(), figure.get_size_inches()
+    legends = [legend for axis in figure.axes if (legend := axis.get_legend()) is not None]
+    top = max((legend.get_window_extent(renderer).y1 / figure.dpi for legend in legends), default=0.0)
+    if top > height:
+        boxes = [axis.get_position(original=True) for axis in figure.axes]
+        figure.set_size_inches(width, top)
+        for axis, box in zip(figure.axes, boxes, strict=True):
+            axis.set_position((box.x0, box.y0 * height / top, box.width, box.height * height / top))
+
+
+def name_lines(axis, names: list[tuple[float, str, str]]) -> None:
+    """Write names at frequencies, each with its colour, within a panel's upper edge, in rows where they are near."""
+    low, high = axis.get_xlim()
+    ends: list[float] = []  # of the rows, from above
+    for frequency, name, colour in sorted(names):
+        half = 0.5 * LETTER * len(name) * (high - low)
+        middle = min(max(frequency, low + half), high - half)
+        row = next((k for k, end in enumerate(ends) if middle - half > end), len(ends))
+        ends[row:] = [middle + half, *ends[row + 1 :]]
+        axis.annotate(name, (middle, 1.0 - ROW * row), xycoords=("data", "axes fraction"), ha="center", va="top",
+                      fontsize=9.5, color=colour, bbox=BESIDE)  # fmt: skip
+    axis.set_ylim(top=axis.get_ylim()[1] / (1.0 - ROW * len(ends)))
 
 
 def log_panel(axis, frequency: np.ndarray) -> None:
@@ -213,6 +248,7 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigu
         for axis in figure.axes for line in axis.lines if len(line.get_xdata()) > 2
     )  # fmt: skip
     make_plain(figure)
+    make_room(figure)
     figure.set_dpi(DPI)
     # a canvas' own drawing and printing draw once each, `savefig` twice
     canvas, about = FigureCanvasAgg(figure), PngInfo()

@@ -10,7 +10,7 @@ from lagrange.messages import G
 from residual.evaluation import Evaluation
 from residual.figures.budget import middle
 from residual.figures.saved import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
-from residual.figures.style import legend_above, line_handles, log_panel, mark_lines, panels, save
+from residual.figures.style import legend_above, line_handles, log_panel, mark_lines, name_lines, panels, save
 from residual.formatting import text
 from residual.orders import SLOWEST
 from residual.record import CageMotion, Record
@@ -19,8 +19,7 @@ from residual.vibration import FaultLine, fault_lines
 
 PASSAGES_SHOWN = 5.0
 SPECTRUM_TO = 2.2  # times BPFI
-BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
-HEADROOM = 1.22  # above the highest line, for its name
+HEADROOM = 1.05  # above the highest line
 SHORTEST = 2e-3  # s, over which speeds of a cage are means
 
 
@@ -86,7 +85,7 @@ def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float)
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
     amplitude = spectrum.amplitude[inside] / G
     axis.plot(spectrum.frequency[inside], amplitude, color=BLUE, linewidth=1.0)
-    highest = float(amplitude.max())
+    highest, names = float(amplitude.max()), []
     for line in lines:
         if line.is_high and line.frequency <= top:
             colour = LINE_COLOURS[family(line.name)]
@@ -94,11 +93,10 @@ def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float)
             height = line.amplitude / G
             axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
                       markerfacecolor=colour if line.resolved else "white")  # fmt: skip
-            if not sideband:
-                axis.annotate(line.name, (line.frequency, height), xytext=(0, 6), textcoords="offset points",
-                              fontsize=9.5, color=colour, ha="center", bbox=BESIDE)  # fmt: skip
+            names += [] if sideband else [(line.frequency, line.name, colour)]
             highest = max(highest, height)
     axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, np.finfo(float).tiny)))
+    name_lines(axis, names)
 
 
 def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:

@@ -254,11 +254,12 @@ def test_marks_of_thousands_in_numbers_are_refused(tmp_path):
             read_signal(tmp_path / "record.txt", rate=RATE)
 
 
-def test_each_channel_of_a_matlab_file_has_the_rate_or_the_times_of_its_own_struct(tmp_path):
-    runs = {"a": {"x": WAVE, "fs": RATE}, "b": {"x": WAVE, "fs": 1000.0}, "c": {"x": WAVE, "t": TIME}}
-    savemat(tmp_path / "runs.mat", runs | {"d": {"x": WAVE, "t": 10.0 * TIME}})
-    found = [read_signal(tmp_path / "runs.mat", channel=f"{name}.x").rate for name in "abcd"]
-    np.testing.assert_allclose(found, [RATE, 1000.0, RATE, 0.1 * RATE])
+def test_each_channel_of_a_matlab_file_has_rate_times_and_unit_of_its_own_struct(tmp_path):
+    runs = {"a": {"x": WAVE, "fs": RATE, "unit": "g"}, "b": {"x": WAVE, "fs": 1000.0}, "c": {"x": WAVE, "t": TIME}}
+    savemat(tmp_path / "runs.mat", runs | {"d": {"x": WAVE, "t": 10.0 * TIME, "units": "mm/s"}})
+    found = [read_signal(tmp_path / "runs.mat", channel=f"{name}.x") for name in "abcd"]
+    np.testing.assert_allclose([signal.rate for signal in found], [RATE, 1000.0, RATE, 0.1 * RATE])
+    assert [signal.unit for signal in found] == ["m/s²", "", "", "m/s"]
 
 
 class Channel(SimpleNamespace):

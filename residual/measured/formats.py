@@ -201,24 +201,24 @@ def _collected(tree: dict[str, Any]) -> Channels:
     return found
 
 
-def _collect(value: Any, name: str, found: Channels, depth: int, rates: frozenset[float]) -> None:
-    """Values below a name; `rates` are those stated beside it or about it, Hz."""
+def _collect(value: Any, name: str, found: Channels, depth: int, rates: frozenset[float], unit: str = "") -> None:
+    """Values below a name; rates, Hz, and unit are those stated beside it, else about it."""
     if depth > DEEPEST or len(found.values) >= MOST_CHANNELS:
         return
     if isinstance(value, dict) or hasattr(value, "_fieldnames"):
         items = value if isinstance(value, dict) else {key: getattr(value, key) for key in value._fieldnames}
         own = frozenset(rate for key, inner in items.items() if (rate := _rate_of(key, inner)) > 0.0)
+        words = {
+            x for key, x in items.items() if isinstance(x, str) and re.fullmatch(r"(.*_)?units?", key, re.IGNORECASE)
+        }
+        unit = (words.pop() if len(words) == 1 else "") if words else unit  # of several none
         for key, inner in items.items():
-            _collect(inner, f"{name}.{key}" if name else key, found, depth + 1, own or rates)
-        return
-    if isinstance(value, str):
-        if re.fullmatch(r"(?:.*[._])?units?", name, re.IGNORECASE):
-            found.units[""] = value
+            _collect(inner, f"{name}.{key}" if name else key, found, depth + 1, own or rates, unit)
         return
     array = np.asarray(value)
     if array.dtype == object:
         for k, inner in enumerate(array.ravel()[:MOST_CHANNELS], 1):
-            _collect(inner, f"{name}[{k}]", found, depth + 1, rates)
+            _collect(inner, f"{name}[{k}]", found, depth + 1, rates, unit)
         return
     if array.dtype.kind not in "fiu" or array.size <= 1:
         return
@@ -229,6 +229,7 @@ def _collect(value: Any, name: str, found: Channels, depth: int, rates: frozense
     if array.ndim <= 2 and len(signals) <= MOST_CHANNELS:
         found.values |= signals
         found.rates |= dict.fromkeys(signals, rates)
+        found.units |= dict.fromkeys(signals, unit)
 
 
 def _rate_of(key: str, value: Any) -> float:

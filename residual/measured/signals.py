@@ -249,10 +249,10 @@ def _longest(
 
 def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:
     """Factor to SI and the SI unit, "" of a unit that is not stated."""
-    bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
+    bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name[-80:])
     ending = re.search(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$", name)
     in_name = (bracketed[1] if bracketed else "") or (ending[1] if ending else "")
-    own = channels.units.get(name) or channels.units.get("") or in_name
+    own = channels.units.get(name) or in_name
     unit = (given if given is not None else own).strip().lower()
     if sensitivity is not None:
         said = SENSITIVITY.fullmatch(sensitivity.strip())

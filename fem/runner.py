@@ -49,10 +49,10 @@ class RunOptions:
     checkpoint_seconds: float | None = None  # between checkpoints; None: CHECKPOINT_SECONDS, more on slow disks
 
 
-def show_plan(scene: Scene) -> Outcome:
-    """Plan a scene and print the plan. UsageError: a solver can't take the scene."""
+def show_plan(scene: Scene, name: str) -> Outcome:
+    """Plan a scene and print the plan of a run of that name. UsageError: a solver can't take the scene."""
     try:
-        print_plan(_planned(scene, say))
+        print_plan(_planned(scene, say), name)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     return Outcome.COMPLETE

@@ -16,6 +16,7 @@ from lagrange.kinematics import turned
 from lagrange.load_history import smooth
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
+from residual.check_vibration import main as vibration_main
 from residual.evaluation import evaluate
 from tests.reference import compiled_motion
 from tests.reference.budgets import budget_terms
@@ -230,8 +231,9 @@ def test_bad_tables_are_refused_by_name(text, tmp_path):
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
-        (("operation.speed_rpm=3000",), "speed_table.csv\" says 1000 at the start; leave speed_rpm out"),
-        (("operation.radial_load_N=100",), "is the whole load; leave out one of them"),
+        (("operation.speed_rpm=3000",), "speed_table.csv' is in its place; leave one of them out"),
+        (("operation.speed_rpm=1000",), "operation.speed_rpm = 1000: operation.speed_table = "),
+        (("operation.radial_load_N=0",), "operation.radial_load_N = 0: operation.load_table = "),
         (("operation.unbalance_deg=100",), "of what? give unbalance_g_mm, or leave it out"),
         (('contact.model="faceted"',), 'operation.speed_table: only with contact.model = "subgrid"'),
         (("operation.load_table_sha256=" + 64 * "0",), "another than the scene gives"),
@@ -244,6 +246,21 @@ def test_contradictions_are_refused(settings, told, tmp_path):
     with pytest.raises(SceneError) as caught:
         scene_with(tmp_path, "numerics.duration_ms=8", *settings, speeds=RAMP, loads=LOADS)
     assert told in str(caught.value)
+
+
+def test_a_value_in_a_file_that_contradicts_its_table_is_refused_and_one_that_is_varied(tmp_path):
+    (tmp_path / "speeds.csv").write_text(RAMP, encoding="utf-8")
+    for key, told in (("speed_rpm = 3000", "says 1000 at the start; leave speed_rpm out"), ("speed_rpm = 1000", None)):
+        text = f'[operation]\nspeed_table = "speeds.csv"\n{key}\n[numerics]\nduration_ms = 1\n'
+        (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+        if told is not None:
+            with pytest.raises(SceneError, match=told):
+                read_scene(tmp_path / "scene.toml")
+    with pytest.raises(SceneError, match=r"speeds\.csv' is in its place"):
+        read_scene(tmp_path / "scene.toml").varied({"operation.speed_rpm": 1000.0})
+    np.savez(tmp_path / "noise.npz", acc=np.random.default_rng(1).normal(size=5000), rate=10_000.0)
+    command = [str(tmp_path / "noise.npz"), "--unit", "g", "--scene", str(tmp_path / "scene.toml"), "--quiet"]
+    assert vibration_main(command) == 2
 
 
 def test_a_scene_s_text_and_its_files_give_it_back(tmp_path):

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 from fem.commands.rate_bearing import rate_main
+from fem.commands.run_fem import run_main
 from fem.interface import rating
+from fem.pictures.recover import StoredRun
 from fem.rating.answers import DECLARED
 from fem.rating.case import Options
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
 from lagrange.rating.life import DutyCycle, basic_life
 from lagrange.scene.scene import read_scene
+from residual.cli import main as check_main
 from tests.reference.commands import environment
 
 PROMISED = (
@@ -242,6 +245,24 @@ def test_the_page_of_a_bearing_that_does_not_turn_leaves_out_its_life(ring, tmp_
     verdict = page.partition('class="verdict">')[2].partition("</p>")[0]
     assert verdict.startswith("C = ") and "C0 = " in verdict and " P = " not in verdict
     assert "does not turn" in page
+
+
+def test_titles_name_the_run_that_output_and_set_make(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    spalled = ["--set", "spall.0.width_mm=1", "--set", "name=healthy", "--set", "numerics.duration_ms=0.5"]
+    assert run_main(["--model", "lagrange", "--output", "spalled.nc", "--dry-run", *spalled]) == 0
+    assert "Plan of spalled, " in capsys.readouterr().out
+    assert run_main(["--model", "lagrange", "--output", "spalled.nc", *spalled]) == 0
+    assert StoredRun(tmp_path / "spalled.nc").scene.name == "spalled"  # of which pictures have their titles
+    assert check_main(["spalled.nc", "--no-figures"]) == 0
+    page = (tmp_path / "spalled-residual" / "report.html").read_text(encoding="utf-8")
+    assert "spalled" in page.partition("<h1>")[2].partition("</h1>")[0]
+    capsys.readouterr()
+    assert rate_main(["spalled.nc", "--output", "rated"]) == 0
+    assert rate_main(["--set", "operation.speed_rpm=3000", "--output", "rated"]) == 0
+    printed = capsys.readouterr().out
+    assert "Rating of spalled\n" in printed and "Rating of paper-speed_rpm-3000\n" in printed
+    assert "paper-speed_rpm-3000" in (tmp_path / "rated" / "rating.html").read_text(encoding="utf-8")
 
 
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):

@@ -84,6 +84,7 @@ def _rate(
     from lagrange.rating.sources import Unavailable
 
     options = Options(
+        name=result_name(chosen.name, settings) if run is None or scene is None else scene.stem,
         viscosity=viscosity,
         contamination=contamination,
         reliability=reliability,

@@ -87,26 +87,26 @@ def _run(
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
     if converge:
-        return _show_meshes(chosen)
+        return _show_meshes(chosen, path.stem)
     from fem.result.earlier import refuse_another_run
     from fem.runner import RunOptions, run_scene, show_plan
 
     if dry_run:
-        return show_plan(chosen).code
+        return show_plan(chosen, path.stem).code
     if not (force or resume):
         refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
 
 
-def _show_meshes(scene) -> int:
+def _show_meshes(scene, name: str) -> int:
     from fem.commands.summary import print_meshes
     from fem.solver.mesh_convergence import mesh_table
     from lagrange.messages import telling
 
     found = mesh_table(scene)
     with telling():
-        print_meshes(scene.name, found)
+        print_meshes(name, found)
     return Outcome.COMPLETE.code
 
 

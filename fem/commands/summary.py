@@ -31,8 +31,8 @@ LARGE_RESULT = 200.0  # MB, of which a run warns
 LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 
-def print_plan(plan: Plan) -> None:
-    """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
+def print_plan(plan: Plan, name: str) -> None:
+    """What is decided for a run of that name, and its cost. RunFailed: there is no equilibrium to tell of."""
     from fem.solver.trial import is_compiled, seconds_by_trial  # only a dry run needs what it imports
 
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
@@ -42,7 +42,7 @@ def print_plan(plan: Plan) -> None:
     rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
     if isinstance(plan, CompiledPlan):
         rows["compiling before it"] = "nothing, the time loop is kept" if is_compiled(plan) else plan.compiling
-    console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
+    console.print(f"Plan of {shown(name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
     _print_clearance(console, plan.scene)

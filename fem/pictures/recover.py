@@ -23,6 +23,7 @@ from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.kinematics import turned
+from lagrange.messages import shown
 from lagrange.scene.scene import Scene, parse_stored_scene
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
@@ -86,7 +87,8 @@ class StoredRun:
         self.path = Path(path)
         self._values = StoredValues(self.path)
         self.times = self._values.times
-        self.scene: Scene = parse_stored_scene(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
+        scene = parse_stored_scene(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
+        self.scene: Scene = scene.model_copy(update={"name": shown(self.path.stem)})  # titles are those of the run
         self._values.check(self.scene.ideal_bearing(), self.scene.cage is not None)
         self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 

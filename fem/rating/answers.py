@@ -53,6 +53,10 @@ class Rating(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self.answers)
 
+    @property
+    def name(self) -> str:
+        return self.case.options.name or self.scene.name
+
     def answer(self, name: str) -> Answer:
         """KeyError: there is none of that name."""
         for answer in self.answers:

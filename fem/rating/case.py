@@ -65,6 +65,7 @@ NO_FIT = "the scene has no [fit]: interference and temperatures are taken to be 
 class Options:
     """What a scene doesn't say."""
 
+    name: str | None = None  # of the rating; None: the scene's
     viscosity: float | None = None  # mm²/s, kinematic, in operation; None: that of [lubricant] over the density
     oil_density: float = 870.0  # kg/m³
     contamination: float | None = None  # e_C; None: oil, filtered in line

@@ -23,7 +23,7 @@ def write_page(path: Path, rating: Rating) -> None:
 
     text = render_page(
         TEMPLATE,
-        name=rating.scene.name,
+        name=rating.name,
         verdict=_verdict(rating),
         warnings=rating.warnings,
         rows=[

@@ -56,7 +56,7 @@ def _rounded(values: Any, all_values: Any) -> np.ndarray:
 def print_rating(rating: Rating) -> None:
     """A table of what could be computed, what could not with its reason, then warnings."""
     console = Console(highlight=False)
-    console.print(f"Rating of {shown(rating.scene.name)}", style="italic", markup=False)
+    console.print(f"Rating of {shown(rating.name)}", style="italic", markup=False)
     table, missing = Table(box=None, pad_edge=False, show_header=False), dict[str, list[str]]()
     for answer in rating.answers:
         if answer.value is None:

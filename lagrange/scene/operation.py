@@ -23,6 +23,7 @@ TABLES = {
     "load_table": (("x_N", "y_N"), HEAVIEST),
 }
 FIRST_SPEEDS = {"speed_table": "speed_rpm", "outer_ring_speed_table": "outer_ring_speed_rpm"}  # keys in whose place
+IN_PLACE_OF = FIRST_SPEEDS | {"load_table": "radial_load_N"}
 ENOUGH = 1e-9  # relative: times and speeds that are the same
 
 

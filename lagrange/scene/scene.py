@@ -3,7 +3,7 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import replace
@@ -21,9 +21,9 @@ from lagrange.scene.bearing import heavy_inner_ring_and_shaft
 from lagrange.scene.cage import CageTable, default_cage
 from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
-from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable, without_gone
+from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable, quoted, without_gone
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
-from lagrange.scene.operation import TABLES
+from lagrange.scene.operation import IN_PLACE_OF, TABLES
 from lagrange.scene.run import DampingTable, LagrangeTable, with_former_name
 from lagrange.scene.surfaces import SURFACES
 from lagrange.scene.tables import SceneTables
@@ -133,6 +133,7 @@ class Scene(SceneTables):
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
             set_key(data, key, value, key)
+        _refuse_beside_tables(data, changes)
         with _refused(self.name):
             content_of(data, self.files)
         return parse_scene(data, self.name)
@@ -208,9 +209,21 @@ def read_scene(
         apply_override(data, override)
     for key, value in (changes or {}).items():
         set_key(data, key, value, key)
+    _refuse_beside_tables(data, [*(override.partition("=")[0].strip() for override in overrides), *(changes or {})])
     with _refused(name):
         content_in_place(data, Path() if path is None else Path(path).parent)
     return parse_scene(data, name)
+
+
+def _refuse_beside_tables(data: dict[str, Any], changed: Iterable[str]) -> None:
+    """Refuse a change of a value in whose place a table is. SceneError."""
+    operation = data.get("operation")
+    for table, key in IN_PLACE_OF.items():
+        if f"operation.{key}" in changed and isinstance(operation, dict) and operation.get(table) is not None:
+            raise SceneError(
+                f"operation.{key} = {quoted(operation.get(key))}: operation.{table} = {quoted(operation[table])} is in "
+                "its place; leave one of them out"
+            )
 
 
 def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) -> Scene:

@@ -195,7 +195,10 @@ def _speed(question: Question) -> float:
         return question.speed / 60.0
     if question.scene is None:
         raise InputError("the speed is missing: add --speed and the shaft's rpm")
-    return counted(_scene(question).ideal_operation().ring_speeds)
+    operation = _scene(question).ideal_operation()
+    if operation.varies_speed:
+        raise InputError(f"--scene {question.scene}: its speed changes; add --speed and the shaft's rpm of the record")
+    return counted(operation.ring_speeds)
 
 
 def _of_run(path: Path, run: Record, rate: float | None) -> Signal:

@@ -1,7 +1,7 @@
 """What the live page takes: `python -m benchmarks.live`.
 
 Processor time of the player for a second of the page in real time, and of a frame; then frames a second and the pace
-reached in a headless browser that draws without a graphics card, on this machine as busy as it is.
+reached in a headless browser that draws without a graphics card, on this machine as busy as it is. Makes docs/live.png.
 """
 
 import asyncio
@@ -9,6 +9,7 @@ import json
 import shutil
 import sys
 import time
+from pathlib import Path
 from queue import Queue
 from threading import Thread
 
@@ -67,6 +68,22 @@ def watched(browser, player: Player, slowness: float) -> list[str]:
     return [f"{1e3 * frames / wall:.1f}", f"1/{wall / simulated:.3g}"]
 
 
+def draw(browser, path: Path) -> None:
+    """The page of the paper's bearing, on a desk."""
+    server, addresses = LiveServer(player_of(())), Queue()
+    thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)))
+    thread.start()
+    try:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.goto(addresses.get())
+        page.wait_for_function("() => window.live && window.live.frame() && window.live.frame().record > 300")
+        page.screenshot(path=path, full_page=True)
+        page.close()
+    finally:
+        server.end()
+        thread.join()
+
+
 def main() -> None:
     console = Console(highlight=False)
     rows = [[name, *costs(player_of(settings))] for name, settings in SCENES.items()]
@@ -79,6 +96,7 @@ def main() -> None:
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        draw(browser, Path(__file__).parents[1] / "docs" / "live.png")
         rows = [
             [name, f"1/{slowness:g}", *watched(browser, player_of(settings), slowness)]
             for name, settings in SCENES.items()

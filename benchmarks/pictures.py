@@ -1,6 +1,10 @@
 """Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes."""
 
+import os
 import resource
+import shutil
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -18,6 +22,7 @@ from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
 from fem.pictures.render import draw
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR
+from tests import documented
 
 DOCS = Path(__file__).parents[1] / "docs"
 MESH_SIZES = (2.0, 1.0, 0.5)  # mm
@@ -39,6 +44,18 @@ FAULTS = (
 FAULT_PICTURES = {
     "faults.png": ["--time", "0.3"],
     "spall.png": ["--time", "0.34", "--view", "close-up", "--roller", "0"],
+}
+HALF = ("numerics.output_interval_us=5", "numerics.duration_ms=100")
+HELD = ("name=held-at-the-top", "support.kind=points", "support.angles_deg=[180]", "numerics.duration_ms=0")
+OF_SCENES = {  # a scene, further keys, words of render-fem
+    "half_spall.png": ("half", HALF, ["--view", "axial", "--time", "91.82"]),
+    "supports.png": (None, HELD, ["--field", "displacement", "--magnification", "80", "--width", "1100"]),
+}
+OF_PAGES = {  # what the commands of a page write
+    "tutorial_design.png": ("design_tutorial.md", "gearbox.png"),
+    "tutorial_stress.png": ("stress_tutorial.md", "contact.png"),
+    "tutorial_vibration.png": ("vibration_tutorial.md", "compared/envelope.png"),
+    "tutorial_equations.png": ("equations_tutorial.md", "table-residual/whole_spectra.png"),
 }
 EVERY = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 # two roller passages, so that the film closes on itself but for the numbers
@@ -77,6 +94,30 @@ def below_contacts(folder: Path) -> None:
 def _worst(values: np.ndarray, expected: float) -> str:
     deviation = 100.0 * (values / expected - 1.0)
     return f"{deviation[np.argmax(np.abs(deviation))]:+.1f} %"
+
+
+def draw_pages(folder: Path) -> None:
+    """Pictures of scenes that pages show, and those that their commands write."""
+    for file, (name, keys, options) in OF_SCENES.items():
+        run, scene = folder / "scene.nc", []
+        if name is not None:
+            scene = [str(folder / f"{name}.toml")]
+            Path(scene[0]).write_text(documented.files(DOCS / "tilted_motion.md")[f"{name}.toml"], encoding="utf-8")
+        sets = [word for each in keys for word in ("--set", each)]
+        assert run_main([*scene, "--output", str(run), "--quiet", *sets]) == 0
+        assert render_main([str(run), "--output", str(DOCS / file), "--force", *options]) == 0
+        run.unlink()
+    for file, (page, written) in OF_PAGES.items():
+        with tempfile.TemporaryDirectory() as name:
+            place = Path(name)
+            for scene, text in documented.files(DOCS / page).items():
+                (place / scene).write_text(text, encoding="utf-8")
+            programs = {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+            for command in documented.commands(DOCS / page):
+                if not (place / written).exists():
+                    shell = ["python", "-c"] if command.startswith("import") else ["bash", "-c"]
+                    subprocess.run([*shell, command], cwd=place, env=os.environ | programs, check=True)
+            shutil.copy(place / written, DOCS / file)
 
 
 def times(run: Path, folder: Path) -> None:
@@ -140,6 +181,7 @@ def main(*, pictures: Annotated[bool, Parameter(negative="")] = False) -> None:
             assert run_main(["--output", str(faulty), "--quiet", *sets]) == 0
             for file, words in FAULT_PICTURES.items():
                 assert render_main([str(faulty), "--output", str(DOCS / file), *words]) == 0
+            draw_pages(folder)
             assert render_main([str(run), "--animation", str(DOCS / "bearing.gif"), "--quiet", *FILM]) == 0
         below_contacts(folder)
         times(run, folder)

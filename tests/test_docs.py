@@ -245,6 +245,15 @@ def test_keys_of_the_site_do_not_break_inside_a_word_and_code_blocks_stay():
     assert "<pre><code>a-b c</code></pre>" in shown and shown.startswith('<div class="reference">')
 
 
+@pytest.mark.parametrize("picture", sorted((ROOT / "docs").glob("*.png")), ids=lambda path: path.name)
+def test_pictures_have_their_own_colours(picture):
+    """Not a palette's nearest: red arrows were brown, scales had steps and lacked their ends."""
+    from PIL import Image
+
+    with Image.open(picture) as image:
+        assert image.mode in ("RGB", "RGBA")
+
+
 @pytest.mark.slow
 def test_the_site_builds_without_a_warning(tmp_path):
     pytest.importorskip("material")

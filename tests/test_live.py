@@ -189,6 +189,16 @@ def test_forces_of_a_frame_carry_the_load(player):
     assert frame["hub"][1] == pytest.approx(1e6 * player.now["inner_y"], abs=1e-3) and -5.0 < frame["hub"][1] < -2.0
 
 
+def test_a_cage_is_drawn_where_its_pockets_are():
+    player = Player(scene_of("bearing.designation=NU206", "operation.first_roller_deg=10"))
+    player.advance(400)
+    frame, facts = player.frame(), player.facts()
+    apart = 2.0 * np.pi / facts["pockets"]
+    ahead = np.remainder(np.array(frame["angle"]) - 0.5 * np.pi - frame["cage"], apart)
+    assert np.minimum(ahead, apart - ahead).max() < 0.01  # play in a pocket, and of the cage
+    assert Player(scene_of()).frame()["cage"] is None  # the paper's bearing has none
+
+
 def samples_of(**values: np.ndarray) -> Samples:
     n = len(next(iter(values.values())))
     zeros = {name: np.zeros(n) for name in ("inner_x", "inner_y", "inner_ax", "inner_ay")}

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -83,8 +84,12 @@ def played(monkeypatch, work: float, slowness: float) -> tuple[int, float]:
         await asyncio.sleep(PASSED)
         playing.cancel()
 
-    with asyncio.Runner(loop_factory=lambda: clock) as runner:
-        runner.run(watch())
+    def run() -> None:
+        with asyncio.Runner(loop_factory=lambda: clock) as runner:
+            runner.run(watch())
+
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(run).result()  # a browser of other tests has a loop in this one
     return frames, bearing.simulated
 
 

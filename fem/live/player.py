@@ -171,7 +171,8 @@ class Player:
         state = plan.prepare(tell)
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
-        self.bearing, self._axial = played.ideal_bearing(), scene.ideal_axial()
+        self.bearing, self._axial, self._cage = played.ideal_bearing(), scene.ideal_axial(), scene.ideal_cage()
+        self._first = played.ideal_operation().first_roller_angle
         self._pressures = None if self._axial is None else np.zeros((self.bearing.n_rollers, self._axial.slices))
         self._restarted: str | None = None
         self._start(samples)
@@ -239,6 +240,8 @@ class Player:
             "outer": bearing.outer_raceway_radius / MM,
             "bore": bearing.core_radius / MM,
             "outside": bearing.outside_radius / MM,
+            "pockets": bearing.pockets,
+            "play": None if self._cage is None else self._cage.pocket_clearance / MM,
             "spalls": [
                 {**{key: value for key, value in asdict(fault).items() if key in ("body", "roller", "angle")},
                  "half": fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault)}
@@ -266,6 +269,7 @@ class Player:
         return {
             "time": float(now["time"]) / MM,
             "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
+            "cage": None if self._cage is None else float(np.remainder(self._first + now["cage_angle"], 2.0 * pi)),
             "shaft": shaft,
             "ring": ring,
             "angle": _short(np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi, 5),

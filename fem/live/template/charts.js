@@ -273,7 +273,7 @@ const charts = (function () {
         const { bin, amplitude } = frame.envelope;
         data = amplitude.length ? [amplitude.map((value, i) => i * bin), amplitude] : [[0, end], [null, null]];
         const highest = 1.1 * Math.max(...amplitude, 1e-9); // the scale stays while values change, so that a line is seen to rise
-        if (highest > top || highest < 0.02 * top) top = highest;
+        if (highest > top || highest < 0.2 * top) top = highest;
       },
       draw: () => u.setData(data),
     };

@@ -12,7 +12,7 @@ const drawing = (function () {
 
   function readTheme() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["ink", "soft", "rule", "accent", "load", "steel", "edge", "hub", "fault", "zone", "deep", "mark"])
+    for (const name of ["ink", "soft", "rule", "accent", "load", "steel", "edge", "hub", "fault", "zone", "deep", "mark", "cage"])
       theme[name] = style.getPropertyValue("--" + name).trim();
     theme.ramp = style.getPropertyValue("--ramp").split(",").map((text) => [1, 3, 5].map((at) => parseInt(text.trim().slice(at, at + 2), 16)));
   }
@@ -90,6 +90,7 @@ const drawing = (function () {
       drawZone(c, bearing, shape);
       drawOuterRing(c, bearing, shape);
       drawInnerRing(c, bearing, frame, shape);
+      if (frame.cage !== null) drawCage(c, bearing, frame, shape);
       frame.angle.forEach((angle, j) => drawRoller(c, bearing, frame, shape, j));
       drawSpalls(c, bearing, frame, shape);
       drawLoad(c, bearing, frame, shape);
@@ -139,6 +140,20 @@ const drawing = (function () {
       const key = 0.16 * bearing.bore;
       c.fillRect(bearing.bore - key, -key, 2 * key, 2 * key);
       c.restore();
+    }
+
+    // bars between the pockets
+    function drawCage(c, bearing, frame, shape) {
+      const pitch = shape.pitch, wide = 0.34 * bearing.roller, apart = (2 * Math.PI) / bearing.pockets;
+      const half = Math.asin((bearing.roller + 0.5 * bearing.play) / pitch);
+      c.fillStyle = theme.cage;
+      for (let j = 0; j < bearing.pockets; j++) {
+        const from = frame.cage + j * apart + half, to = frame.cage + (j + 1) * apart - half;
+        c.beginPath();
+        c.arc(0, 0, pitch + wide, from, to);
+        c.arc(0, 0, pitch - wide, to, from, true);
+        c.fill();
+      }
     }
 
     function drawRoller(c, bearing, frame, shape, j) {

@@ -50,7 +50,7 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
         marked = {name: lines[name] for name in MARKED if lines.get(name)} | {"2×BSF": lines["2×BSF"]}
         best = each.diagnosis.findings[0]
         marked |= {line.name: line.found / unit for line in best.lines}
-        top = LINES_TO * max(lines["BPFO"], lines["BPFI"])
+        top = LINES_TO * max(lines["BPFO"], lines["BPFI"], lines["2×BSF"])
         families = mark_lines(axis, marked, 0.0, top, labels=False)
         frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
         axis.plot(frequency, depth, color=BLUE, linewidth=0.9)

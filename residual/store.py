@@ -12,7 +12,7 @@ import numpy as np
 
 from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.input import read_plain
-from lagrange.files.output import real_path
+from lagrange.files.output import named, real_path
 from lagrange.files.pages import load_matplotlib
 from lagrange.version import VERSION
 from residual.errors import InputError
@@ -56,8 +56,10 @@ def write_folder(folder: str | Path, fill: Callable[[Path], dict], program: str 
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
         _move_into_place(fresh, folder)
-    except BaseException:
+    except BaseException as error:
         shutil.rmtree(fresh, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise named(error, folder, fresh) from None
         raise
     return summary
 

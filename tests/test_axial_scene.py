@@ -109,6 +109,9 @@ def test_a_table_of_drops_that_is_none_is_refused(tmp_path):
     (tmp_path / "scene.toml").write_text('[axial]\nroller_profile = "drops.csv"\n')
     with pytest.raises(SceneError, match="must rise from row to row: after -5 comes -6"):
         read_scene(tmp_path / "scene.toml")
+    (tmp_path / "drops.csv").write_text("z_mm,drop_um\n-5,12\n0,0\n5,1e308\n")
+    with pytest.raises(SceneError, match=r"drop_um = 1e\+308: at most 100000 either way"):
+        read_scene(tmp_path / "scene.toml")
     (tmp_path / "drops.csv").write_text("z_mm,drop_um\n-3,12\n0,0\n3,22\n")
     with pytest.raises(SceneError, match="slices of rollers of 10 mm have their middles from"):
         read_scene(tmp_path / "scene.toml")

@@ -208,6 +208,32 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
 
 
+def test_a_full_disk_at_a_page_names_the_page(tmp_path, monkeypatch, capsys):
+    """A write's own error names no file."""
+    from fem.commands.rate_bearing import rate_main
+    from fem.commands.run_study import study_main
+    from residual.store import write_folder
+    from tests.reference.small_study import TWO_SPEEDS
+
+    def full(path, data, real=Path.write_bytes):
+        if data.startswith(b"<!DOCTYPE html>"):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(path, data)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fem.study.figures.study_figures", lambda *_: [])
+    monkeypatch.setattr("fem.rating.figures.rating_figures", lambda *_: [])
+    monkeypatch.setattr(Path, "write_bytes", full)
+    assert rate_main(["--bearing", "NU206", "--output", "rated", "--quiet"]) == 2
+    assert capsys.readouterr().err == "error: rated/rating.html: No space left on device\n"
+    Path("study.toml").write_text(TWO_SPEEDS, encoding="utf-8")
+    assert study_main(["study.toml", "--quiet", "--workers", "1"]) == 2
+    assert capsys.readouterr().err == "error: studies/study/study.html: No space left on device\n"
+    with pytest.raises(OSError) as raised:
+        write_folder(tmp_path / "report", lambda fresh: full(fresh / "report.html", b"<!DOCTYPE html>"))
+    assert raised.value.filename == str(tmp_path / "report")
+
+
 @pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
 def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
     import resource

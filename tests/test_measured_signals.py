@@ -144,6 +144,7 @@ REFUSED = {  # name: content, options, words of the refusal
     "ragged.csv": (rows(head=HEAD) + "0.3,1,2\n", {}, "3 cells"),
     "far.csv": (rows(head=HEAD, columns=(1e200 * TIME, WAVE), digits="%.6e"), {}, "which no record has"),
     "short.csv": (rows(head=HEAD, columns=(TIME[:500], WAVE[:500])), {}, "at least 1024"),
+    "silent.csv": (rows(head=HEAD, columns=(TIME, 1e-300 * WAVE), digits="%.12e"), {}, "constant"),
     "constant.csv": (rows(head=HEAD, columns=(TIME, 0.0 * WAVE)), {}, "constant"),
     "volts.csv": (rows(head=HEAD), {"unit": "V"}, "--sensitivity"),
     "unit.csv": (rows(head=HEAD), {"unit": "furlong"}, "known are g"),

@@ -161,6 +161,8 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
         ("load_N,speed_rpm\n1,2\n", "share is missing"),
         ("load_N,speed_rpm,share\n-1,2,1\n", "load"),
         ("load_N,speed_rpm,share\n1,0,1\n", "must turn"),
+        ("load_N,speed_rpm,share\n5e-324,1,1\n", "load must be 0 or from 1e-12 to 1e+12"),
+        ("load_N,speed_rpm,share\n1,1e308,1\n", "speed must be 0 or from 1e-12 to 1e+12"),
         ("load_lbf,speed_rpm,share\n1,1,1\n", "must be one of N, kN"),
         ("load_N;speed_rpm;share\n1,5;1;1\n", "give --decimal , where commas are decimal"),
         ("load_N,speed_rpm,share\n1,x,1\n", "line 2"),

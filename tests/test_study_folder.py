@@ -36,6 +36,14 @@ FACTS = {  # what is put into study.json, and what must be told
     "no name": ({"name": None}, "name: "),
     "indices of nothing": ({"base": 10**9}, "base: must make the points"),
     "a program that is none": ({"made_by": {"a": 1}}, "made_by: "),
+    "a key that is none": ({"keys": ["."]}, "keys.0: "),
+    "a null character": ({"name": "a\0b"}, "name: "),
+    "a number of seventy bits": ({"points": [[2**70], [2]], "axes": [[2**70, 2]]}, "operation.speed_rpm = 1.18"),
+    "a key twice": (
+        {"keys": ["operation.speed_rpm"] * 2, "points": [[1500, 1], [3000, 1]], "axes": [[1500, 3000], [1]]},
+        "keys: one is there twice",
+    ),
+    "a study of thirty thousand tables": ({"study": "a." * 30_000 + "a = 1"}, "a key of more than 50 parts"),
     "a speed that is no number": ({"points": [[float("nan")]] * 2}, "points.0.0."),
 }
 

@@ -43,15 +43,9 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
     ------
     OSError: it can't be written; an earlier dataset stays.
     """
-    try:
-        with replaced(folder.dataset) as part, hdf5_to_write(part, track_order=True) as file:
-            _lay_out(file, points)
-            found = _fill(file, points, folder, count)
-    except OSError as error:
-        if error.filename is not None:
-            raise
-        raise OSError(error.errno or 0, error.strerror or f"can't be written: {error}", str(folder.dataset)) from None
-    return found
+    with replaced(folder.dataset) as part, hdf5_to_write(part, track_order=True) as file:
+        _lay_out(file, points)
+        return _fill(file, points, folder, count)
 
 
 def _lay_out(file, points: Points) -> None:

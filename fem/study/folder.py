@@ -38,12 +38,16 @@ from fem.study.study_file import QUANTITIES, KeepTable, study_of
 from lagrange.columns import PER_ROLLER
 from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
+from lagrange.scene.faults import printable
 from lagrange.scene.scene import parse_scene_text
 
 PROGRAM: Literal["run-study"] = "run-study"
 LARGEST = 1e100  # of a quantity in its unit: none was ever computed
 LONGEST_NAME = 255
-Value = StrictBool | StrictInt | Annotated[StrictFloat, Field(allow_inf_nan=False)] | StrictStr
+Text = Annotated[StrictStr, Field(pattern=r"^[^\x00]*$")]  # which HDF5 can hold
+Key = Annotated[StrictStr, Field(pattern=r"^[^./\x00]+(\.[^./\x00]+)*$")]
+Whole = Annotated[StrictInt, Field(ge=-(2**63), lt=2**63)]
+Value = StrictBool | Whole | Annotated[StrictFloat, Field(allow_inf_nan=False)] | Text
 
 
 class StudyRecord(BaseModel):
@@ -52,21 +56,23 @@ class StudyRecord(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
     program: Literal["run-study"]
-    name: str = Field(min_length=1, max_length=LONGEST_NAME)
+    name: Text = Field(min_length=1, max_length=LONGEST_NAME)
     study: str
     listed: str | None
     scene: str
     files: dict[str, str]
-    keys: tuple[str, ...] = Field(min_length=1)
+    keys: tuple[Key, ...] = Field(min_length=1)
     points: list[tuple[Value | None, ...]]
     axes: tuple[tuple[Value, ...], ...] | None
     base: int = Field(ge=0)
     digests: list[Annotated[str, Field(pattern="^[0-9a-f]{32}$")]] = Field(min_length=1)
-    made_by: str = Field(max_length=LONGEST_NAME)
+    made_by: Text = Field(max_length=LONGEST_NAME)
 
     @model_validator(mode="after")
     def _consistent(self):
         n, d = len(self.points), len(self.keys)
+        if len(set(self.keys)) < d:
+            raise ValueError("keys: one is there twice")
         if len(self.digests) != n or any(len(point) != d for point in self.points):
             raise ValueError("as many digests as points, of as many values as keys, are needed")
         if self.axes is not None and (len(self.axes) != d or prod(len(axis) for axis in self.axes) != n):
@@ -83,7 +89,7 @@ class PointRecord(BaseModel):
 
     digest: str  # of the point: a file under another name is not taken as that point's
     status: Literal["complete", "failed", "stopped"]
-    text: str
+    text: Text
     seconds: float = Field(ge=0.0)
     quantities: dict[str, float]
     signal_interval: float = Field(ge=0.0, allow_inf_nan=False)
@@ -137,21 +143,30 @@ def _facts(arrays: np.lib.npyio.NpzFile, digest: str) -> PointRecord:
 
 
 def _record_of(points: Points) -> StudyRecord:
+    """UsageError: a name or value that no dataset can hold."""
     study, design = points.study, points.design
-    return StudyRecord(
-        program=PROGRAM,
-        name=study.name,
-        study=study.text,
-        listed=study.listed,
-        scene=study.scene.to_written_toml(),
-        files=study.scene.files,
-        keys=design.keys,
-        points=design.points,
-        axes=design.axes,
-        base=design.base,
-        digests=points.digests,
-        made_by=points.made_by,
-    )
+    try:
+        return StudyRecord(
+            program=PROGRAM,
+            name=study.name,
+            study=study.text,
+            listed=study.listed,
+            scene=study.scene.to_written_toml(),
+            files=study.scene.files,
+            keys=design.keys,
+            points=design.points,
+            axes=design.axes,
+            base=design.base,
+            digests=points.digests,
+            made_by=points.made_by,
+        )
+    except ValidationError as error:
+        raise UsageError(f"{study.name}: {_first(error)}") from None
+
+
+def _first(error: ValidationError) -> str:
+    first = error.errors(include_url=False)[0]
+    return printable(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
 
 
 MISSING = "missing"  # the status of a point that has not been solved
@@ -199,9 +214,7 @@ class Folder:
         except OSError as error:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
         except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            fault = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
-            raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
+            raise UsageError(f"{self._about}: damaged, or not of this version: {_first(error)}") from None
 
     def run(self, digest: str) -> Path:
         """A point's result file."""

@@ -45,7 +45,7 @@ def replaced(path: str | Path) -> Iterator[Path]:
 
     Errors
     ------
-    OSError: it can't be made, or `path` is there and no plain file. What stands at `path` stays.
+    OSError, which names `path`: it can't be made or written, or is there and no plain file. What stands there stays.
     """
     path = real_path(Path(path))
     refuse_special(path)
@@ -53,8 +53,17 @@ def replaced(path: str | Path) -> Iterator[Path]:
     try:
         yield part
         os.replace(part, path)
+    except OSError as error:
+        raise named(error, path, part) from None
     finally:
         part.unlink(missing_ok=True)
+
+
+def named(error: OSError, path: Path, part: Path) -> OSError:
+    """An error as one of `path`, where it names no file or one in or at its `part`."""
+    if error.filename is not None and not Path(os.fsdecode(error.filename)).is_relative_to(part):
+        return error
+    return OSError(error.errno or errno.EIO, error.strerror or f"can't be written: {error}", str(path))
 
 
 def write_whole(path: str | Path, data: bytes) -> None:

@@ -69,6 +69,8 @@ def contamination_factor(kappa: float, pitch: float) -> float:
     largest = min(0.0864 * kappa**0.68 * pitch**0.55, 1.0)
     return largest * (1.0 - 0.5663 / pitch ** (1.0 / 3.0))
 
+LEAST, MOST = 1e-12, 1e12  # of what is not 0 in a duty cycle
+
 
 @dataclass(frozen=True, kw_only=True)
 class DutyCycle:
@@ -87,6 +89,9 @@ class DutyCycle:
                 raise ValueError(f"a duty cycle's {name} must be a number of at least 0")
         if not np.all(np.isfinite(self.speeds)):
             raise ValueError("a duty cycle's speed must be a number")
+        for name, column in zip(("load", "speed", "share of time"), columns, strict=True):
+            if not np.all((column == 0.0) | ((LEAST <= np.abs(column)) & (np.abs(column) <= MOST))):
+                raise ValueError(f"a duty cycle's {name} must be 0 or from {LEAST:g} to {MOST:g}")
         if not np.sum(self._turns) > 0.0:
             raise ValueError("a duty cycle must turn: every step has no speed or no share of time")
 

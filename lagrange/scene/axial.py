@@ -21,6 +21,7 @@ SHAPES: dict[str, Kind] = {
 SURFACES = ("roller", "inner_raceway", "outer_raceway")  # before _profile
 FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
+LARGEST_DROP = 1e5  # µm
 PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a file beside the scene, CSV with the '
 PROFILE += "columns z_mm, drop_um"
 
@@ -131,6 +132,8 @@ def measured(text: str, decimal: str = ".") -> Points:
         raise ValueError(f"it holds {len(z)} points; at least {FEWEST} and at most {MOST} are taken")
     if not np.all(np.isfinite(z)) or not np.all(np.isfinite(drop)):
         raise ValueError("a value is not finite")
+    if np.abs(drop).max() > LARGEST_DROP:
+        raise ValueError(f"drop_um = {drop[np.argmax(np.abs(drop))]:g}: at most {LARGEST_DROP:g} either way")
     if np.any(np.diff(z) <= 0.0):
         at = int(np.argmax(np.diff(z) <= 0.0))
         raise ValueError(f"z_mm must rise from row to row: after {z[at]:g} comes {z[at + 1]:g}")

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import ErrorDetails
 
+SMALLEST = 1e-15  # of a number that is not 0, in its key's unit
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MOST_FAULTS = 15  # named at once: a file that is no scene may have thousands
 MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some milliseconds each
@@ -73,6 +74,17 @@ class Table(BaseModel):
         """What may contradict itself in the table; each check gives a sentence for each thing that does."""
         return ()
 
+    def all_checks(self) -> tuple[Check, ...]:
+        return self._numbers, *self.checks()
+
+    def _numbers(self) -> Iterator[str]:
+        """Numbers so near to 0 that a square or a quotient of them is no number any more."""
+        for name in type(self).model_fields:
+            value = getattr(self, name, None)
+            for number in value if isinstance(value, list) else [value]:
+                if isinstance(number, float) and 0.0 < abs(number) < SMALLEST:
+                    yield f"{name} = {number:g}: must be 0, or at least {SMALLEST:g} in size"
+
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
         """The table as written, with defaults that depend on it."""
@@ -85,7 +97,7 @@ class Table(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self):
-        faults = [fault for check in self.checks() for fault in check()]
+        faults = [fault for check in self.all_checks() for fault in check()]
         if faults:
             raise ValueError("\n".join(faults))
         return self
@@ -299,7 +311,7 @@ def _contradictions(table: Table, place: str = "") -> Iterator[str]:
     for name in _arrays(type(table)):
         for i, item in enumerate(table.__dict__.get(name, [])):
             yield from _contradictions(item, f"{place}.{name}.{i}".lstrip("."))
-    for check in table.checks():
+    for check in table.all_checks():
         # a value left out, or bodies that can't be made of values that are named already
         with suppress(AttributeError, ValueError):
             for fault in check():

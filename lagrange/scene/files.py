@@ -14,7 +14,7 @@ from typing import Any
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.messages import shown
 from lagrange.scene.axial import SHAPES, SURFACES
-from lagrange.scene.faults import SceneError
+from lagrange.scene.faults import SceneError, quoted
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,17 @@ def _text(named: _Named, path: Path) -> str:
 
 
 LONGEST_TEXT = 2**20  # characters of a scene
+MOST_PARTS = 50  # of a dotted key; the memory to read one grows by their square
+_PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
+_DOTTED = re.compile(rf"(?:{_PART}\.[ \t]*+)++")
 
 
 def load(text: str, name: str) -> dict[str, Any]:
     """Tables of a TOML text."""
     if len(text) > LONGEST_TEXT:
         raise SceneError(f"{name}: longer than {LONGEST_TEXT} characters; is it a scene file?")
+    if long := next((key[0] for key in _DOTTED.finditer(text) if key[0].count(".") >= MOST_PARTS), None):
+        raise SceneError(f"{name}: {quoted(long)}: a key of more than {MOST_PARTS} parts; is it a scene file?")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -94,7 +94,7 @@ class LagrangeTable(Table):
         description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz; power: "
         "the scene's own",
     )
-    contact_stiffness_N_per_m_n: list[Annotated[float, Field(gt=0.0, le=1e25)]] | None = Field(
+    contact_stiffness_N_per_m_n: list[Annotated[float, Field(ge=1e3, le=1e25)]] | None = Field(
         None,
         min_length=2,
         max_length=2,

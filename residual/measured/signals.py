@@ -118,7 +118,7 @@ def read_signal(
     notes += _faults(values, found)
     mean = float(values.mean())
     values = factor * (values - mean)
-    if not np.any(values):
+    if not np.max(np.abs(values)) > 1.0 / LARGEST:
         raise InputError(f"{path}: {name} is constant, {mean:g}: no vibration; is it the right channel?")
     title = path.name if len(channels.values) == 1 else f"{path.name}, {shown(name)}"
     return Signal(name=title, values=values, rate=found, unit=si, notes=tuple(notes))

@@ -29,6 +29,17 @@ def options(*arguments, say):
 
 BAD_SCENES = {
     # names and types
+    "a key of many thousand parts": scene("a." * 30_000 + "a = 1", "'a.a.a.", "a key of more than 50 parts"),
+    "a power law without stiffness": scene(
+        '[lagrange]\nlaw = "power"\ncontact_exponent = 1.1\ncontact_stiffness_N_per_m_n = [5e-324, 1e9]',
+        "lagrange.contact_stiffness_N_per_m_n.0 = 5e-324",
+        "1000",
+    ),
+    "numbers next to 0": scene(
+        "[operation]\nunbalance_g_mm = 5e-324\n[[waviness]]\namplitude_um = 1e-300",
+        "operation: unbalance_g_mm = 4.94066e-324: must be 0, or at least 1e-15",
+        "waviness.0: amplitude_um = 1e-300",
+    ),
     "unknown key": scene("[operation]\nspeed_rmp = 4500", "operation.speed_rmp", "did you mean speed_rpm?"),
     "unknown table": scene("[bearings]\nrollers = 3", "bearings", "did you mean bearing?"),
     "misspelt key of a spall": scene("[[spall]]\nwidht_mm = 2", "spall.0.widht_mm", "did you mean width_mm?"),

@@ -60,6 +60,9 @@ _SUFFIX = re.compile(
     r"(?:EC|E|CV|V[HJ]?)?(?:M[ABLPRH]?|ML|J[AP]?|PH?A?|TN9|TVP2|T|W)?(?:2?RS[HLR]?1?|2?RZ|2?Z|ZZ|DDU?|LL[BU]|VV)?"
     r"(?:C(?P<group>[2-5N]))?(?:P[56])?"
 )
+_PREFIX = re.compile(  # a maker's name, and letters before the number: material, lubrication, accuracy
+    r"(?:SKF|FAG|INA|NSK|NTN|SNR|NACHI|KOYO|JTEKT|TIMKEN|IKO|NKE|ZKL|RHP)*(?:(?:W|SS?|E2|HR|4T|ET|ICOS)(?=\d{4}))?"
+)
 _RIBS = re.compile(r"(NUP|NJ|N)(?=\d)")  # of cylindrical roller bearings whose rings have other ribs than NU's
 
 
@@ -132,8 +135,8 @@ def listed(designation: object) -> tuple[str, str] | None:
 
 
 def _written(designation: str) -> str:
-    """Without blanks and strokes."""
-    return re.sub(r"[\s/.-]", "", designation.upper())
+    """Without blanks and strokes, makers' names and prefixes."""
+    return _PREFIX.sub("", re.sub(r"[\s/.-]", "", designation.upper()), count=1)
 
 
 @lru_cache(maxsize=64)
@@ -148,11 +151,22 @@ def _listed(written: str) -> tuple[str, str] | None:
     return None
 
 
-def instead(designation: str) -> str:
-    """What to give for a bearing that the table lacks."""
+def instead(designation: str, sizes: str, of_scene: bool = True) -> str:
+    """What a bearing is that the table lacks, and what to give: `sizes`; whether these are keys of a scene."""
     written = _written(designation)
-    for pattern, advice in _OTHERS:
+    for pattern, kind in _NOT_HERE:
         if (found := re.match(pattern, written)) is not None:
+            return found.expand(kind)
+    return f"{_advice(written, of_scene)}; of another bearing leave it out and {sizes}"
+
+
+def _advice(written: str, of_scene: bool) -> str:
+    for name in entries():
+        if _row_of(written).startswith(name) and (rest := _row_of(written)[len(name) :]) and not rest[0].isdigit():
+            known = _SUFFIX.match(rest)
+            return f"{rest[known.end() if known else 0 :]} is unknown after {name}; give that, with C2 to C5 or none"
+    for pattern, advice in _OTHERS:
+        if (found := re.match(pattern, written)) is not None and (of_scene or "give" not in advice):
             return found.expand(advice)
     for name, members in _series().items():
         if _row_of(written).startswith(name):
@@ -162,6 +176,27 @@ def instead(designation: str) -> str:
 
 
 _NO_SUCH = r"N2[23]\d\d"  # nobody makes them
+_NOT_HERE = (  # kinds of which sizes would say nothing (ISO 15, 104; makers' catalogues)
+    (r"5[1-4][1-4]\d\d", "a thrust ball bearing: it carries axial loads alone, and is not in this program"),
+    (
+        r"(?:K|WS|GS)?8(?:11|12|74|9[34])\d\d|AX[KW]",
+        "a thrust roller bearing: it carries axial loads alone, and is not in this program",
+    ),
+    (r"29[2-4]\d\d", "a spherical thrust roller bearing: it carries axial loads first, and is not in this program"),
+    (r"(?:RB|RA|RU|CRBH?|XR|XSU|SX|NRX?)\d", "a crossed roller bearing, which is not in this program"),
+    (r"QJF?\d", "a ball bearing of four-point contact, which is not in this program"),
+    (
+        r"(?:NAT[RVD]|NUTR?|NAST|NART|R?STO|KRV?|NUKR|PWKR|CF|LR)\d",
+        "a track roller, whose outer ring bends on its track, which is not in this program",
+    ),
+    (
+        r"(?:UCP?F?L?|UK|YAR|YAT|YEL|YET|SB|UEL|GYE|ES)([23])(\d\d)(?!\d)",
+        r"an insert bearing: inside it is the ball bearing 6\1\2; designation = '6\1\2' with its clearance",
+    ),
+    (r"(?:[12][23]|10)\d\d(?!\d)", "a self-aligning ball bearing, which is not in this program"),
+    (r"2[0-4]\d{3}|C[23]\d{3}", "rows of barrels that align themselves are not in this program"),
+    (r"GE[GHK]?\d", "a spherical plain bearing: it slides, and is not in this program"),
+)
 _ON_THE_SHAFT = (
     "the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, outside_diameter_mm,"
 )
@@ -172,8 +207,11 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
     (r"SL1[89]|NCF(?!29|30)", "give its sizes, and as many rollers as fit, without [cage]"),
     (r"NNU?\d|NNC", "of two rows: give its sizes and rows = 2"),
     (r"3[0-3]\d{3}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
-    (r"7\d{3}", 'angular contact: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg'),
-    (r"2[1-4]\d{3}", "rows of barrels that align themselves are not in this program"),
+    (r"J?[LHM]{1,2}\d{5,6}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
+    (r"3[23]\d\d(?!\d)", 'of two rows of balls: give its sizes with type = "ball", rows = 2 and contact_angle_deg'),
+    (r"4[23]\d\d(?!\d)", 'of two rows of balls: give its sizes with type = "ball" and rows = 2'),
+    (r"160\d\d|61[89]\d|6[89]\d\d", 'a deep-groove ball bearing: give its sizes with type = "ball"'),
+    (r"B?7\d{3}", 'angular contact: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg'),
     (r"RNA49(\d\d)", r"it is NA49\1 without inner ring: designation = 'NA49\1' with bore_diameter_mm = 0"),
     (
         r"(?:NK|HK|BK)0?(\d{1,3})(\d\d)(?!\d)",

@@ -191,6 +191,32 @@ def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice)
         scene_of(written)
 
 
+@pytest.mark.parametrize(
+    ("written", "kind"),
+    [("51110", "thrust ball"), ("81107", "thrust roller"), ("29412E", "spherical thrust"), ("RB3010", "crossed roller"),
+     ("QJ206", "four-point contact"), ("NATR 17", "track roller"), ("UC205", "inside it is the ball bearing 6205"),
+     ("1206", "self-aligning"), ("22208", "barrels"), ("GE 20 ES", "plain bearing")],
+)  # fmt: skip
+def test_kinds_that_are_not_here_are_named_and_not_asked_for_rollers(written, kind):
+    with pytest.raises(SceneError, match=kind) as raised:
+        scene_of(written)
+    assert "roller_diameter_mm" not in str(raised.value)
+
+
+def test_unknown_suffixes_are_named_and_prefixes_read(tmp_path, capsys):
+    with pytest.raises(SceneError, match="VL0241 is unknown after NU212"):
+        scene_of("NU212M/C3VL0241")
+    for written in ("SKF NU206", "FAG 6205", "W 6205", "NSK 6205DDU C3", "E2.6205-2Z"):
+        assert listed(written)[0] in ("NU206", "6205")
+    with pytest.raises(SceneError, match="a tapered bearing"):
+        scene_of("HR30206J")
+    np.savez(tmp_path / "noise.npz", acc=np.random.default_rng(1).normal(size=5000), rate=10_000.0)
+    for written in ("NU2221", "30206"):
+        assert vibration_main([str(tmp_path / "noise.npz"), "--bearing", written, "--speed", "1500"]) == 2
+        error = capsys.readouterr().err
+        assert "--element-diameter" in error and "roller_diameter_mm" not in error and "pitch_diameter_mm" not in error
+
+
 ALONE = "[bearing]\nrollers = 16\nroller_diameter_mm = 8.4\npitch_diameter_mm = 71.5\n"
 
 

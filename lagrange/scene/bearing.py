@@ -197,9 +197,12 @@ class BearingTable(Table):
         name, found = self.designation, listed(self.designation)
         if name is not None and found is None:
             yield (
-                f"designation = {name!r}: not in the table; {instead(name)}; of another bearing leave it out and give "
-                "rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
-                "bore_diameter_mm and outside_diameter_mm"
+                f"designation = {name!r}: not in the table; "
+                + instead(
+                    name,
+                    "give rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
+                    "bore_diameter_mm and outside_diameter_mm",
+                )
             )
         if found is not None and has_balls(found[0]) != (self.type == "ball"):
             yield f'designation = {name!r}: not with type = "{self.type}"; leave one of them out'

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.catalogue import instead, listed
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured.diagnosis import (
@@ -165,6 +166,11 @@ def _bearing(question: Question) -> Geometry | None:
     if sum(ways) > 1:
         raise InputError("--bearing, --scene and --elements say the same thing; leave all but one out")
     if question.bearing is not None:
+        if listed(question.bearing) is None:
+            sizes = "give --elements, --element-diameter, --pitch-diameter and --contact-angle"
+            raise InputError(
+                f"--bearing {question.bearing}: not in the table; {instead(question.bearing, sizes, of_scene=False)}"
+            )
         return Geometry.of(parse_scene({"bearing": {"designation": question.bearing}}, "--bearing").perfect_bearing())
     if question.scene is not None:
         scene = _scene(question)

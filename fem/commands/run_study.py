@@ -3,7 +3,7 @@
 import signal
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -12,7 +12,6 @@ from fem.errors import UsageError
 
 if TYPE_CHECKING:
     from fem.study.folder import Folder
-    from fem.study.labelled import Form
     from fem.study.running import StudyOptions
     from fem.study.solving import Points
 
@@ -49,18 +48,18 @@ def _study(
     collect: Annotated[
         Path | None, Parameter(help="make dataset and page of this folder again, without solving", name="--collect")
     ] = None,
-    export: Annotated[
-        Literal["shards", "parquet"] | None,
-        Parameter(help="also write signals with labels and a datasheet: tar shards, or Parquet (needs pyarrow)"),
-    ] = None,
+    export: Annotated[str | None, Parameter(show=False)] = None,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
         raise UsageError("--workers, --scheduler: a scheduler has workers of its own; leave --workers out")
-    if export == "parquet":
-        need("pyarrow", "--export parquet")
+    if export is not None:
+        raise UsageError(
+            f"--export {export}: training sets are no longer exported; study.nc holds signals with their labels, of "
+            "which four lines of xarray make one: docs/studies.md"
+        )
     if scheduler is not None:
         need("distributed", "--scheduler")
     if (study is None) == (collect is None):
@@ -74,12 +73,10 @@ def _study(
 
     if collect is not None:
         if output is not None or dry_run or resume or scheduler is not None or workers is not None or keep_runs:
-            raise UsageError("--collect solves nothing: only --export and --quiet go with it")
+            raise UsageError("--collect solves nothing: only --quiet goes with it")
         folder = Folder(path=collect)
-        return _collect(folder.points(), folder, export, quiet)
+        return _collect(folder.points(), folder, quiet)
     read = read_study(Path(study or ""))
-    if export is not None and not read.keep.signals:
-        raise UsageError(f'--export {export}: {study} keeps no signals; add them: [keep] signals = ["sensor_ay"]')
     design = design_of(read)
     with count_display("points checked", len(design.points), quiet) as count:
         points = checked_points(read, design, count)
@@ -88,7 +85,7 @@ def _study(
     if dry_run:
         return _show(points, folder, options)
     folder.refuse_foreign(points, resume)
-    return _solve(points, folder, options, export)
+    return _solve(points, folder, options)
 
 
 def _show(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
@@ -104,7 +101,7 @@ def _show(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     return Outcome.COMPLETE.code
 
 
-def _solve(points: "Points", folder: "Folder", options: "StudyOptions", export: "Form | None") -> int:
+def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     from fem.commands.start_up import stop_signals
     from fem.study.running import expected, pending_points, solve_points
     from lagrange.messages import say
@@ -123,12 +120,12 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions", export: 
     else:
         with folder.held(points, options.resume):  # the study's text may have changed
             pass
-    code = _collect(points, folder, export, options.quiet)
+    code = _collect(points, folder, options.quiet)
     return Outcome.FAILED.code if lost else code
 
 
-def _collect(points: "Points", folder: "Folder", export: "Form | None", quiet: bool) -> int:
-    """Dataset and page of the points that are done, and their signals with labels."""
+def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
+    """Dataset and page of the points that are done."""
     from fem.commands.progress import count_display
     from fem.study.dataset import write_dataset
     from fem.study.page import write_page
@@ -139,13 +136,6 @@ def _collect(points: "Points", folder: "Folder", export: "Form | None", quiet: b
     with count_display("points collected", len(points), quiet) as count:
         statuses = write_dataset(points, folder, count)
     write_page(points, folder)
-    if export is not None:
-        from fem.study.labelled import write_labelled
-
-        with count_display("signals written", statuses.get(COMPLETE, 0), quiet) as count:
-            for path in write_labelled(folder.dataset, export, count):
-                if not quiet:
-                    say(f"wrote {path}")
     is_complete = set(statuses) == {COMPLETE}
     if not quiet:
         with telling():

@@ -268,7 +268,7 @@ class _System:
         """Places with rollers that nothing presses in the middle of their gaps, where those touch no raceway there."""
         own, surfaces = here.own.reshape(2, 2, -1), here.surfaces or (None, None)
         apart, middle = 0.5 * (own[:, 0] - own[:, 1]), own.mean(axis=1)
-        bear = [met(law, *middle, surfaces[row]).force > 0.0 for row, law in enumerate(self.laws)]
+        bear = [met(law, middle[0], middle[1], surfaces[row]).force > 0.0 for row, law in enumerate(self.laws)]
         idle = ~(bear[0] | bear[1] | self.is_pressed) & (np.abs(apart).max(axis=0) > FITTING)
         return moved + np.concatenate([np.zeros(4), *(idle * apart * [[1.0], [-1.0]])]) if idle.any() else moved
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.axial.pressure import SHARP, pressures_under, sharp_ends
+from lagrange.axial.pressure import SHARP, Ends, borne, pressures_under, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact
 from lagrange.axial.tabulate import alone, contact_slices
@@ -220,7 +220,7 @@ class _Side(NamedTuple):
 
     slices: Slices
     pair: Pair
-    sharp: bool  # whether profiles end with an edge
+    ends: Ends
     force: np.ndarray
     moment: np.ndarray
     sunk: np.ndarray  # m, of the part of the length that spalls take
@@ -234,6 +234,10 @@ class _Side(NamedTuple):
         except (RuntimeError, ValueError) as error:
             raise Unavailable(str(error)) from None
 
+    def has_loaded_edge(self, pressure: np.ndarray) -> bool:
+        """Whether one of contacts with such pressures, (n, n_slices), Pa, has."""
+        return bool(self.ends.are_loaded(self.slices, borne(self.pair, pressure)).any())
+
 
 def _sides(record: Record) -> list[_Side]:
     """Inner and outer one; none where the source does not hold what pressures follow from."""
@@ -243,11 +247,11 @@ def _sides(record: Record) -> list[_Side]:
         return []
     contacts, parts = record.contacts, axial.parts(record.bearing)
     found = []
-    each = zip(slices, contact_pairs(bearing), sharp_ends(bearing, axial), loads, strict=False)
-    for (own, pair, sharp, load), part, surface in zip(each, parts, contacts.surfaces, strict=True):
+    each = zip(slices, contact_pairs(bearing), profile_ends(bearing, axial), loads, strict=False)
+    for (own, pair, end, load), part, surface in zip(each, parts, contacts.surfaces, strict=True):
         force, moment = (np.asarray(value) for value in load)
         depth = np.broadcast_to(0.0 if surface is None else surface.part_sinkage, force.shape)
-        found.append(_Side(replace(own, part=part), pair, bool(sharp), force, moment, depth))
+        found.append(_Side(replace(own, part=part), pair, end, force, moment, depth))
     return found
 
 
@@ -272,11 +276,10 @@ def along_rollers(record: Record) -> AlongRollers | None:
         largest = np.full(BINS, -1)
         largest[bins[order]] = order  # the last one of each bin
         found[largest >= 0] = side.pressures(largest[largest >= 0])
-    sharp = np.array([side.sharp for side in sides])
     return AlongRollers(
         place=sides[0].slices.place, angle=2.0 * np.pi * ((np.arange(BINS) + 0.5) / BINS - 0.5), around=around,
         time=float(record.time[sample]), rollers=rollers, along=np.array([side.pressures(shown) for side in sides]),
-        edges=bool(np.any(sharp & (around[:, :, [0, -1]].max(axis=(1, 2)) > 0.0))),
+        edges=any(side.has_loaded_edge(found) for side, found in zip(sides, around, strict=True)),
     )  # fmt: skip
 
 
@@ -291,7 +294,7 @@ def largest_pressures(record: Record) -> tuple[float, ...]:
     for side in _sides(record):
         most = np.argsort(side.force + 3.0 * np.abs(side.moment) / half, axis=None)[-CANDIDATES:]
         pressure = side.pressures(most)
-        if side.sharp and pressure[:, [0, -1]].any():
+        if side.has_loaded_edge(pressure):
             raise Unavailable(SHARP)
         if np.any(side.sunk.ravel()[most] > FLAT):
             raise Unavailable("a spall of part of the rollers' length ends with an edge, where pressure has no limit")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fem.contacts.tilted import WIDTHS
+from lagrange.axial.pressure import Ends
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.contact.raceway_laws import LogarithmicLaw, contact_pairs
@@ -16,7 +17,11 @@ from tests.reference.half_space import Pressed, pressed
 PAPER = paper()
 INNER, OUTER, _ = contact_pairs(PAPER)
 LENGTH = PAPER.roller_length
-PROFILES = {"iso": Profile(kind="logarithmic"), "crown": Profile(kind="crowned", crown=1e-5), "none": Profile()}
+FILED = np.linspace(-0.5, 0.5, 401) * LENGTH
+PROFILES = {"iso": Profile(kind="logarithmic"), "crown": Profile(kind="crowned", crown=1e-5), "none": Profile(),
+            "lundberg": Profile(kind="lundberg", load=628.5),
+            "filed": Profile(kind="measured", place=tuple(FILED), depth=tuple(2e-5 * (FILED / FILED[-1]) ** 4)),
+            }  # fmt: skip
 DEPTH = 4e-3  # m, that the plane law of a half-space takes; coupled slices do not depend on it
 WIDE = {628.5: 1.35e-4, 2000.0: 1.6e-4}  # m, half of the meshed width, by load
 
@@ -97,6 +102,32 @@ CASES = [
     (INNER, 2000.0, "iso", 0.0), (INNER, 2000.0, "iso", 1e-3),
     (OUTER, 628.5, "iso", 0.0), (OUTER, 628.5, "iso", 1e-3),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "profile, load, mrad, is_loaded",
+    [
+        ("none", 628.5, 0.0, True), ("crown", 628.5, 0.0, False), ("iso", 2000.0, 2.0, False),
+        ("lundberg", 628.5, 0.0, False), ("lundberg", 628.5, 1.0, True), ("lundberg", 2000.0, 0.0, True),
+        ("filed", 2000.0, 3.0, False), ("filed", 2000.0, 10.0, True),
+    ],
+)  # fmt: skip
+def test_loaded_edges_are_those_under_which_the_half_space_has_no_limit(profile, load, mrad, is_loaded):
+    """A Lundberg profile ends with an edge but under its own load; a file's drop does where the contact reaches it."""
+    shape, slices, half = PROFILES[profile], half_space_slices(INNER, profile, 21), 0.5 * LENGTH
+    ends = Ends(shape.drop(np.array([-half, half]), PAPER), shape.even_load(PAPER))
+    _, _, forces = under(slices, load, 1e-3 * mrad)
+    assert ends.are_loaded(slices, slices.count * forces) == is_loaded
+    coarse, fine = (
+        pressed(
+            INNER.relative_radius, LENGTH, INNER.modulus, load, lambda z: shape.drop(z, PAPER), 1e-3 * mrad,
+            cells=(56, along), wide=WIDE[load],
+        ).peak[0]
+        for along in (100, 200)
+    )  # fmt: skip
+    assert (fine > 1.1 * coarse) == is_loaded
+    if not is_loaded:
+        assert INNER.peak_pressure(slices.count * forces.max()) == pytest.approx(fine, rel=0.02)
 
 
 @pytest.mark.parametrize("count, pressure, moment", [(21, 0.007, 0.02), (41, 0.007, 0.005)])

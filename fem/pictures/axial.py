@@ -9,7 +9,8 @@ from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
 from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
-from lagrange.axial.pressure import SHARP, sharp_ends
+from lagrange.axial.pressure import SHARP, borne, profile_ends
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.files.output import replaced
 from lagrange.messages import shown
 
@@ -48,14 +49,16 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
         return stored.times[sample] if name == "time" else stored.column(name)[sample]
 
     try:
-        each = zip(SIDES, scene_slices(scene), strict=True)
-        pressure, slope = map(np.array, zip(*(slice_pressures(scene, *side, column) for side in each), strict=True))
+        slices = scene_slices(scene)
+        each = (slice_pressures(scene, *side, column) for side in zip(SIDES, slices, strict=True))
+        pressure, slope = map(np.array, zip(*each, strict=True))
     except ValueError as error:
         raise UsageError(f"{stored.path}: {1e3 * stored.times[sample]:.4g} ms: {error}") from None
-    ends = pressure[:, :, [0, -1]].max(axis=(1, 2)) > 0.0
+    contacts = zip(profile_ends(bearing, axial), slices, contact_pairs(bearing), pressure, strict=False)
+    sharp = [end.are_loaded(own, borne(pair, at)).any() for end, own, pair, at in contacts]
     return AxialPressures(
         time=float(stored.times[sample]), place=axial.centres(bearing), angle=angle, pressure=pressure,
-        drop=axial.drops(bearing), slope=slope, sharp=sharp_ends(bearing, axial) & ends,
+        drop=axial.drops(bearing), slope=slope, sharp=np.array(sharp),
     )  # fmt: skip
 
 

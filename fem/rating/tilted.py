@@ -11,7 +11,7 @@ from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
 from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.axial import Axial
-from lagrange.axial.pressure import SHARP, pressures, sharp_ends
+from lagrange.axial.pressure import SHARP, pressures, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing, Operation
@@ -53,9 +53,9 @@ class TiltedPitch:
         Unavailable: an edge is loaded.
         """
         found = {}
-        pairs, sharp = contact_pairs(self.bearing), sharp_ends(self.bearing, self.axial)
-        for pair, slices, loads, edge in zip(pairs, self.slices, self.loads, sharp, strict=False):
-            if edge and np.any(loads[:, [0, -1]] > 0.0):
+        pairs, ends = contact_pairs(self.bearing), profile_ends(self.bearing, self.axial)
+        for pair, slices, loads, end in zip(pairs, self.slices, self.loads, ends, strict=False):
+            if np.any(end.are_loaded(slices, slices.count * loads)):
                 raise Unavailable(f"{SHARP}; forces and moments are sound")
             found[pair.kind] = slices.count * float(loads.max())
         return found

@@ -8,7 +8,7 @@ import numpy as np
 from fem.contacts.tilted import rounded_range, tilted_slices
 from fem.elastic.cache import kept
 from fem.statics.reduced_bearing import kept_contacts
-from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, sharp_ends
+from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.contact.laws import Side
@@ -75,8 +75,8 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
     within = rounded_range(float(force), max(float(slope), LEAST))
 
     def make() -> dict[str, np.ndarray]:
-        each = zip(scene_slices(scene), contact_pairs(bearing), sharp_ends(bearing, axial), strict=False)
-        tables = [peak_table(slices, pair, bool(sharp), *within) for slices, pair, sharp in each]
+        each = zip(scene_slices(scene), contact_pairs(bearing), profile_ends(bearing, axial), strict=False)
+        tables = [peak_table(*of_contact, *within) for of_contact in each]
         return {"peaks": np.stack([table.peaks for table in tables])}
 
     law = scene.lagrange if scene.model == "lagrange" else None

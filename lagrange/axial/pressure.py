@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from lagrange.contact.raceway_laws import Pair
 SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
 STEPS, HALVINGS = 100, 30  # of Newton's method
 SETTLED = 1e-6  # of a force: it comes from a table
+UNEVEN = 1.15  # times an even load, that last slices bear beside it at most: 1.05 to 1.11 under the load itself
+FADING = 0.5  # of the largest approach along a roller
 AT_END = 1.0 - 1e-6  # of the last slice's place: the slice before it still bears
 LOOSE = 1e-9  # of a contact's stiffness, against slopes that a single slice does not hold
 FAINTEST = 1e-6  # N, of a slice at a roller's end
@@ -28,7 +31,7 @@ def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> np.ndarr
 
     Errors
     ------
-    With coupled slices 0.7 % of peaks on profiled rollers; alone 3 to 9 %. At an edge there is no limit: `is_sharp`.
+    With coupled slices 0.7 % of peaks on profiled rollers; alone 3 to 9 %. At an edge there is no limit: `Ends`.
     RuntimeError: as `Slices.forces`.
     """
     return _hertz(pair, slices.count * slices.forces(approach, slope, sunk))
@@ -58,12 +61,43 @@ def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> 
     return found, slope
 
 
-def sharp_ends(bearing: Bearing, axial: Axial) -> np.ndarray:
-    """Whether profiles end with an edge at a roller's ends, inner and outer contact, (2,)."""
-    end = np.array([-0.5, 0.5]) * bearing.roller_length
-    own = axial.roller.drop(end, bearing)
-    raceways = np.stack([each.drop(end, bearing) for each in (axial.inner_raceway, axial.outer_raceway)])
-    return np.isfinite(own + raceways).any(axis=1)
+class Ends(NamedTuple):
+    """What a contact's profiles do at a roller's ends, where pressure has no limit if an edge is loaded.
+
+    A drop a ln[1/(1 − s²)] bears a line load π E* a/2 up to the very end, which is Lundberg's even one, and no more.
+    """
+
+    drop: np.ndarray  # (2,), m, of roller and raceway at −L/2 and L/2; infinite where it is such a logarithm
+    even: float  # N, that load times the roller's length
+
+    def are_loaded(self, slices: Slices, whole: np.ndarray) -> np.ndarray:
+        """Whether an edge is, (...,), by slices' forces times their number, (..., n), N.
+
+        A contact that ends before a finite drop does must fade in its last slice, or slices do not see how it ends.
+        """
+        last = whole[..., [0, -1]]
+        if np.isinf(self.drop).any():
+            return last.max(axis=-1) > UNEVEN * self.even
+        own = np.where(whole > 0.0, slices.law.approach(np.maximum(whole, FAINTEST)), 0.0)
+        (outer, inner), drop = (own[..., ends] for ends in ([0, -1], [1, -2])), slices.drop
+        beyond = outer + 0.5 * (outer + drop[[0, -1]] - inner - drop[[1, -2]]) + drop[[0, -1]] - self.drop
+        fading = outer <= FADING * own.max(axis=-1, keepdims=True)
+        return ((last > FAINTEST) & ~(fading & (beyond <= 0.0))).any(axis=-1)
+
+
+def profile_ends(bearing: Bearing, axial: Axial) -> tuple[Ends, Ends]:
+    """Of the inner and the outer contact."""
+    end, own = np.array([-0.5, 0.5]) * bearing.roller_length, axial.roller
+    inner, outer = (
+        Ends(own.drop(end, bearing) + ring.drop(end, bearing), own.even_load(bearing) + ring.even_load(bearing))
+        for ring in (axial.inner_raceway, axial.outer_raceway)
+    )
+    return inner, outer
+
+
+def borne(pair: Pair, pressure: np.ndarray) -> np.ndarray:
+    """Forces of slices times their number, N, by their pressures, Pa."""
+    return np.pi * pair.relative_radius * pair.length * pressure**2 / pair.modulus
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,12 +121,12 @@ class PeakTable:
         return np.where(closed, (1.0 - t) * across[0] + t * across[1], 0.0)
 
 
-def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, steepest: float) -> PeakTable:
+def peak_table(slices: Slices, pair: Pair, end: Ends, largest_force: float, steepest: float) -> PeakTable:
     """The table up to a force, N, and up to the M/Q that a slope, rad, either way makes.
 
     Parameters
     ----------
-    sharp : of `sharp_ends`
+    end : of the contact's profiles
 
     Errors
     ------
@@ -105,8 +139,7 @@ def peak_table(slices: Slices, pair: Pair, sharp: bool, largest_force: float, st
     at = opening[:, None] + (deepest - opening)[:, None] * depth, np.broadcast_to(slope[:, None], (slope.size, DEPTHS))
     forces, arm = slices.forces(*at), float(slices.place[-1])
     whole, peak = forces.sum(axis=-1), _hertz(pair, slices.count * forces.max(axis=-1))
-    if sharp:
-        peak = np.where(forces[..., [0, -1]].max(axis=-1) > FAINTEST, np.nan, peak)
+    peak = np.where(end.are_loaded(slices, slices.count * forces), np.nan, peak)
     place = forces @ slices.place / (arm * np.maximum(whole, FAINTEST))
     root, places, found = sqrt(largest_force), np.linspace(-1.0, 1.0, PLACES + 1), np.zeros((FORCES + 1, PLACES + 1))
     for i, level in enumerate(np.linspace(0.0, root, FORCES + 1)[1:], start=1):

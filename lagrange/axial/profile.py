@@ -38,11 +38,24 @@ class Profile:
         if self.kind == "crowned":
             return self.crown * (2.0 * z / length) ** 2
         if self.kind == "lundberg":
-            compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / bearing.inner_ring.plane_strain_modulus
-            return self.load * compliance / (np.pi * length) * _falling(2.0 * z / length)
+            return self.load * _even_drop(bearing) * _falling(2.0 * z / length)
         if self.kind == "measured":
             return np.interp(z, self.place, self.depth)
         return np.zeros(z.shape)
+
+    def even_load(self, bearing: Bearing) -> float:
+        """Of a roller, N, whose pressure is even up to the ends; 0 of profiles without a logarithm."""
+        if self.kind == "logarithmic":
+            near = 1e-9  # of half the length, from the end
+            drop = self.drop(0.5 * bearing.roller_length * (1.0 - near * np.array([1.0, np.e])), bearing)
+            return float(drop[0] - drop[1]) / _even_drop(bearing)
+        return self.load if self.kind == "lundberg" else 0.0
+
+
+def _even_drop(bearing: Bearing) -> float:
+    """1/(π E* L), m/N: of Lundberg's profile, by its load."""
+    compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / bearing.inner_ring.plane_strain_modulus
+    return compliance / (np.pi * bearing.roller_length)
 
 
 def logarithmic_drop(x, length: float, diameter: float) -> np.ndarray:

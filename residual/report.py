@@ -178,12 +178,12 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
         rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{off}"))
     if cage is None:
         return rows
-    off, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
+    farthest, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
     turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
     mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
     if t.reverses:
         mean = "turns both ways, its centre moves"
-    sentence = f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N"
+    sentence = f"{mean} up to {text(farthest)} µm from the bearing's, pockets push with up to {text(force)} N"
     return [*rows, ("Cage", sentence)]
 
 

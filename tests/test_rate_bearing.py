@@ -3,12 +3,14 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
+from fem.commands.run_study import study_main
 from fem.interface import rating
 from fem.pictures.recover import StoredRun
 from fem.rating.answers import DECLARED
@@ -265,6 +267,29 @@ def test_titles_name_the_run_that_output_and_set_make(tmp_path, monkeypatch, cap
     printed = capsys.readouterr().out
     assert "Rating of spalled\n" in printed and "Rating of paper-speed_rpm-3000\n" in printed
     assert "paper-speed_rpm-3000" in (tmp_path / "rated" / "rating.html").read_text(encoding="utf-8")
+
+
+def test_defaults_that_decide_the_answer_are_printed_in_a_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    study = (
+        '[fixed]\nmodel = "lagrange"\n"operation.speed_rpm" = 1500\n[parameters]\n"bearing.clearance_um" = [0, 10]\n'
+    )
+    Path("study.toml").write_text(study, encoding="utf-8")
+    speed, load = "operation.speed_rpm = 4500", "operation.radial_load_N = 2000"
+    still = ["--model", "lagrange", "--duration", "0", "--bearing", "NU2212"]
+    for command, arguments, told in (
+        (rate_main, ["--bearing", "NU2212"], (speed, load)),
+        (rate_main, ["--bearing", "NU2212", "--set", "operation.radial_load_N=9000"], (speed,)),
+        (run_main, [*still, "--output", "run.nc"], (speed, load)),
+        (run_main, [*still, "--dry-run", "--set", "operation.speed_rpm=100"], (load,)),
+        (study_main, ["study.toml", "--dry-run"], (load,)),
+    ):
+        assert command(arguments) == 0
+        (line,) = [each for each in capsys.readouterr().out.splitlines() if each.startswith("defaults:")]
+        assert line.removeprefix("defaults:").strip() == ", ".join(told)
+    both = ["--set", "operation.radial_load_N=9000", "--set", "operation.speed_rpm=100"]
+    assert rate_main(["--bearing", "NU2212", *both]) == 0
+    assert "defaults:" not in capsys.readouterr().out
 
 
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):

@@ -111,6 +111,8 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     rows = {} if scene.fit else {"diametral clearance": f"{clearance:.3f} µm"}
     if not is_plain(bearing):
         rows["plane section"] = section_words(bearing)
+    if scene.assumed:
+        rows["defaults"] = scene.assumed
     if operation.history is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:
@@ -195,6 +197,8 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         )
     if words := section_words(plan.scene.ideal_bearing()):
         lines.insert(0, f"plane section: {words}")
+    if plan.scene.assumed:
+        lines.append(f"{'defaults:':14s} {plan.scene.assumed}")
     for line in lines:
         console.print(line, soft_wrap=True)
     _print_warnings(console, state.warnings)  # the plan's stand at the start

@@ -65,6 +65,8 @@ def print_rating(rating: Rating) -> None:
             source = answer.source.name + (" †" if answer.source.second_hand else "")
             table.add_row(*(escape(shown(cell)) for cell in (answer.meaning, in_words(answer), source)))
     console.print(table)
+    if rating.scene.assumed:
+        console.print(f"defaults: {rating.scene.assumed}", soft_wrap=True, markup=False)
     console.print("† with constants that are second hand: the JSON file says which", markup=False)
     for reason, names in missing.items():
         console.print(f"not computed: {', '.join(names)}: {shown(reason)}", soft_wrap=True, markup=False)

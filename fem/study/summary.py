@@ -26,6 +26,8 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
         "varied": ", ".join(design.keys),
         "kept": ", ".join((*points.study.keep.quantities, *points.study.keep.signals)) or "nothing",
     }
+    if assumed := points.scene(0).assumed:
+        rows["defaults"] = assumed
     if found is not None:
         total = found.seconds * len(pending)
         processes = workers_for(options, total)

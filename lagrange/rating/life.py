@@ -69,6 +69,7 @@ def contamination_factor(kappa: float, pitch: float) -> float:
     largest = min(0.0864 * kappa**0.68 * pitch**0.55, 1.0)
     return largest * (1.0 - 0.5663 / pitch ** (1.0 / 3.0))
 
+
 LEAST, MOST = 1e-12, 1e12  # of what is not 0 in a duty cycle
 
 

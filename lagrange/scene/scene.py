@@ -33,6 +33,10 @@ from lagrange.surface.passages import strike_interval
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 PROFILES = tuple(f"{surface}_profile_content" for surface in AXIAL_SURFACES)
 FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
+DECIDING = {  # keys whose defaults decide an answer, and what may be given in their place
+    "speed_rpm": ("speed_table", "outer_ring_speed_rpm", "outer_ring_speed_table"),
+    "radial_load_N": ("load_table", "rotating_load_N", "unbalance_g_mm"),
+}
 FILES = *TABLES, "law_table"  # keys of tables that name a file
 CONTENTS = ("content", *(f"{name}_content" for name in FILES), *PROFILES)  # texts, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", *FILES)
@@ -137,6 +141,20 @@ class Scene(SceneTables):
         with _refused(self.name):
             content_of(data, self.files)
         return parse_scene(data, self.name)
+
+    @property
+    def assumed(self) -> str:
+        """Speed and load that a scene of a bearing or an operation leaves to the defaults; empty: it gives both."""
+        given = self._as_written()
+        operation = given.get("operation", {})
+        if "bearing" not in given and not operation:
+            return ""
+        found = [
+            f"operation.{key} = {getattr(self.operation, key):g}"
+            for key, others in DECIDING.items()
+            if not any(other in operation for other in (key, *others))
+        ]
+        return ", ".join(found)
 
     def is_given(self, table: str, key: str | None = None) -> bool:
         """Whether a table, or a key of it, was written, and is no default."""

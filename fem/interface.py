@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.quantities import Quantity
+from fem.quantities import Quantity, labels
 from fem.solver.simulate import make_plan, programs_named, run
 from lagrange.mounting import from_outer_ring
 
@@ -83,7 +83,7 @@ def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
 if TYPE_CHECKING:
     from fem.errors import RunFailed, UsageError
     from fem.rating.answers import rating
-    from fem.recording import Result
+    from fem.recording import Result, open_result
     from fem.solver.solver import Progress
     from lagrange.scene.scene import Scene, SceneError, read_scene
 
@@ -95,6 +95,8 @@ __all__ = [
     "SceneError",
     "Statics",
     "UsageError",
+    "frequencies",
+    "open_result",
     "rating",
     "read_scene",
     "simulate",
@@ -108,6 +110,7 @@ _HOME = {
     "Scene": "lagrange.scene.scene",
     "SceneError": "lagrange.scene.scene",
     "UsageError": "fem.errors",
+    "open_result": "fem.recording",
     "rating": "fem.rating.answers",
     "read_scene": "lagrange.scene.scene",
 }
@@ -201,3 +204,17 @@ def statics(scene: "Scene") -> Statics:
         outer_force=found["outer_force"][0],
         scene=scene,
     )
+
+
+def frequencies(designation: str, speed_rpm: float) -> dict[str, float]:
+    """FTF, BSF, BPFO and BPFI, Hz, of a standard bearing whose inner ring turns, rolling without slip.
+
+    Errors
+    ------
+    SceneError: a designation that is not in the table.
+    """
+    from lagrange.scene.scene import Scene
+
+    scene = Scene(model="lagrange", bearing={"designation": designation}, operation={"speed_rpm": speed_rpm})
+    found = labels(scene)
+    return {name: float(found[f"{name}_Hz"]) for name in ("FTF", "BSF", "BPFO", "BPFI")}

@@ -1,8 +1,9 @@
-"""What a run from Python gives back: its samples in memory, and what the commands make of a result file."""
+"""What a run gives back in Python: its samples, in memory or in a file, and what the commands make of a result file."""
 
+import shutil
 import tempfile
 from collections import ChainMap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -22,13 +23,14 @@ from lagrange import mounting
 from lagrange.columns import ENERGIES
 from lagrange.kinematics import mean_kinematics
 from lagrange.rating.contact_stress import hertz_columns
-from lagrange.scene.scene import Scene
+from lagrange.scene.scene import Scene, parse_stored_scene
 from lagrange.surface.passages import SpallEvent, spalls
 
 if TYPE_CHECKING:
     import xarray
 
     from fem.interface import Evaluation
+    from fem.pictures.stored_values import StoredValues
     from fem.solver.frames import Frame
 
 PICTURE_WIDTH = 1600  # pixels
@@ -82,11 +84,36 @@ class Memory(Mapping[str, np.ndarray]):
         return len(self._parts)
 
 
+class Stored(Mapping[str, np.ndarray]):
+    """A result file's samples; a column is read when it is asked for."""
+
+    def __init__(self, values: "StoredValues", names: Iterable[str]):
+        self._values, self._names, self._columns = values, tuple(names), {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """All samples of a column, by the result file's names."""
+        if name not in self._names:
+            raise KeyError(name)
+        if name not in self._columns:
+            self._columns[name] = self._values.samples(name)
+        return self._columns[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Result:
     """A simulated scene: samples by the result file's names, in SI, time first; `result["inner_y"]` is one of them.
 
-    Nothing of it is on a disk until `save` writes the file that `run-fem` would have written.
+    Of `simulate` nothing is on a disk until `save` writes the file that `run-fem` would have written; `open_result` has
+    it from such a file.
     """
 
     values: Mapping[str, np.ndarray] = field(repr=False)  # (n_times,) or (n_times, n_rollers); see README
@@ -94,9 +121,11 @@ class Result:
     warnings: tuple[str, ...]  # as run-fem prints them
     setup_seconds: float  # of planning
     wall_seconds: float  # of the time loop
-    plan: Plan = field(repr=False)
+    scene: Scene = field(repr=False)
     outcome_attributes: Mapping[str, float | str] = field(repr=False)  # of the result file, found out by the run
+    plan: Plan | None = field(default=None, repr=False)  # of a run; None: opened from a file
     frames: tuple["Frame", ...] = field(default=(), repr=False)
+    path: Path | None = field(default=None, repr=False)  # of the file that it was opened from
 
     @classmethod
     def of(cls, state: RunState, memory: Memory, setup_seconds: float) -> "Result":
@@ -109,14 +138,11 @@ class Result:
             warnings=(*state.plan.notices, *str(attributes["warnings"]).splitlines(), *state.notices),
             setup_seconds=setup_seconds,
             wall_seconds=state.wall,
+            scene=state.plan.scene,
             plan=state.plan,
             outcome_attributes=attributes,
             frames=tuple(memory.frames),
         )
-
-    @property
-    def scene(self) -> Scene:
-        return self.plan.scene
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name in self.values:
@@ -200,6 +226,8 @@ class Result:
         """
         path = Path(path)
         refuse_no_place(path)
+        if self.path is not None:
+            return Path(shutil.copyfile(self.path, path))
         with ResultFile(path, self.plan, self.setup_seconds, None, **self.outcome_attributes) as store:
             checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
             for frame in self.frames:
@@ -246,5 +274,34 @@ class Result:
     @contextmanager
     def _as_file(self) -> Iterator[Path]:
         """The result file for as long as it is needed: checker and pictures know runs by nothing else."""
+        if self.path is not None:
+            yield self.path
+            return
         with tempfile.TemporaryDirectory(prefix="run-fem-") as folder:
             yield self.save(Path(folder) / f"{self.scene.name}.nc")
+
+
+def open_result(path: str | Path) -> Result:
+    """A stored run as the result that `simulate` gives; its columns are read when they are asked for.
+
+    Errors
+    ------
+    UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used.
+    """
+    from fem.pictures.stored_values import StoredValues
+
+    path = Path(path)
+    stored = StoredValues(path)
+    scene = parse_stored_scene(stored.scene_text, f"{path}: its scene", stored.scene_files)
+    stored.check(scene.ideal_bearing(), scene.cage is not None)
+    about = stored.attributes
+    return Result(
+        values=Stored(stored, (name for name in variables_of(scene) if name in stored.names)),
+        status=str(about["status"]),
+        warnings=tuple(str(about["warnings"]).splitlines()),
+        setup_seconds=float(about["setup_seconds"]),
+        wall_seconds=float(about["wall_seconds"]),
+        scene=scene,
+        outcome_attributes=about,
+        path=path,
+    )

@@ -43,7 +43,7 @@ PAGES = (  # the longest first, so that two at a time end together
 PROGRAMS = ("run-fem", "check-residual", "check-vibration", "render-fem", "run-live", "run-study", "rate-bearing")
 RUN = r"^```(?:sh\n|python\nimport h5py)"  # other examples in Python say which package they take
 PLACEHOLDER = re.compile(r"\b(NAME|PATH|tcp://host)\b")
-SECONDS = 150  # that a command may take
+SECONDS = 600  # that a command may take, compiling included
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
 INLINE = re.compile(r"`([^`\n]+)`")
 LINES = r"(?:(?!```).*\n)*"
@@ -260,9 +260,9 @@ def renewed(shown: list[str], told: list[str]) -> list[str]:
     lines, at = [], 0
     for line in shown:
         found = nearest(line, told[at:])
-        if line == LEFT_OUT:
-            lines += [line] if lines[-1:] != [LEFT_OUT] else []
-        elif found is not None:
+        if line == LEFT_OUT or found is None:  # a line that is like none is left to be written by hand
+            lines += [line] if lines[-1:] != [line] else []
+        else:
             begin, at = at, told.index(found, at) + 1
             lines += told[begin : at - 1] if lines and lines[-1] != LEFT_OUT else []
             numbers = alike(line, found) if LEFT_OUT in line else None

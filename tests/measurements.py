@@ -35,6 +35,7 @@ HEAD = re.compile(
 QUOTE = re.compile(
     r'\[(?P<text>[^\]\n]+)\]\((?P<page>[\w/.-]*measurements/[\w.-]+\.md)#(?P<anchor>[\w-]+) "(?P<cell>[^"]+)"\)'
 )
+MEASURED = re.compile(r"^\*Measured with version [^*]+\.\*$", re.M)
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
@@ -118,11 +119,33 @@ class Quote:
             raise ValueError(f"{self.cell}: fewer numbers than {self.text!r}") from None
 
 
-def quotes(page: Path) -> Iterator[Quote]:
-    """Numbers that a page quotes from measurements."""
-    for found in QUOTE.finditer(page.read_text(encoding="utf-8")):
+def quotes(page: Path, text: str | None = None) -> Iterator[Quote]:
+    """Numbers that a page, or a text of it, quotes from measurements."""
+    for found in QUOTE.finditer(page.read_text(encoding="utf-8") if text is None else text):
         target = (page.parent / found["page"]).resolve()
         yield Quote(found[0], found["text"], target, found["anchor"], found["cell"])
+
+
+def heads(page: Path, text: str) -> list[re.Match]:
+    """Where the numbers that a text of a page quotes are from, each head once."""
+    found = {}
+    for quote in quotes(page, text):
+        for section in re.split(r"^(?=##+ )", quote.target.read_text(encoding="utf-8"), flags=re.M):
+            if slug(section.partition("\n")[0].lstrip("# ")) == quote.anchor and (head := HEAD.search(section)):
+                found[head[0]] = head
+    return list(found.values())
+
+
+def measured_by(page: Path, section: str) -> str:
+    """The line below numbers that says which versions on which processors they are from."""
+    found = heads(page, section)
+    versions, processors = (list(dict.fromkeys(head[name] for head in found)) for name in ("version", "processor"))
+    named = "; ".join(name.removeprefix("on ") for name in processors)
+    return f"*Measured with version {', '.join(sorted(versions, key=_parts))} on {named}.*"
+
+
+def _parts(version: str) -> list[int]:
+    return [int(part) for part in version.split(".")]
 
 
 def cell_of(page: Path, anchor: str, name: str) -> str:
@@ -177,7 +200,8 @@ def refreshed(page: Path) -> str:
     text = page.read_text(encoding="utf-8")
     for quote in quotes(page):
         text = text.replace(quote.whole, quote.whole.replace(f"[{quote.text}]", f"[{quote.right}]", 1))
-    return text
+    sections = re.split(r"^(?=## )", text, flags=re.M)
+    return "".join(MEASURED.sub(lambda _, each=each: measured_by(page, each), each) for each in sections)
 
 
 def marked(page: Path) -> str:

@@ -10,7 +10,18 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.interface import OF_CHECK, Scene, SceneError, UsageError, check_quantities, read_scene, simulate, statics
+from fem.interface import (
+    OF_CHECK,
+    Scene,
+    SceneError,
+    UsageError,
+    check_quantities,
+    frequencies,
+    open_result,
+    read_scene,
+    simulate,
+    statics,
+)
 from fem.quantities import OF_RUN, Quantity
 from fem.result.layout import variables_of
 from fem.solver.discretise import model_of
@@ -47,6 +58,41 @@ def test_a_result_saves_the_file_that_run_fem_writes(changes, tmp_path):
             assert np.array_equal(mine.attrs[name], command.attrs[name]), name
         for name in mine.get("events", ()):
             assert np.array_equal(mine["events"][name][:], command["events"][name][:]), name
+
+
+def test_a_stored_run_opens_as_the_result_that_simulate_gives(tmp_path):
+    result = simulate(read_scene().varied(SHORT | {"model": "lagrange"} | SPALL))
+    again = open_result(result.save(tmp_path / "run.nc"))
+    assert again.scene == result.scene and again.status == "complete" and again.warnings == result.warnings
+    assert set(again.values) == set(result.values)
+    for name in (*again.values, "inner_peak_pressure", "outer_half_width"):
+        assert again[name].tobytes() == result[name].tobytes(), name
+    assert again.quantities == result.quantities and again.events == result.events and again.labels == result.labels
+    assert again.residual().y.error.rms == result.residual().y.error.rms
+    assert again.save(tmp_path / "copy.nc").read_bytes() == (tmp_path / "run.nc").read_bytes()
+
+
+@pytest.mark.parametrize("content", [None, b"name = 1", b"\x89HDF\r\n\x1a\n"])
+def test_what_is_no_stored_run_is_refused(content, tmp_path):
+    if content is not None:
+        (tmp_path / "run.nc").write_bytes(content)
+    with pytest.raises(UsageError, match=r"run\.nc: "):
+        open_result(tmp_path / "run.nc")
+
+
+def test_kinematic_frequencies_of_a_standard_bearing_are_harris():
+    found, shaft, ratio = frequencies("NU206", 2900.0), 2900.0 / 60.0, 9.0 / 46.5
+    assert found == pytest.approx(
+        {
+            "FTF": 0.5 * shaft * (1.0 - ratio),
+            "BSF": 0.5 * shaft / ratio * (1.0 - ratio**2),
+            "BPFO": 6.5 * shaft * (1.0 - ratio),
+            "BPFI": 6.5 * shaft * (1.0 + ratio),
+        },
+        rel=2e-3,  # the clearance widens the pitch circle
+    )
+    with pytest.raises(SceneError, match="XY17"):
+        frequencies("XY17", 2900.0)
 
 
 def test_pressures_are_hertzs_of_the_forces_and_quantities_their_largest():

@@ -5,7 +5,20 @@ import pytest
 from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
 from tests import measurements
-from tests.measurements import HEAD, cell_of, markdown_table, marked, measurement_pages, quotes, reader_pages, refreshed
+from tests.measurements import (
+    HEAD,
+    MEASURED,
+    QUOTE,
+    cell_of,
+    heads,
+    markdown_table,
+    marked,
+    measured_by,
+    measurement_pages,
+    quotes,
+    reader_pages,
+    refreshed,
+)
 
 TABLE = markdown_table(("case", "model", "error"), [("steady", "fem", "+0.043 %"), ("", "reduced", "2.4·10⁻⁷ (3)")])
 
@@ -28,6 +41,28 @@ def page(tmp_path):
 def test_numbers_of_a_page_are_those_of_the_tables(page):
     for quote in quotes(page):
         assert quote.text == quote.right, f"{quote.cell}; python -m tests.measurements brings pages in line"
+
+
+def front_page():
+    """Sections of README that quote measurements."""
+    text = (measurements.ROOT / "README.md").read_text(encoding="utf-8")
+    return [each for each in text.split("\n## ") if QUOTE.search(each)]
+
+
+def test_the_front_page_says_which_version_on_which_processor_was_measured():
+    page = measurements.ROOT / "README.md"
+    assert len(front_page()) >= 2
+    for section in front_page():
+        assert [found[0] for found in MEASURED.finditer(section)] == [measured_by(page, section)]
+
+
+@pytest.mark.xfail(strict=True, reason="measured again before a release: then remove this mark")
+def test_the_front_page_quotes_measurements_of_this_version():
+    page = measurements.ROOT / "README.md"
+    for section in front_page():
+        for head in heads(page, section):
+            assert head["version"] == VERSION, f"{head['command']} measures it again"
+            assert "not recorded" not in head["processor"]
 
 
 def test_the_pages_quote_measurements():

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -195,14 +196,28 @@ def test_warnings_of_a_hub_on_single_rollers_and_of_speed():
     assert any("n d_m is 1.4e+06 mm/min" in warning for warning in found.warnings)
 
 
-def test_coefficients_for_rotordynamics(rated, tmp_path):
+class Ross2:
+    def BearingElement(self, n, kxx, cxx, frequency=None, **others):
+        """As ROSS 2 has it."""
+
+
+class Ross3:
+    def BearingElement(self, n, kxx, cxx, speed=None, frequency=None, **others):
+        """As ROSS 3 has it, whose `frequency` is that of the whirl."""
+
+
+@pytest.mark.parametrize(("ross", "name"), [(Ross2(), "frequency"), (Ross3(), "speed"), (None, "speed")])
+def test_coefficients_for_rotordynamics(ross, name, rated, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ross", ross)
     found = coefficients(rated)
     write_coefficients(tmp_path / "ross.csv", found)
+    header = (tmp_path / "ross.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    assert header[:2] == ["speed_rad_per_s", "kxx_N_per_m"] and header[-1] == "cyy_N_s_per_m"
     table = read_coefficients(tmp_path / "ross.csv")
-    assert list(table) == ["frequency", *NAMES] and len(table["frequency"]) == 7
-    matrices = np.stack([table[name] for name in NAMES[:4]], axis=1).reshape(-1, 2, 2)
+    assert list(table) == [name, *NAMES] and len(table[name]) == 7
+    matrices = np.stack([table[each] for each in NAMES[:4]], axis=1).reshape(-1, 2, 2)
     assert matrices == pytest.approx(found.stiffness, rel=1e-8, abs=1e-3)
-    at = np.interp(rated.case.operation.speed, table["frequency"], table["kyy"])
+    at = np.interp(rated.case.operation.speed, table[name], table["kyy"])
     assert at == pytest.approx(rated["stiffness_N_per_m"][1, 1], rel=0.01)
 
 
@@ -212,9 +227,11 @@ def test_the_element_that_ross_builds_has_these_matrices(rated, tmp_path):
     write_coefficients(tmp_path / "ross.csv", found)
     element = ross.BearingElement(n=0, **read_coefficients(tmp_path / "ross.csv"))
     for row in (0, 3, 6):
-        speed = float(found.frequency[row])
-        assert element.K(speed)[:2, :2] == pytest.approx(found.stiffness[row], rel=1e-6, abs=1.0)
-        assert element.C(speed)[:2, :2] == pytest.approx(found.damping[row], abs=1e-6)
+        at = {
+            name: float(found.speed[row]) for name in ("speed", "frequency") if name in signature(element.K).parameters
+        }
+        assert element.K(**at)[:2, :2] == pytest.approx(found.stiffness[row], rel=1e-6, abs=1.0)
+        assert element.C(**at)[:2, :2] == pytest.approx(found.damping[row], abs=1e-6)
 
 
 def test_a_start_loads_no_compiler_and_nothing_that_draws(tmp_path):

@@ -40,6 +40,7 @@ class StoredValues:
         if refusal is not None:
             raise UsageError(refusal)
         self.times, self.scene_text, self.scene_files, self.frames = self._read(_opened)
+        self.attributes, self.names = self._read(lambda file: (dict(file.attrs), set(file)))
         self._columns: dict[str, np.ndarray] = {}
 
     def column(self, name: str) -> np.ndarray:
@@ -47,6 +48,10 @@ class StoredValues:
         if name not in self._columns:
             self._columns[name] = self._read(lambda file: _from_housing(file, name, len(self.times)))
         return self._columns[name]
+
+    def samples(self, name: str) -> np.ndarray:
+        """A variable at all samples, as it is stored."""
+        return self._read(lambda file: read_numbers(file, name, len(self.times)))
 
     def frame(self, index: int, model, turns: tuple[float, float]):
         """The fields of one instant, of rings turned so far, rad."""

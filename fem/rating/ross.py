@@ -9,7 +9,9 @@ The axes are ROSS': x to the right, y up, against the load, z along the shaft. A
 """
 
 import io
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,7 @@ from lagrange.files.tables import columns
 SPEEDS, BEYOND = 7, 1.5  # of the shaft, from 0 to so many times the scene's
 SAMPLES = 32  # cage angles in a pitch
 NAMES = "kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy"
+HEADER = "speed_rad_per_s", *(f"{name}_{'N' if name[0] == 'k' else 'N_s'}_per_m" for name in NAMES)
 LONGEST = 1_000_000  # bytes
 
 
@@ -29,14 +32,14 @@ LONGEST = 1_000_000  # bytes
 class Coefficients:
     """Means over a pitch by the shaft's speed."""
 
-    frequency: np.ndarray  # (n,), rad/s
+    speed: np.ndarray  # (n,), rad/s
     stiffness: np.ndarray  # (n, 2, 2), N/m
     damping: np.ndarray  # (n, 2, 2), N s/m
 
     def table(self) -> np.ndarray:
-        """(n, 9): frequency, then by NAMES."""
-        n = len(self.frequency)
-        return np.column_stack([self.frequency, self.stiffness.reshape(n, 4), self.damping.reshape(n, 4)])
+        """(n, 9): speed, then by NAMES."""
+        n = len(self.speed)
+        return np.column_stack([self.speed, self.stiffness.reshape(n, 4), self.damping.reshape(n, 4)])
 
 
 def coefficients(rating: Rating) -> Coefficients:
@@ -53,7 +56,7 @@ def coefficients(rating: Rating) -> Coefficients:
     speeds = np.linspace(0.0, fastest, SPEEDS) if fastest > 0.0 else np.zeros(1)
     found = [case.plane_under(replace(case.on_bearing, speed=float(speed)), elastic, SAMPLES) for speed in speeds]
     return Coefficients(
-        frequency=speeds,
+        speed=speeds,
         stiffness=np.stack([pitch.mean for pitch in found]),
         damping=np.stack([pitch.damping.mean(axis=0) for pitch in found]),
     )
@@ -62,11 +65,18 @@ def coefficients(rating: Rating) -> Coefficients:
 def write_coefficients(path: Path, found: Coefficients) -> None:
     """A CSV file; OSError."""
     text = io.StringIO()
-    np.savetxt(text, found.table(), delimiter=",", header=",".join(("frequency", *NAMES)), comments="", fmt="%.9g")
+    np.savetxt(text, found.table(), delimiter=",", header=",".join(HEADER), comments="", fmt="%.9g")
     write_whole(path, text.getvalue().encode())
 
 
 def read_coefficients(path: str | Path) -> dict[str, np.ndarray]:
-    """Keyword arguments of ross.BearingElement, (n,) each. ValueError: the file can't be read."""
-    names = "frequency", *NAMES
-    return dict(zip(names, columns(plain_text(path, LONGEST), names).T.copy(), strict=True))
+    """Keyword arguments of the installed ross.BearingElement, (n,) each. ValueError: the file can't be read.
+
+    The shaft's speed is `speed`. Before version 3 ROSS calls it `frequency`, which since then is that of the whirl.
+    """
+    speed = "speed"
+    with suppress(ImportError):
+        import ross
+
+        speed = "speed" if "speed" in signature(ross.BearingElement).parameters else "frequency"
+    return dict(zip((speed, *NAMES), columns(plain_text(path, LONGEST), HEADER).T.copy(), strict=True))

@@ -44,6 +44,7 @@ def rollers_of(count: int) -> tuple[str, ...]:
     }
     return (
         f"bearing.rollers={count}",
+        "cage.kind=none",
         *(f"bearing.{name}_diameter_mm={size!r}" for name, size in sizes.items()),
         "operation.inner_ring_and_shaft_kg=5",
         "operation.speed_rpm=1500",

@@ -53,6 +53,7 @@ def scenes() -> dict[str, Scene]:
             "outside_diameter_mm": 90.0,
         },
         "operation": {"speed_rpm": -12_000.0, "radial_load_N": 15_000.0, "inner_ring_and_shaft_kg": 0.5},
+        "cage": {"kind": "none"},
         "contact": {"friction_coefficient": 0.3},
         "numerics": numerics,
     }

@@ -171,11 +171,11 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     if "FTF" in evaluation.lines:
         speed, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
         slower = 100.0 * (1.0 - speed / ideal)
-        off = f" ({text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'})"
+        slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
         if cage is None and abs(slower) > SMALLEST_SLIP and t.attributes:  # of a run: a table need not have the cage's
-            off = f"{off[:-1]}: no cage, rollers coast)"
-        name, off = "Roller orbit" if cage is None else "Cage speed", off if t.orbits >= 1.0 else ""
-        rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{off}"))
+            slip += ": no cage, rollers coast"
+        name, compared = "Roller orbit" if cage is None else "Cage speed", f" ({slip})" if t.orbits >= 1.0 else ""
+        rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{compared}"))
     if cage is None:
         return rows
     farthest, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())

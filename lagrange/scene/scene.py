@@ -76,9 +76,12 @@ class Scene(SceneTables):
             return
         with suppress(ValueError):  # as above
             found = given or default_cage(self)
-            has = isinstance(found, CageTable) and found.kind != "none"
             moves = self.operation.turns_outer_ring is not None or self.mounting().bore is not None
-            self.__dict__["cage"] = found.filled(self.unmounted_bearing(), moves) if has else None
+            self.__dict__["cage"] = (
+                found.filled(self.unmounted_bearing(), moves)
+                if isinstance(found, CageTable) and found.kind != "none"
+                else None
+            )
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self.__dict__ == other.__dict__

@@ -151,16 +151,11 @@ def meet_guide(cage, guide, ring, dt):
     given = -dt * spring_kick(guide, 0, approach, cage.stiffness, dt)
     for i in range(2):
         cage.impulse[i] += given * guide.normal[i, 0]
-    _push_ring(ring, -given * guide.normal[0, 0], -given * guide.normal[1, 0])
+    if ring is not None:
+        ring.impulse[0] += -given * guide.normal[0, 0]
+        ring.impulse[1] += -given * guide.normal[1, 0]
     if approach > 0.0:
         guide.closed[0] = 1.0
-
-
-@part
-def _push_ring(ring, x, y):
-    if ring is not None:
-        ring.impulse[0] += x
-        ring.impulse[1] += y
 
 
 @part
@@ -177,7 +172,9 @@ def _guide_rates(cage, guide, ring):
 def rub_guide(cage, guide, ring, dt):
     if guide is None:
         return
-    _clear_ring(ring)
+    if ring is not None:
+        for i in range(3):
+            ring.rubbed[i] = 0.0
     if guide.closed[0] == 0.0:
         return
     light = 1.0 / cage.mass
@@ -191,13 +188,6 @@ def rub_guide(cage, guide, ring, dt):
     guide.given[1, 0] = -min(max(slip / (mobility * dt), -limit), limit)
     _push_by_guide(cage, guide, ring, 0.0, guide.given[1, 0] * dt)
     half_a_work(cage, guide, 0, (guide.rates[0, 0], guide.rates[1, 0]), dt)
-
-
-@part
-def _clear_ring(ring):
-    if ring is not None:
-        for i in range(3):
-            ring.rubbed[i] = 0.0
 
 
 @part
@@ -235,15 +225,10 @@ def given_beyond(pair):
     """What the last kick of a cage's guide gave the inner ring beyond its force, N, x and y."""
     if pair is None:
         return 0.0, 0.0
-    return _beyond(pair.cage.guide, pair.ring)
-
-
-@part
-def _beyond(guide, ring):
-    if guide is None or ring is None or not ring.turns:
+    if pair.cage.guide is None or pair.ring is None or not pair.ring.turns:
         return 0.0, 0.0
-    more = guide.kick[0] - guide.force[0]
-    return more * guide.normal[0, 0], more * guide.normal[1, 0]
+    more = pair.cage.guide.kick[0] - pair.cage.guide.force[0]
+    return more * pair.cage.guide.normal[0, 0], more * pair.cage.guide.normal[1, 0]
 
 
 @part

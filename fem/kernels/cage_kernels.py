@@ -43,22 +43,10 @@ def _press(pair, rollers, disc, contacts, drive):
 
 
 @part
-def turn_guide(ring, speed):
-    """The shaft turns at this speed, rad/s, and a guiding inner ring with it."""
-    if ring is not None and ring.turns:
-        ring.speed[0] = speed
-
-
-@part
 def rub_cage(pair, drive):
     """The end of a kick of the finite elements: see `rub`."""
     rub(pair, drive.dt)
-    _turn_drive(pair.ring, drive)
-
-
-@part
-def _turn_drive(ring, drive):
-    """The moment about the origin that hub and drive feel of what the kick has not taken."""
+    ring = pair.ring
     if ring is not None and ring.turns:
         drive.moment[1] += ring.place[0] * ring.rubbed[1] - ring.place[1] * ring.rubbed[0] + ring.rubbed[2]
 
@@ -67,7 +55,8 @@ def _turn_drive(ring, drive):
 def meet(pair, speed, dt):
     """Begin a step: end the last one's works, find the contacts, give the springs' impulses; `speed` of the shaft."""
     end_works(pair, dt)
-    turn_guide(pair.ring, speed)
+    if pair.ring is not None and pair.ring.turns:
+        pair.ring.speed[0] = speed
     find_contacts(pair, dt)
 
 

@@ -197,17 +197,7 @@ def drift(disc, turns, columns, dt, moment):
             store(w, at, c * wx + s * wy)
             store(w, at + columns, c * wy - s * wx)
             lead = fma(gather(mass, i), px * uy - py * ux, lead)
-            swelling = _swell(turns.swelling, swelling, gather(mass, i), px * ux + py * uy)
+            swelling = swelling if turns.swelling is None else fma(gather(mass, i), px * ux + py * uy, swelling)
         store(moment, block, lead)
-        _keep(turns.swelling, block, swelling)
-
-
-@part
-def _swell(array, found, mass, along):
-    return found if array is None else fma(mass, along, found)
-
-
-@part
-def _keep(array, at, found):
-    if array is not None:
-        store(array, at, found)
+        if turns.swelling is not None:
+            store(turns.swelling, block, swelling)

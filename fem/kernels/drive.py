@@ -25,7 +25,8 @@ def follow(history, time, dt):
     """Look a time up, s, and how far the shaft turns in the step from there."""
     if history is not None:
         _follow_turn(history.now, history.turn_knots, history.turn, time, dt)
-        _follow_outer(history.outer, time, dt)
+        if history.outer is not None:
+            _follow_turn(history.outer.now, history.outer.turn_knots, history.outer.turn, time, dt)
         _find_force(history, time)
 
 
@@ -45,12 +46,6 @@ def _follow_turn(now, knots, c, time, dt):
     for n in range(c.shape[1] - 1, -1, -1):
         after = after * t + c[k, n]
     now[STEP] = after - turn
-
-
-@part
-def _follow_outer(outer, time, dt):
-    if outer is not None:
-        _follow_turn(outer.now, outer.turn_knots, outer.turn, time, dt)
 
 
 @part

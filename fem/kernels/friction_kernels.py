@@ -297,7 +297,11 @@ def _drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
     normal, change, row = contacts.patches.normal, contacts.friction.change, pair.row
     for j in range(rollers.n):
         i = next_roller(j, rollers.n)
-        _drag_rollers(disc, j, i, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
+        given = change[row, j] * dt
+        nx = normal[row, 0, j]
+        ny = normal[row, 1, j]
+        push_body(disc, i, -given * ny, given * nx, -given)
+        push_body(disc, j, given * ny, -given * nx, -given)
 
 
 @part
@@ -305,10 +309,3 @@ def _drag_ring_and_roller(raceway, disc, j, given, nx, ny):
     """An impulse along t, N s, on roller j and against it on its ring, as far as they are rigid; its moment, N m s."""
     push_body(disc, j, -given * ny, given * nx, -raceway.sign * given)
     return push_body(raceway.surface, j, given * ny, -given * nx, -given)
-
-
-@part
-def _drag_rollers(disc, j, i, given, nx, ny):
-    """An impulse along t, N s, on roller i and against it on roller j, as far as they are rigid."""
-    push_body(disc, i, -given * ny, given * nx, -given)
-    push_body(disc, j, given * ny, -given * nx, -given)

@@ -60,34 +60,6 @@ class Housing(NamedTuple):
 
 
 @part
-def held_reaction(ring, line):
-    """Impulse, N s, that an elastic ring's held row has from its nodes in a step, x and y."""
-    if ring is None:
-        return 0.0, 0.0
-    ring_kernels.row_force(ring.table, ring.u, ring.held, line)
-    x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
-    mass = ring.row_mass[ring.held]
-    return mass * x, mass * y
-
-
-@part
-def slow_motion(ring, line, mass, slowed):
-    """What the reciprocal mass adds to the motion of a body of `mass`, kg, with an elastic ring's held row."""
-    if ring is not None:
-        ring_kernels.row_force(ring.slowed, ring.calmed, ring.held, line)
-        x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
-        share = ring.row_mass[ring.held] / mass
-        remember_slowed(slowed, share * x, share * y)
-
-
-@part
-def calm_row(ring, mass, line):
-    """Calm the velocity of an elastic ring's held row, which moves with a body of `mass`, kg."""
-    if ring is not None:
-        ring_kernels.calm_held(ring, mass, line)
-
-
-@part
 def set_held_row(ring, velocity):
     """Give an elastic ring's held row a velocity, m/s."""
     if ring is not None:
@@ -121,18 +93,17 @@ def _moved(motion, step, acceleration):
     )
 
 
-@part
-def write_sensor(sensor, acceleration, out, at):
-    """Put what a sensor shows at the instant of a kick into out[at], m/s²."""
-    if sensor is not None:
-        r, rate = _moved(sensor.motion, sensor.half_step, acceleration)
-        out[at] = sensor.pull[0] * r + sensor.pull[1] * rate
-
-
 @kick_body.of(Housing)
 def _kick(body, drive):
     dt, over = drive.dt, 1.0 / body.mass
-    reaction = held_reaction(body.ring, body.line)
+    # Impulse, N s, that an elastic ring's held row has from its nodes in a step, x and y.
+    if body.ring is None:
+        reaction = 0.0, 0.0
+    else:
+        ring_kernels.row_force(body.ring.table, body.ring.u, body.ring.held, body.line)
+        x, y = ring_kernels.resultant(body.line, body.ring.cosines, body.ring.sines)
+        mass = body.ring.row_mass[body.ring.held]
+        reaction = mass * x, mass * y
     slowed = 0.5 * dt * over * body.damping
     for k in range(2):
         before = body.velocity[k]
@@ -164,13 +135,19 @@ def _prepare(body):
 
 @calm_body.of(Housing)
 def _calm(body):
-    calm_row(body.ring, body.mass, body.line)
+    if body.ring is not None:
+        ring_kernels.calm_held(body.ring, body.mass, body.line)
 
 
 @slow_body.of(Housing)
 def _slow(body, drive):
     if drive.slowing > 0.0:
-        slow_motion(body.ring, body.line, body.mass, body.slowed)
+        # What the reciprocal mass adds to the motion of a body of `mass`, kg, with an elastic ring's held row.
+        if body.ring is not None:
+            ring_kernels.row_force(body.ring.slowed, body.ring.calmed, body.ring.held, body.line)
+            x, y = ring_kernels.resultant(body.line, body.ring.cosines, body.ring.sines)
+            share = body.ring.row_mass[body.ring.held] / body.mass
+            remember_slowed(body.slowed, share * x, share * y)
 
 
 @drift_body.of(Housing)
@@ -195,4 +172,6 @@ def _add_motion(body, drive, out, kinetic):
     out[at + PLACE_X], out[at + PLACE_Y] = place[0], place[1]
     out[at + AX], out[at + AY] = (body.velocity[0] - body.before[0]) / dt, (body.velocity[1] - body.before[1]) / dt
     out[at + STORED] = 0.5 * body.stiffness * (place[0] * place[0] + place[1] * place[1])
-    write_sensor(body.sensor, out[at + AY], out, at + SENSOR)
+    if body.sensor is not None:
+        r, rate = _moved(body.sensor.motion, body.sensor.half_step, out[at + AY])
+        out[at + SENSOR] = body.sensor.pull[0] * r + body.sensor.pull[1] * rate

@@ -122,7 +122,11 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
         depth_i, depth_o = compliance.reach - away, out - compliance.track
-        met = _met(forces.slope, bodies, compliance, forces, drive.looks, group, turn, outer_of(drive.history))
+        outer = outer_of(drive.history)
+        if drive.looks:
+            met = met_surfaces(forces.slope, bodies, compliance, forces, group, turn, outer)
+        else:
+            met = met_surfaces(None, bodies, compliance, forces, group, turn, outer)
         ring, own, ring_o, own_o = met
         depth_i, depth_o = depth_i + ring[0] + own[0], depth_o + ring_o[0] + own_o[0]
         depth_i, depth_o = select(there, depth_i, -1.0), select(there, depth_o, -1.0)
@@ -138,14 +142,6 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
         on_ring_x += Q_o * ox
         on_ring_y += Q_o * oy
     return total(on_hub_x), total(on_hub_y), total(on_ring_x), total(on_ring_y)
-
-
-@part
-def _met(slope, bodies, compliance, forces, looks, group, turn, outer):
-    """`met_surfaces`, where any contact is on surfaces that are not perfect circles."""
-    if looks:
-        return met_surfaces(slope, bodies, compliance, forces, group, turn, outer)
-    return met_surfaces(None, bodies, compliance, forces, group, turn, outer)
 
 
 @part

@@ -62,12 +62,7 @@ def along_ray(prescribed, ox, oy, ax, ay):
     """Accelerations of eight rollers, m/s², less what the rays take of them; `ox`, `oy`: outward along the rays."""
     if prescribed is None:
         return ax, ay
-    return _along(prescribed.first, ox, oy, ax, ay)
-
-
-@part
-def _along(first, ox, oy, ax, ay):
-    if first is None:
+    if prescribed.first is None:
         return ax, ay
     out = ax * ox + ay * oy
     return out * ox, out * oy
@@ -112,16 +107,10 @@ def _hold(first, prescribed, bodies, drive, time):
 @note_work.of(Prescribed)
 def _note(prescribed, step):
     """Add the work of the rays at the velocities before and after the whole kick."""
-    _note_rays(prescribed.first, prescribed, step.bodies, step.forces, step.before, step.drive)
-
-
-@part
-def _note_rays(first, prescribed, bodies, forces, before, drive):
-    if first is None:
-        return
-    half = 0.5 * drive.dt
-    prescribed.work[0] += prescribed.work[1] + half * _power(prescribed, bodies, forces, before.velocity)
-    prescribed.work[1] = half * _power(prescribed, bodies, forces, bodies.velocity)
+    if prescribed.first is not None:
+        bodies, half = step.bodies, 0.5 * step.drive.dt
+        prescribed.work[0] += prescribed.work[1] + half * _power(prescribed, bodies, step.forces, step.before.velocity)
+        prescribed.work[1] = half * _power(prescribed, bodies, step.forces, bodies.velocity)
 
 
 @part
@@ -137,15 +126,10 @@ def _power(prescribed, bodies, forces, velocity):
 
 @change_step.of(Prescribed)
 def _change(prescribed, step, change):
-    _hold_anew(prescribed.first, prescribed, step.bodies, step.forces, change.drive, step.time)
-
-
-@part
-def _hold_anew(first, prescribed, bodies, forces, drive, time):
-    if first is not None:
-        follow(drive.history, time, drive.dt)
-        _hold(first, prescribed, bodies, drive, time)
-        prescribed.work[1] = 0.5 * drive.dt * _power(prescribed, bodies, forces, bodies.velocity)
+    if prescribed.first is not None:
+        follow(change.drive.history, step.time, change.drive.dt)
+        _hold(prescribed.first, prescribed, step.bodies, change.drive, step.time)
+        prescribed.work[1] = 0.5 * change.drive.dt * _power(prescribed, step.bodies, step.forces, step.bodies.velocity)
 
 
 @write_part.of(Prescribed)

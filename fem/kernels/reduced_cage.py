@@ -32,7 +32,8 @@ def _kick(pair, step, push):
         bodies.spin[j] += riders.turn_kick[j]
         riders.turn_kick[j] = 0.0
     _turn_rollers(bodies.prescribed, pair, drive)
-    _turn_drive(pair.ring, drive)
+    if pair.ring is not None:
+        drive.sums[1] -= pair.ring.speed[0] * pair.ring.rubbed[2]
     if pair.ring is not None:
         settle(bodies.shaft, drive.dt)
         settle(bodies.housing, drive.dt)
@@ -45,13 +46,6 @@ def _turn_rollers(prescribed, pair, drive):
         riders, pockets = pair.riders, pair.cage.pockets
         for j in range(riders.n):
             drive.sums[1] += drive.dt * pockets.given[1, j] * riders.radius * riders.spin[j]
-
-
-@part
-def _turn_drive(ring, drive):
-    """The drive's work against what rubs on the inner ring."""
-    if ring is not None:
-        drive.sums[1] -= ring.speed[0] * ring.rubbed[2]
 
 
 @write_part.of(CagePair)

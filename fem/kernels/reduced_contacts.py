@@ -65,33 +65,21 @@ def lift(compliance, forces, drive, row, group):
     if drive.friction > 0.0:
         to = _place(forces, row, group)
         for k in range(compliance.crossing[row]):
-            crossed = _crossed(compliance.spacing, compliance, row, k, group)
+            # Compliance of eight contacts by a neighbour's traction, m/N.
+            if compliance.spacing is None:
+                crossed = splat(compliance.crossed[row, k])
+            else:
+                shape = compliance.spacing.crossed.shape
+                crossed = load(compliance.spacing.crossed, (row * shape[1] + k) * shape[2] + group)
             found += load(forces.pulled, to + compliance.distance[k]) * crossed
         store(forces.lifted, row * forces.normal.shape[2] + group, found)
     return found
 
 
 @part
-def _crossed(spacing, compliance, row, k, group):
-    """Compliance of eight contacts by a neighbour's traction, m/N."""
-    if spacing is None:
-        return splat(compliance.crossed[row, k])
-    shape = spacing.crossed.shape
-    return load(spacing.crossed, (row * shape[1] + k) * shape[2] + group)
-
-
-@part
 def _place(forces, row, group):
     """Of eight contacts in an array with a halo."""
     return row * forces.guess.shape[1] + forces.halo + group
-
-
-@part
-def _stiffness(law, force, approach):
-    """dQ/dδ, N/m; 0 of open contacts."""
-    closed = force > 0.0
-    soft = select(closed, approach, 1.0) / select(closed, force, 1.0) - 0.5 * law.A
-    return select(closed, 1.0 / maximum(soft, STEEPEST * law.A), 0.0)
 
 
 @part
@@ -117,7 +105,9 @@ def _force(law, B, approach, guess):
     found, stiffness = select(known, Q, 0.0), select(known, stiffness, 0.0)
     if any_lane(rough | ((guess <= 0.0) & (approach > 0.0))):
         found = distant_force(approach, law.A, B, law.Q_line, guess)
-        stiffness = _stiffness(law, found, approach)
+        closed = found > 0.0
+        soft = select(closed, approach, 1.0) / select(closed, found, 1.0) - 0.5 * law.A
+        stiffness = select(closed, 1.0 / maximum(soft, STEEPEST * law.A), 0.0)
     return found, stiffness
 
 
@@ -172,7 +162,8 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         first_o -= lift(compliance, forces, drive, OUTER, group)
         tilt_i, tilt_o = raceway_tilt(compliance, forces, INNER, group), raceway_tilt(compliance, forces, OUTER, group)
         store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
-        _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
+        if forces.taken is not None:
+            store_pair(forces.taken, group, columns, (reach - away - first_i), (out - track - first_o))
         first_i, first_o = _lowered(
             bodies,
             compliance,
@@ -212,14 +203,10 @@ def touching(history, compliance, drive):
 def _touching_now(history, compliance, drive):
     more = history.now[SPEED] * history.now[SPEED] - drive.speed * drive.speed
     reach, track = compliance.reach + history.growth * more, compliance.track - history.roller_growth * more
-    return _with_outer_growth(history.outer, history, drive, reach, track, more)
-
-
-@part
-def _with_outer_growth(outer, history, drive, reach, track, more):
-    """The same where the outer ring turns: rollers spin by the difference of both surfaces' speeds, and it grows."""
+    outer = history.outer
     if outer is None:
         return reach, track
+    # where the outer ring turns rollers spin by the difference of both surfaces' speeds, and it grows
     ratio = outer.radius / drive.inner_radius
     now, first = history.now[SPEED] - ratio * outer.now[SPEED], drive.speed - ratio * outer.speed
     spun = history.roller_growth * (now * now - first * first - more)  # beyond what the shaft alone makes of it
@@ -308,13 +295,6 @@ def corrected_forces(bodies, compliance, forces):
         ring_x += Q_o * load(forces.normal, 2 * columns + group)
         ring_y += Q_o * load(forces.normal, 3 * columns + group)
     return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
-
-
-@part
-def _take(taken, columns, group, inner, outer):
-    """Keep what other contacts take of eight rollers' approaches, m."""
-    if taken is not None:
-        store_pair(taken, group, columns, inner, outer)
 
 
 @part

@@ -28,13 +28,8 @@ def grow(history, drive, P_i, P_o):
 def _grow_now(history, drive, P_i, P_o):
     more = 2.0 * history.now[SPEED] * history.now[GAIN] * drive.dt
     drive.sums[1] += more * total(history.growth * P_i + history.roller_growth * P_o)
-    _grow_outer(history.outer, history, drive, P_i, P_o)
-
-
-@part
-def _grow_outer(outer, history, drive, P_i, P_o):
-    """What a turning outer ring changes of that: see `reduced_contacts`."""
-    if outer is not None:
+    outer = history.outer
+    if outer is not None:  # which changes that: see `reduced_contacts.touching`
         ratio = outer.radius / drive.inner_radius
         now, gain = history.now[SPEED] - ratio * outer.now[SPEED], history.now[GAIN] - ratio * outer.now[GAIN]
         spun = history.roller_growth * (now * gain - history.now[SPEED] * history.now[GAIN])
@@ -61,7 +56,14 @@ def kick(bodies, compliance, forces, drive, before):
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
         further_i, further_o = forces_ahead(bodies, forces, drive, before, group, Q_i, Q_o)
-        ahead_i, ahead_o = _less_by_neighbours(forces.ahead, compliance, forces, columns, group, further_i, further_o)
+        # Changes of eight rollers' approaches, m, less what `_tell_neighbours` has said that neighbours take.
+        if forces.ahead is None:
+            ahead_i, ahead_o = further_i, further_o
+        else:
+            felt_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
+            felt_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
+            take_more(forces.taken, columns, group, felt_i, felt_o)
+            ahead_i, ahead_o = further_i - felt_i, further_o - felt_o
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
         more_i, more_o = no_less(Q_i, more_i), no_less(Q_o, more_o)
@@ -72,7 +74,9 @@ def kick(bodies, compliance, forces, drive, before):
         P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, further_o, Q_o, there)
         note_ahead(forces.ahead, forces, group, further_i, P_i)
         note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
-        _keep_brackets(forces, group, columns, forces.bracket)
+        if forces.bracket is not None:
+            store(forces.bracket, group, load(forces.bracket_now, group))
+            store(forces.bracket, columns + group, load(forces.bracket_now, columns + group))
         grow(drive.history, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
@@ -160,17 +164,6 @@ def _tell_neighbours(asked, bodies, compliance, forces, drive, before):
 
 
 @part
-def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer):
-    """Changes of eight rollers' approaches, m, less what `_tell_neighbours` has said that neighbours take."""
-    if asked is None:
-        return inner, outer
-    felt_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
-    felt_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
-    take_more(forces.taken, columns, group, felt_i, felt_o)
-    return inner - felt_i, outer - felt_o
-
-
-@part
 def _kicked(law, forces, dt, at, ahead, further, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`.
 
@@ -241,13 +234,6 @@ def note_ahead(before, forces, at, ahead, P):
         store(forces.residual, at, load(forces.residual, at) + imbalance)
         store(before, at, ahead)
         store(before, last, beyond)
-
-
-@part
-def _keep_brackets(forces, group, columns, brackets):
-    """The laws' B of eight rollers' contacts are now those of the last kick."""
-    if brackets is not None:
-        store_pair(brackets, group, columns, load(forces.bracket_now, group), load(forces.bracket_now, columns + group))
 
 
 @part

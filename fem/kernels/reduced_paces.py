@@ -234,23 +234,17 @@ def _change_no_forces(compliance, forces, n, ratio):
 
 @_change_forces.of(Tilted)
 def _change_tilted_forces(compliance, forces, n, ratio):
-    _change_expected(compliance.between, forces, n, ratio)
-
-
-@part
-def _change_expected(between, forces, n, ratio):
-    """Forces and moments that tell each other what to expect; None: they do not."""
-    if between is None:
-        return
-    for row in range(2):
-        for j in range(n):
-            Q, M, at = forces.force[row, j], forces.tilted.moment[row, j], forces.halo + j
-            forces.guess[row, at] = max(Q + ratio * (forces.guess[row, at] - Q), 0.0)
-            forces.tilted.guess[row, at] = M + ratio * (forces.tilted.guess[row, at] - M)
-        wrap(forces.guess, row, n, forces.halo)
-        wrap(forces.tilted.guess, row, n, forces.halo)
-    for lane in range(WIDTH):
-        forces.fastest[lane] *= ratio
+    # Forces and moments that tell each other what to expect; None: they do not.
+    if compliance.between is not None:
+        for row in range(2):
+            for j in range(n):
+                Q, M, at = forces.force[row, j], forces.tilted.moment[row, j], forces.halo + j
+                forces.guess[row, at] = max(Q + ratio * (forces.guess[row, at] - Q), 0.0)
+                forces.tilted.guess[row, at] = M + ratio * (forces.tilted.guess[row, at] - M)
+            wrap(forces.guess, row, n, forces.halo)
+            wrap(forces.tilted.guess, row, n, forces.halo)
+        for lane in range(WIDTH):
+            forces.fastest[lane] *= ratio
 
 
 @part

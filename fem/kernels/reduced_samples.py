@@ -88,19 +88,17 @@ def note_beyond(bodies, forces):
     """Keep the most that kicks have given the hub beyond forces: as contacts open and close, or repay energy."""
     x, y = given_beyond(bodies.cage)
     for j in range(bodies.n):
-        more = _beyond(forces.dampers, forces.force[INNER, j], forces.kick[INNER, j], j)
+        # What a kick P gives beyond the force Q that a sample holds, N, each with the damper's.
+        Q = forces.force[INNER, j]
+        P = forces.kick[INNER, j]
+        if forces.dampers is None:
+            more = P - Q
+        else:
+            F = forces.dampers.force[INNER, j]
+            more = P + F - max(Q + F, 0.0)
         x -= more * forces.normal[INNER, 0, j]
         y -= more * forces.normal[INNER, 1, j]
     forces.beyond[0] = max(forces.beyond[0], sqrt(x * x + y * y))
-
-
-@part
-def _beyond(dampers, Q, P, j):
-    """What a kick P gives beyond the force Q that a sample holds, N, each with the damper's."""
-    if dampers is None:
-        return P - Q
-    F = dampers.force[INNER, j]
-    return P + F - max(Q + F, 0.0)
 
 
 @part
@@ -254,14 +252,9 @@ def _repeat_nothing(compliance, forces, n, columns):
 
 @_repeat_forces.of(Tilted)
 def _repeat_all(compliance, forces, n, columns):
-    _repeat_both(compliance.between, forces, n, columns)
-
-
-@part
-def _repeat_both(between, forces, n, columns):
-    if between is not None:
+    if compliance.between is not None:
         _repeat_around(forces, n, columns)
-        repeat_moments(between, forces, n, columns)
+        repeat_moments(compliance.between, forces, n, columns)
 
 
 @part

@@ -108,7 +108,10 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     stored = spring_energy(friction.shear, rollers.n)
     out[CONTACT] += stored
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
-    add_damped(contacts.dampers, bodies.damping, out)
+    out[DAMPED_BY_CONTACTS] = 0.0 if contacts.dampers is None else contacts.dampers.work[0]
+    damping = bodies.damping
+    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0] - 0.25 * damping.work[1]  # see `damp_bodies`
+    out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
@@ -129,14 +132,6 @@ def _lines(ring, row):
     """Where the radial and the tangential components of a row of a ring's nodes begin."""
     radial = 2 * row * ring.cosines.size
     return radial, radial + ring.cosines.size
-
-
-@part
-def add_damped(dampers, damping, out):
-    """What contacts and bodies have damped, J; nothing where there is None."""
-    out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
-    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0] - 0.25 * damping.work[1]  # `damp_bodies`
-    out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
 
 
 @part
@@ -171,7 +166,9 @@ def _drive_work(inner, drive, scratch, time, moment):
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
     speed = speed_of(drive.history, drive)
     rate = sin(speed * drive.dt) / drive.dt
-    return _work_so_far(drive.history, rate, given, _rim(inner) * speed)
+    if drive.history is None:
+        return rate * given
+    return _trapezoid(drive.history.drive_work, rate, given + _rim(inner) * speed)
 
 
 @part
@@ -205,17 +202,6 @@ def _outer_work(outer, ring, drive, scratch, time):
     sums[2], sums[3] = weight, time
     given = 0.5 * angular - sums[0] - 0.5 * moment_on(outer, dt) - sums[1] + _rim(ring) * speed
     return _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
-
-
-@part
-def _work_so_far(history, rate, given, held):
-    """Work of the drive, J, that turns at a rate, 1/s, and has given so much angular momentum, N m s.
-
-    `held`: what the ring's held row has of that, which a steady speed leaves out.
-    """
-    if history is None:
-        return rate * given
-    return _trapezoid(history.drive_work, rate, given + held)
 
 
 @part

@@ -40,19 +40,6 @@ class TiltedLaw(NamedTuple):
 
 
 @part
-def energy_force_moment(law, approach, slope):
-    """U, J; Q = ∂U/∂δ, N; M = −∂U/∂ψ, N m, of approaches, m, and slopes, rad.
-
-    Errors
-    ------
-    Outside the table u goes on straight; callers keep within it.
-    """
-    u, d, p, _, _, _ = _surface(law, approach, slope)
-    u = _closed(law, approach, u)
-    return u * u, 2.0 * u * d, -2.0 * u * p
-
-
-@part
 def force_and_stiffness(law, approach, slope):
     """U, Q, M and the second derivatives of U: ∂Q/∂δ, N/m; ∂Q/∂ψ = −∂M/∂δ, N/rad; −∂M/∂ψ, N m/rad."""
     u, d, p, dd, dp, pp = _surface(law, approach, slope)

@@ -66,7 +66,9 @@ def _at(row, what, columns, group):
 @part
 def find_tilted(compliance, bodies, forces, drive, time, inside):
     """Forces and moments of all contacts; sums of the forces on hub and outer ring, N."""
-    _follow(compliance.between, bodies, compliance, forces, inside)
+    if compliance.between is not None:
+        if inside % AGAIN == 0:
+            follow_angles(bodies, compliance, forces)
     columns, n, halo, tilts = bodies.columns, bodies.n, forces.halo, bodies.tilts
     width = columns + 2 * halo
     reach, track = touching(drive.history, compliance, drive)
@@ -97,13 +99,6 @@ def find_tilted(compliance, bodies, forces, drive, time, inside):
         _tell(compliance.between, compliance, forces, group, (Q_i, Q_o), (M_i, M_o), guess, given)
     _correct(compliance.between, bodies, compliance, forces)
     return _sums(bodies, forces, drive)
-
-
-@part
-def _follow(between, bodies, compliance, forces, inside):
-    if between is not None:
-        if inside % AGAIN == 0:
-            follow_angles(bodies, compliance, forces)
 
 
 @part
@@ -254,7 +249,8 @@ def _sums(bodies, forces, drive):
 @part
 def kick_tilted(compliance, bodies, forces, drive, before):
     """Kicks of rollers by forces and moments a little ahead; what contacts give hub and outer ring, N."""
-    _press(compliance.between, bodies, compliance, forces, drive, before)
+    if compliance.between is not None:
+        press_neighbours(bodies, compliance, forces, drive, before)
     columns, n, halo, dt, tilts = bodies.columns, bodies.n, forces.halo, drive.dt, bodies.tilts
     width, over = columns + 2 * halo, dt / bodies.mass
     hub_x, hub_y, ring_x, ring_y, on_x, on_y = (
@@ -290,16 +286,21 @@ def kick_tilted(compliance, bodies, forces, drive, before):
         on_y -= M_i * iy
         store(bodies.velocity, group, load(bodies.velocity, group) + over * (fx - gx))
         store(bodies.velocity, at, load(bodies.velocity, at) + over * (fy - gy) - drive.gravity * dt)
-        _expect_both(compliance.between, forces, width, columns, group, (Q_i, Q_o), (M_i, M_o))
+        # forces of this kick become the last ones; guess the next
+        if compliance.between is None:
+            store_pair(forces.force, group, columns, Q_i, Q_o)
+            store_pair(forces.tilted.moment, group, columns, M_i, M_o)
+        else:
+            _expect_moment(forces, INNER, width, columns, group, Q_i, M_i)
+            _expect_moment(forces, OUTER, width, columns, group, Q_o, M_o)
     kick_hub_axis(tilts, drive, (total(on_x), total(on_y)))
-    _repeat(compliance.between, forces, drive, n)
+    if compliance.between is not None:
+        for row in range(2):
+            wrap(forces.guess, row, n, forces.halo)
+            wrap(forces.tilted.guess, row, n, forces.halo)
+            if drive.friction > 0.0:
+                wrap(forces.pulled, row, n, forces.halo)
     return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
-
-
-@part
-def _press(between, bodies, compliance, forces, drive, before):
-    if between is not None:
-        press_neighbours(bodies, compliance, forces, drive, before)
 
 
 @part
@@ -374,7 +375,8 @@ def _kicked(table, bodies, compliance, forces, row, group, ahead, there):
     grown = taken - load(own.taken, last)  # forces at both ends take what is stored between contacts
     left = work - 0.5 * step * (P_before + P) + 0.5 * grown * (Q - P + Q_before - P_before)
     residual = select(known & there, residual + left, residual)
-    P, residual = _repaid(forces, at, Q, P, residual, (step + grown, ahead))
+    ways = (step + grown, ahead)
+    P, residual = released(load(forces.force, at), Q, P, residual, ways, SHORTEST)
     store(own.taken, last, taken)
     store(own.energy, at, energy)
     store(own.slope, at, slope)
@@ -385,12 +387,6 @@ def _kicked(table, bodies, compliance, forces, row, group, ahead, there):
     reached = there & (deepest > table.first_approach)
     note_furthest(bodies.tilts, row, select(reached, deepest, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
-
-
-@part
-def _repaid(forces, at, Q, P, residual, ways):
-    """Kicks and residual energies of contacts that open, released as by `reduced_kick.repay`."""
-    return released(load(forces.force, at), Q, P, residual, ways, SHORTEST)
 
 
 @part
@@ -422,33 +418,12 @@ def _rubbed(between, bodies, compliance, forces, drive, before, group, pushes):
 
 
 @part
-def _expect_both(between, forces, width, columns, group, Q, M):
-    """Forces of this kick become the last ones; guess the next."""
-    if between is None:
-        store_pair(forces.force, group, columns, Q[0], Q[1])
-        store_pair(forces.tilted.moment, group, columns, M[0], M[1])
-    else:
-        _expect_moment(forces, INNER, width, columns, group, Q[0], M[0])
-        _expect_moment(forces, OUTER, width, columns, group, Q[1], M[1])
-
-
-@part
 def _expect_moment(forces, row, width, columns, group, Q, M):
     tilted, at = forces.tilted, row * columns + group
     going_on = (Q > 0.0) & (load(forces.force, at) > 0.0)
     store(tilted.guess, row * width + forces.halo + group, select(going_on, 2.0 * M - load(tilted.moment, at), M))
     store(tilted.moment, at, M)
     expect(forces, row * width + forces.halo + group, at, Q)
-
-
-@part
-def _repeat(between, forces, drive, n):
-    if between is not None:
-        for row in range(2):
-            wrap(forces.guess, row, n, forces.halo)
-            wrap(forces.tilted.guess, row, n, forces.halo)
-            if drive.friction > 0.0:
-                wrap(forces.pulled, row, n, forces.halo)
 
 
 damping_coefficients.of(Tilted)(isolated_damping)

@@ -110,7 +110,18 @@ def _press(law, rollers, forces, at, normal, met, ripple, dt):
     store(forces.approach, row, select(near, plane, np.nan))
     deepest = own_approach(own.edges, row, closed, Q)
     note_furthest(axes.tilts, row // columns, select(Q > 0.0, deepest, 0.0), select(Q > 0.0, absolute(slope), 0.0))
-    along = _pushed_along(law.surfaces, own, rollers, at, slopes, P, dt)
+    # Forces of eight contacts along these slopes, N, times their centres' distances, m; they turn rollers and ring.
+    if law.surfaces is None:
+        along = splat(0.0)
+    else:
+        (ring, roller), of_part = slopes
+        apart = 2 * rollers.columns
+        soft = load(own.edges, FALL * apart + at[1])
+        on_ring, on_roller = _pushed_by_part(of_part, own.sunken, at[1], apart)
+        on_ring, on_roller = P * (on_ring + soft * ring[3]), P * (on_roller + soft * roller[3])
+        scatter_add(rollers.turn_kick, at[0], -on_roller * (dt / rollers.inertia))
+        law.surfaces.moment[0] += total(on_ring)
+        along = on_ring + on_roller
     store(own.across, row, M * sign * (tilt * beside - (by * nx - bx * ny)) + along)
     scatter_add(axes.turning, group, M * sign * facing)
     aside = M * sign * tilt * beside * over * dt  # tilts turn with their rollers' angles
@@ -203,21 +214,6 @@ def _met_by_part(profiles, sunken, group, row, apart, on_ring, on_roller):
     store(sunken, SUNK * apart + row, -ring[0] - roller[0])
     store(sunken, PART_EDGES * apart + row, ring[2] + roller[2])
     return ring, roller
-
-
-@part
-def _pushed_along(surfaces, own, rollers, at, slopes, P, dt):
-    """Forces of eight contacts along these slopes, N, times their centres' distances, m; they turn rollers and ring."""
-    if surfaces is None:
-        return splat(0.0)
-    (ring, roller), of_part = slopes
-    apart = 2 * rollers.columns
-    soft = load(own.edges, FALL * apart + at[1])
-    on_ring, on_roller = _pushed_by_part(of_part, own.sunken, at[1], apart)
-    on_ring, on_roller = P * (on_ring + soft * ring[3]), P * (on_roller + soft * roller[3])
-    scatter_add(rollers.turn_kick, at[0], -on_roller * (dt / rollers.inertia))
-    surfaces.moment[0] += total(on_ring)
-    return on_ring + on_roller
 
 
 @part

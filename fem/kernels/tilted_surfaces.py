@@ -114,12 +114,7 @@ def _slopes_of_part(sunken, columns, group, met):
 def table_at(forces, laws, at, columns, deep, slope):
     """`force_and_stiffness` of eight contacts at edges of spalls and with part of their length over spalls."""
     table, rest = laws
-    return _at_edges(forces.tilted.edges, rest, table, forces, at, columns, deep, slope)
-
-
-@part
-def _at_edges(edges, rest, table, forces, at, columns, deep, slope):
-    if edges is None:
+    if forces.tilted.edges is None:
         return force_and_stiffness(table, deep, slope)
     return _over_spalls(rest, table, forces, at, columns, deep, slope)
 

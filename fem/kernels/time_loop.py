@@ -90,7 +90,8 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     kick_nodes(bodies, drive, scratch)
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
-    _take_back_torque(rollers, scratch)
+    for j in range(rollers.n):
+        rollers.turn_kick[j] -= scratch.torque[j] / rollers.inertia
     damp_contacts(groups, bodies, contacts, contacts.dampers, drive, later)
     if friction.coefficient > 0.0:
         friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later)
@@ -121,13 +122,6 @@ def _kick_rollers(rollers, drive):
     for j in range(rollers.n):
         velocity[0, j] += impulse[0, j] * lightness
         velocity[1, j] += impulse[1, j] * lightness - drive.gravity * drive.dt
-
-
-@part
-def _take_back_torque(rollers, scratch):
-    """The internal forces' second-order torque must not turn rollers."""
-    for j in range(rollers.n):
-        rollers.turn_kick[j] -= scratch.torque[j] / rollers.inertia
 
 
 @part

@@ -1,7 +1,5 @@
 """Fields for other programs, read back by those programs' own readers."""
 
-import xml.etree.ElementTree as xml
-
 import numpy as np
 import pytest
 
@@ -79,22 +77,6 @@ def test_a_vtkhdf_series_reads_back_in_vtk(run, coarse_run, expected, tmp_path, 
         for cell in (0, rings + triangles - 1):  # corners of a cell lie together
             corners = np.array([grid.GetCell(cell).GetPoints().GetPoint(k)[:2] for k in range(3)])
             assert np.ptp(corners, axis=0).max() < 4e-3
-
-
-def test_a_pvd_series_lists_files_that_meshio_reads(run, coarse_run, expected, tmp_path):
-    import meshio
-
-    target = tmp_path / "run.pvd"
-    for frames in ("5", "3"):  # fewer the second time: none of the first is left
-        assert render_main([str(coarse_run), "--export", str(target), "--frames", frames, "--quiet"]) == 0
-    sets = xml.parse(target).getroot().findall("./Collection/DataSet")
-    assert [float(each.get("timestep")) for each in sets] == pytest.approx(run.times[SAMPLES].tolist())
-    assert len(list((tmp_path / "run").iterdir())) == 3
-    for each, (points, data) in zip(sets, expected, strict=True):
-        mesh = meshio.read(tmp_path / each.get("file"))
-        assert np.array_equal(mesh.points[:, :2], points)
-        for name, values in data.items():
-            assert np.array_equal(mesh.point_data[name], values)
 
 
 @pytest.mark.parametrize("suffix", FORMATS)

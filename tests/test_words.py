@@ -120,7 +120,7 @@ housing | impact | influence matrix | interference | lamina | Lagrange's equatio
 modification factor | line contact | load distribution | load rating | load zone | logarithmic
 decrement | lubricant | lumped mass | material damping | maximum shear stress | Michell's series |
 Mindlin | misalignment | natural frequency | normal force | order spectrum | outer raceway |
-Palmgren | photoelastic | pitch diameter | plane strain | pocket clearance | point contact | power
+Palmgren | pitch diameter | plane strain | pocket clearance | point contact | power
 spectral density | preload | press fit | pressure-viscosity | prewhitening | radial load | rating
 life | reliability factor | resonance | rolling without slip | rotating load | roughness | run-up |
 sensor | shear stress | sideband | Sjövall | sliding | spall | squeeze film | starvation | static

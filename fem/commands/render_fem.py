@@ -21,18 +21,18 @@ from fem.commands.start_up import (
 from fem.errors import UsageError
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
-SIGNALS = (".csv", ".wav", ".mat")  # of `fem.result.acceleration`
+SIGNALS = (".csv", ".wav")  # of `fem.result.acceleration`
 WIDTH, FILM_WIDTH = 1600, 960
 
 render_app = new_app(
     "render-fem",
     """Draw a run off-screen: the whole bearing or one roller between its raceways, at one instant or as a film.
 
-Stress, displacement or photoelastic fringes on the deformed bodies, with what lies below the grid of a contact; contact
-forces, load zone, the hub's orbit. Or export mesh and fields for ParaView and others, or accelerations.
+Stress or displacement on the deformed bodies, with what lies below the grid of a contact; contact forces, load zone,
+the hub's orbit. Or export mesh and fields for ParaView and others, or accelerations.
 
 Example: render-fem runs/paper.nc --time 12.5
-         render-fem runs/paper.nc --view close-up --field photoelastic
+         render-fem runs/paper.nc --view close-up --field von-mises
          render-fem runs/paper.nc --animation paper.mp4 --start 10 --stop 20
          render-fem runs/paper.nc --export paper.vtkhdf
          render-fem runs/paper.nc --export paper.wav
@@ -53,21 +53,18 @@ def _render(
         Literal["bearing", "close-up", "axial"], Parameter(help="what is seen; axial: pressures along the rollers")
     ] = "bearing",
     field: Annotated[
-        Literal["von-mises", "max-shear", "displacement", "photoelastic"] | None,
+        Literal["von-mises", "max-shear", "displacement"] | None,
         Parameter(help="what is coloured; default: von-mises, of a close-up max-shear"),
     ] = None,
     roller: Annotated[int | None, Parameter(help="of a close-up; default: the most loaded one")] = None,
-    fringe: Annotated[
-        float | None, Parameter(help="MPa of principal stress difference a fringe; default: chosen and stated")
-    ] = None,
     magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
     width: Annotated[int | None, Parameter(help=f"pixels; default: {WIDTH}, of a film {FILM_WIDTH}")] = None,
     animation: Annotated[Path | None, Parameter(help="a film, .mp4 or .gif, instead of a picture")] = None,
     export: Annotated[
         Path | None,
         Parameter(
-            help="mesh and fields instead of a picture: .vtkhdf or .pvd with all instants, or one in any format of "
-            "meshio (.vtu, .xdmf, ...); accelerations of hub, housing and sensor: .csv, .wav, .mat"
+            help="mesh and fields instead of a picture: .vtkhdf with all instants, or one in any format of "
+            "meshio (.vtu, .xdmf, ...); accelerations of hub, housing and sensor: .csv, .wav"
         ),
     ] = None,
     start: Annotated[float | None, Parameter(help="first instant of a film or an export, ms")] = None,
@@ -81,7 +78,6 @@ def _render(
 ) -> int:
     _check("--width", width, 200, 8000, "pixels")
     _check("--magnification", magnification, 0.0, 1e9)
-    _check("--fringe", fringe, 1e-6, 1e6, "MPa")
     _check("--frames", frames, 2, 100_000)
     _check("--fps", fps, 0.1, 200.0)
     for option, path in (("--output", output), ("--animation", animation), ("--export", export)):
@@ -120,7 +116,6 @@ def _render(
         view=view,
         field=field,
         magnification=magnification,
-        stress_per_fringe=None if fringe is None else 1e6 * fringe,
         roller=roller,
         width=width or (WIDTH if animation is None else FILM_WIDTH),
     )
@@ -157,13 +152,13 @@ def _check_kind(output: Path | None, animation: Path | None, export: Path | None
 
         if export.suffix.lower() not in FORMATS:
             raise UsageError(
-                f"--export {export}: must end in .vtkhdf, .pvd, {', '.join(SIGNALS)} or a format of meshio: "
+                f"--export {export}: must end in .vtkhdf, {', '.join(SIGNALS)} or a format of meshio: "
                 f"{', '.join(FORMATS)}"
             )
 
 
 def _holds_series(export: Path) -> bool:
-    return export.suffix.lower() in (".vtkhdf", ".pvd")
+    return export.suffix.lower() == ".vtkhdf"
 
 
 def _newest() -> Path:

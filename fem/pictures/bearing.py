@@ -77,9 +77,10 @@ def _arc(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
+PIXEL = PAGE.tall * ASPECT / 1600.0  # of a page 1600 wide, outside radii
 FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
-RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of fringes
+RELATIVE = 0.33  # triangles over their distance from the contact
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
 CAGE = "#c9b28a"
 COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT, CAGE
@@ -111,11 +112,6 @@ def views(look: Look) -> list[View]:
     return [PAGE] + ([] if look.orbit is None else [orbit_view(PAGE, look.orbit)])
 
 
-def pixels() -> tuple[float, float]:
-    """Size of a pixel of a page 1600 wide, outside radii; of contacts, not drawn apart."""
-    return PAGE.tall * ASPECT / 1600.0, 1.0
-
-
 def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
     """Draw an instant on an empty page."""
     whole = _Whole(instant=instant, drawn=drawn, magnification=look.magnification, page=canvas.panels[0], look=look)
@@ -144,12 +140,12 @@ def _housing(whole: _Whole) -> None:
 
 def _bodies(whole: _Whole) -> None:
     page, drawn, magnification, scale = whole.page, whole.drawn, whole.magnification, whole.scale
-    colours, is_fringes = whole.look.scale, whole.look.scale.field == "photoelastic"
-    fine = drawn.refined(FINEST * pixels()[0] / scale, COARSEST / scale, RELATIVE[is_fringes])
+    colours = whole.look.scale
+    fine = drawn.refined(FINEST * PIXEL / scale, COARSEST / scale, RELATIVE)
     height = ROLLERS_ABOVE * (fine.body >= FIRST_ROLLER)  # where one lies in a spall, magnified, it overlaps the ring
     bodies = cells(scale * fine.points(magnification), fine.triangles, height)
     page.field(bodies, colours.values(fine), colours.limits, colours.colours)
-    if not is_fringes and drawn.spacing > FINEST_WIRES * pixels()[0] / scale:
+    if drawn.spacing > FINEST_WIRES * PIXEL / scale:
         wires = segments(scale * drawn.points(magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
     page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(magnification)], INK, OUTLINE)
@@ -165,7 +161,7 @@ def _cage(whole: _Whole) -> None:
 def _surfaces(whole: _Whole) -> None:
     """Holes where spalls are, roundness charts of waves, and the names of both and of unequal rollers."""
     page, scale, names = whole.page, whole.scale, []
-    for hole in holes(whole, OUTLINE * pixels()[0] / scale, as_reached=True):
+    for hole in holes(whole, OUTLINE * PIXEL / scale, as_reached=True):
         page.fill(strip(scale * hole.top, scale * hole.bottom, 0.11), "white")
         page.stroke(line(scale * hole.edge, 0.115), FAULT, 3.5)
         names.append((hole.name, hole.place))

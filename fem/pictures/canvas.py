@@ -11,7 +11,6 @@ from pathlib import Path
 import matplotlib  # for its fonts and colour maps
 import numpy as np
 import pyvista as pv
-from matplotlib.colors import Colormap
 from PIL import Image
 
 from fem.errors import UsageError
@@ -73,13 +72,10 @@ class Panel:
         """Lines."""
         self._add(_joined(meshes), color=color, line_width=pixels * self._canvas.pixel, opacity=opacity)
 
-    def field(
-        self, mesh: pv.PolyData, values: np.ndarray, limits: tuple[float, float], colours: str | Colormap
-    ) -> None:
+    def field(self, mesh: pv.PolyData, values: np.ndarray, limits: tuple[float, float], colours: str) -> None:
         """An area coloured by nodal values; beyond the limits the ends' colours, where there is no value NO_VALUE."""
-        size = colours.N if isinstance(colours, Colormap) else 256
         self._add(
-            mesh, scalars=values, clim=limits, cmap=colours, n_colors=size, interpolate_before_map=True,
+            mesh, scalars=values, clim=limits, cmap=colours, n_colors=256, interpolate_before_map=True,
             nan_color=NO_VALUE, show_scalar_bar=False,
         )  # fmt: skip
 

@@ -79,8 +79,9 @@ CONTACTS = (  # inner, outer
     View(left=0.61, bottom=0.102, right=0.86, top=0.102 + 1.0 / 3.0, middle=(0.0, 0.0), tall=7.0),
 )
 VIEWS = [PAGE, MAIN, *CONTACTS]
+PIXEL = MAIN.tall / (1200.0 * (MAIN.top - MAIN.bottom))  # of a page 1600 wide, roller radii
 FINEST, COARSEST = 0.003, 0.06  # of a roller's radius: triangles of the main panel
-RELATIVE = 0.33, 0.12  # triangles over their distance from the contact; of fringes
+RELATIVE = 0.33  # triangles over their distance from the contact
 FINEST_BELOW, RELATIVE_BELOW = 0.06, 0.12  # of a half-width, of the distance from the contact: of a contact's panel
 REACH = 2.6  # roller radii around the roller's centre that the main panel can see
 OUTLINE, WIRE, FINEST_WIRES = 1.8, 0.7, 6.0  # pixels; a finer mesh is not shown
@@ -88,12 +89,6 @@ BARS = (0.685, 0.22, 0.72), (1.172, 0.24, 0.74)  # left, bottom and top of the m
 BAR_WIDTH = 0.020
 SMALL = 20.0  # pixels
 CROSS = 0.16  # half the size of a mark
-
-
-def pixels() -> tuple[float, float]:
-    """Size of a pixel of a page 1600 wide: main panel, roller radii; contacts, half-widths."""
-    main, contact = MAIN, CONTACTS[0]
-    return main.tall / (1200.0 * (main.top - main.bottom)), contact.tall / (1200.0 * (contact.top - contact.bottom))
 
 
 def views(look: Look) -> list[View]:
@@ -175,10 +170,9 @@ class _Roller(Drawing):
 def _roller(main: Panel, scene: _Roller) -> None:
     """The whole roller, with the mesh and the bodies' names."""
     look, drawn, radius, centre = scene.look, scene.drawn, scene.radius, scene.centre
-    is_fringes = look.scale.field == "photoelastic"
-    fine = drawn.near(centre, REACH * radius).refined(FINEST * radius, COARSEST * radius, RELATIVE[is_fringes])
+    fine = drawn.near(centre, REACH * radius).refined(FINEST * radius, COARSEST * radius, RELATIVE)
     scene.show(main, fine, look.scale, centre, radius)
-    if not is_fringes and drawn.spacing > FINEST_WIRES * pixels()[0] * radius:
+    if drawn.spacing > FINEST_WIRES * PIXEL * radius:
         wires = segments(scene.placed(drawn.points(scene.magnification), centre, radius), drawn.inner_edges(), 0.05)
         main.stroke(wires, "white", WIRE, opacity=0.25)
     left, tall = -0.48 * main.wide, MAIN.tall
@@ -231,11 +225,7 @@ def _scales(page: Panel, scene: _Roller) -> None:
     for scale, (x, bottom, top) in zip((look.scale, look.contact_scale), BARS, strict=True):
         page.text(scale.unit_name, x, top + 0.035, HEADING, bold=True)
         draw_scale(page, scale, x, bottom, top, BAR_WIDTH)
-        if scale.field == "photoelastic":
-            constant = 1e-3 * scale.unit * scene.instant.model.bearing.roller_length
-            lines = [f"{1e-6 * scale.unit:g} MPa", "a fringe", f"f = {constant:g}", "N/mm"]
-            _small_lines(page, x, bottom - 0.035, lines)
-    if look.scale.field in ("von-mises", "max-shear"):
+    if look.scale.field != "displacement":
         lines = ["half plane:", f"{LARGEST_SHEAR:.3f} p₀,", f"{AT_DEPTH:.2f} b deep"]
         _small_lines(page, BARS[1][0], BARS[1][1] - 0.035, lines)
 

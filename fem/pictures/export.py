@@ -1,10 +1,9 @@
 """Meshes and fields for other programs: points where the rigid motion takes them, displacement, the meshes' stress.
 
-Series are one VTKHDF file, or a PVD file with a folder of VTU files beside it; ParaView opens both. A single instant
-goes out in whatever `meshes.export` can write. Stress is the mesh's own, without what lies below the grid of a contact.
+A series is one VTKHDF file, which ParaView opens. A single instant goes out in whatever `meshes.export` can write.
+Stress is the mesh's own, without what lies below the grid of a contact.
 """
 
-import xml.etree.ElementTree as xml
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -14,7 +13,6 @@ import numpy as np
 from fem.elastic.stress import max_shear, von_mises
 from fem.pictures.recover import Instant, StoredRun
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING
-from fem.pictures.target import earlier_instants
 from fem.solver.frames import global_fields, rotated
 from lagrange.files.hdf5 import hdf5_to_write
 from lagrange.files.output import replaced
@@ -32,11 +30,8 @@ def write_instant(run: StoredRun, target: Path, sample: int) -> None:
 
 
 def write_series(run: StoredRun, target: Path, samples: Sequence[int], count: Callable[[], None]) -> None:
-    """All the samples, as .vtkhdf or .pvd; `count` is called after each. Errors as `write_instant`."""
+    """All the samples, as .vtkhdf; `count` is called after each. Errors as `write_instant`."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    if target.suffix.lower() == ".pvd":
-        _write_pvd(run, target, samples, count)
-        return
     with replaced(target) as part, hdf5_to_write(part) as file:
         _write_vtkhdf(file, run, samples, count)
 
@@ -130,21 +125,3 @@ def _write_vtkhdf(file: h5py.File, run: StoredRun, samples: Sequence[int], count
                     steps.create_dataset(name.replace("PointData", "PointDataOffsets"), data=moving)
             root[name][step * n_points : (step + 1) * n_points] = values
         count()
-
-
-def _write_pvd(run: StoredRun, target: Path, samples: Sequence[int], count: Callable[[], None]) -> None:
-    """One VTU file an instant in a folder of the same name, and the list of them, written last."""
-    folder = target.with_suffix("")
-    for old in earlier_instants(target):
-        old.unlink()
-    root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = xml.SubElement(root, "Collection")
-    for step, sample in enumerate(samples):
-        file = folder / f"{target.stem}_{step:05d}.vtu"
-        write_instant(run, file, sample)
-        xml.SubElement(collection, "DataSet", timestep=repr(float(run.times[sample])), part="0",
-                       file=f"{folder.name}/{file.name}")  # fmt: skip
-        count()
-    xml.indent(root)
-    with replaced(target) as part:
-        xml.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)

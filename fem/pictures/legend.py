@@ -107,7 +107,7 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
 def draw_scale(page: Panel, scale: Scale, x: float, bottom: float, top: float, width: float) -> None:
     """The colour bar with its ticks."""
     unit = 0.0005 * page.view.tall
-    n = len(scale.colours.colors) if scale.field == "photoelastic" else 65
+    n = 65
     y = np.linspace(bottom, top, n)
     points = np.concatenate([np.column_stack([np.full(n, at), y]) for at in (x, x + width)])
     k = np.arange(n - 1)
@@ -128,9 +128,6 @@ def scale_notes(instant: Instant, scale: Scale) -> list[str]:
     """Two lines on what the colours show."""
     if scale.field == "displacement":
         return ["from undeformed parts that just touch", ""]
-    if scale.field == "photoelastic":
-        constant = 1e-3 * scale.unit * instant.model.bearing.roller_length
-        return [f"{1e-6 * scale.unit:g} MPa of σ₁ − σ₂ a fringe", f"(f = {constant:g} N/mm), dark field"]
     note = instant.model.stress_note
     return [f"of the mesh, {note}," if note else "with Hertz's stress below the grid,", hertz(instant)]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import floor, log10, pi, sqrt
+from math import floor, log10
 from typing import Literal
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.pictures.bodies import body_motions
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import Field, Scale, fringe_scale, linear_scale, logarithmic_scale
+from fem.pictures.scale import Field, Scale, linear_scale, logarithmic_scale
 from fem.pictures.stress_below import LARGEST_SHEAR
 from lagrange import Bearing
 
@@ -20,9 +20,6 @@ LARGEST_MAGNIFICATION = 1e4  # beyond, nanometres would be shown as if they matt
 LOOKED_AT = 5  # frames of an animation that decide its magnification
 LONGEST_ARROW = 0.85  # of a roller's radius
 MOST_ORBIT_POINTS = 4000
-FRINGES_ACROSS = {"bearing": 4.0, "close-up": 8.0}  # about, in the middle of the most loaded roller
-FRINGES_BELOW = 8.0  # about, at the largest stress of a close-up's contacts
-CLOSEST_FRINGES = 3.5  # pixels of a page 1600 wide
 LARGEST_MISES = 0.56  # of p₀, under a line contact in plane strain with ν = 0.3
 
 
@@ -33,7 +30,6 @@ class Request:
     view: Literal["bearing", "close-up"] = "bearing"
     field: Field | None = None
     magnification: float | None = None
-    stress_per_fringe: float | None = None  # Pa
     roller: int | None = None  # of a close-up
     width: int = 1600  # pixels
 
@@ -54,15 +50,8 @@ class Look:
     pace: str  # how fast an animation shows the run; "" in a picture
 
 
-def chosen_look(
-    run: StoredRun, request: Request, samples: Sequence[int], pixel: float, contact_pixel: float, pace: str = ""
-) -> Look:
+def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: str = "") -> Look:
     """Scales that fit all the samples.
-
-    Parameters
-    ----------
-    pixel, contact_pixel : float, of the picture and of a close-up's contacts, of a page 1600 wide; the first in
-        outside radii or (close-up) roller radii, the second in half-widths
 
     Errors
     ------
@@ -75,7 +64,7 @@ def chosen_look(
     displacement = max(float(np.hypot(*motion.T).max()) for motion in motions)
     model = run.model
     half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
-    scale, contact_scale = _scales(request, run, largest, displacement, pixel, contact_pixel * half_width)
+    scale, contact_scale = _scales(request, run, largest, displacement)
     magnification = request.magnification
     if magnification is None:
         outside = model.bearing.outside_radius
@@ -104,37 +93,14 @@ def _roller(request: Request, forces: np.ndarray) -> int:
     return request.roller
 
 
-def _scales(
-    request: Request, run: StoredRun, force: float, displacement: float, pixel: float, contact_pixel: float
-) -> tuple[Scale, Scale]:
-    """Scales of the picture and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
+def _scales(request: Request, run: StoredRun, force: float, displacement: float) -> tuple[Scale, Scale]:
+    """Scales of the picture and of a close-up's contacts."""
     field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
-    bearing = run.model.bearing
     if field == "displacement":
         return (linear_scale(field, displacement),) * 2
-    length, radius = bearing.roller_length, bearing.roller_radius
-    load = max(force, 1e-3) / length
-    laws = (run.model.inner_law, run.model.outer_law)
-    pressure = max(law.pair.peak_pressure(load * length) for law in laws)
-    if field != "photoelastic":
-        share = LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR
-        return logarithmic_scale(field, share * pressure), linear_scale(field, share * pressure)
-    middle = 4.0 * load / (pi * radius)  # principal stress difference in a disc squeezed by two forces
-    stress = request.stress_per_fringe or _rounded(middle / FRINGES_ACROSS[request.view])
-    pixel *= radius if request.view == "close-up" else bearing.outside_radius
-    below = _rounded(2.0 * LARGEST_SHEAR * pressure / FRINGES_BELOW)
-    return fringe_scale(stress, _finest(load, stress, pixel)), fringe_scale(below, _finest(load, below, contact_pixel))
-
-
-def _finest(load: float, stress: float, pixel: float) -> float:
-    """Fringe order whose neighbours, in Flamant's field 2q/(πr), lie CLOSEST_FRINGES apart."""
-    return max(1.0, sqrt(2.0 * load / (pi * stress * CLOSEST_FRINGES * pixel)))
-
-
-def _rounded(value: float) -> float:
-    """The nearest 1, 2, 2.5, 4 or 5 times a power of ten."""
-    decade = 10.0 ** floor(log10(value))
-    return decade * min((1.0, 2.0, 2.5, 4.0, 5.0, 10.0), key=lambda step: abs(log10(step * decade / value)))
+    pressure = max(law.pair.peak_pressure(max(force, 1e-3)) for law in (run.model.inner_law, run.model.outer_law))
+    largest = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
+    return logarithmic_scale(field, largest), linear_scale(field, largest)
 
 
 def _arrow_length(bearing: Bearing, largest: float) -> float:

@@ -39,20 +39,19 @@ class Renderer:
     def __init__(self, run: StoredRun, request: Request, samples: Sequence[int], pace: str = ""):
         self._run = run
         self._view = closeup if request.view == "close-up" else bearing
-        self.look = chosen_look(run, request, samples, *self._view.pixels(), pace)
+        self.look = chosen_look(run, request, samples, pace)
         self._canvas = Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), self._view.views(self.look))
 
     @property
     def palette(self) -> np.ndarray:
         """Up to 256 colours that show these pictures well, (n, 3) bytes: the scale's, greys, marks and their edges."""
-        scale = colormaps[self.look.scale.colours] if isinstance(self.look.scale.colours, str) else colormaps["gray"]
         mixed = [
             share * np.array(to_rgb(colour)) + (1.0 - share) * np.array(to_rgb(ground))
             for colour in bearing.COLOURS
             for ground in ("white", INK)
             for share in (1.0, 0.75, 0.5, 0.25)
         ]
-        shades = scale(np.linspace(0.0, 1.0, SCALE_COLOURS))[:, :3]
+        shades = colormaps[self.look.scale.colours](np.linspace(0.0, 1.0, SCALE_COLOURS))[:, :3]
         greys = np.repeat(np.linspace(0.0, 1.0, GREYS)[:, None], 3, axis=1)
         found = np.unique(np.rint(255.0 * np.concatenate([shades, greys, mixed])), axis=0)
         white_enough = found.min(axis=1) >= NEARLY_WHITE  # Pillow's nearest colour of white would be one of them

@@ -1,26 +1,23 @@
 """What a picture's colours mean: the quantity, its colour map, its scale and the ticks beside it."""
 
 from dataclasses import dataclass
-from math import ceil, floor, log10, pi
+from math import ceil, floor, log10
 from typing import Literal
 
 import numpy as np
-from matplotlib.colors import Colormap, ListedColormap
 
 from fem.elastic.stress import max_shear, von_mises
 from fem.pictures.bodies import DrawnBearing
 
-Field = Literal["von-mises", "max-shear", "displacement", "photoelastic"]
+Field = Literal["von-mises", "max-shear", "displacement"]
 TITLES = {
     "von-mises": ("Von Mises stress", "MPa"),
     "max-shear": ("Max. shear stress", "MPa"),
     "displacement": ("Displacement", "µm"),
-    "photoelastic": ("Isochromatic fringes", "order"),
 }
 COLOURS = {"von-mises": "viridis", "max-shear": "viridis", "displacement": "cividis"}  # fit for colour-blind eyes
 ROUND_ENDS = (1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 ROUND = (1.0, 2.0, 5.0, 10.0)
-SHADES_PER_FRINGE = 48
 FAINTEST = 1.0 / 500.0  # of the end of a logarithmic scale
 
 
@@ -29,9 +26,9 @@ class Scale:
     """From a quantity in its unit to colours."""
 
     field: Field
-    colours: str | Colormap
-    end: float  # MPa, µm, or fringes
-    unit: float  # Pa or m per one of the scale; of fringes Pa of principal stress difference
+    colours: str
+    end: float  # MPa or µm
+    unit: float  # Pa or m per one of the scale
     logarithmic: bool = False
 
     @property
@@ -61,21 +58,16 @@ class Scale:
             return [
                 ((log10(v) - low) / (high - low), f"{v:.4g}") for v in values if low - 1e-9 <= log10(v) <= high + 1e-9
             ]
-        if self.field == "photoelastic":
-            step = max(1, round(self.end / 6.0))
-            return [(k / self.end, f"{k}") for k in range(0, int(self.end) + 1, step)]
         n = _intervals(self.end)
         return [(k / n, f"{k / n * self.end:.4g}") for k in range(n + 1)]
 
 
 def quantity(field: Field, drawn: DrawnBearing) -> np.ndarray:
-    """Nodal values, Pa or m; of the fringes the principal stress difference in the plane."""
+    """Nodal values, Pa or m."""
     if field == "displacement":
         return np.hypot(*drawn.motion.T)
     stress = drawn.stress()
-    if field == "von-mises":
-        return von_mises(stress, drawn.poisson_ratio)
-    return max_shear(stress) * (2.0 if field == "photoelastic" else 1.0)
+    return von_mises(stress, drawn.poisson_ratio) if field == "von-mises" else max_shear(stress)
 
 
 def linear_scale(field: Field, end: float) -> Scale:
@@ -87,24 +79,6 @@ def linear_scale(field: Field, end: float) -> Scale:
 def logarithmic_scale(field: Field, end: float) -> Scale:
     """Up to a round number not below `end`, Pa."""
     return Scale(field=field, colours=COLOURS[field], end=rounded_up(1e-6 * end), unit=1e6, logarithmic=True)
-
-
-def fringe_scale(stress_per_fringe: float, finest: float) -> Scale:
-    """Dark-field fringes, sin²(πN) of the order N; those of an order above `finest` fade to their mean.
-
-    Parameters
-    ----------
-    stress_per_fringe : float, Pa, f/d of the principal stress difference
-    finest : float, order beyond which fringes lie closer together than a picture can show
-    """
-    end = 1.6 * finest
-    order = np.linspace(0.0, end, ceil(end * SHADES_PER_FRINGE))
-    contrast = np.clip((end - order) / (end - finest), 0.0, 1.0)
-    shade = 0.5 - 0.5 * contrast * np.cos(2.0 * pi * order)
-    return Scale(
-        field="photoelastic", colours=ListedColormap(np.repeat(shade[:, None], 3, axis=1)),
-        end=end, unit=stress_per_fringe,
-    )  # fmt: skip
 
 
 def rounded_up(value: float) -> float:

@@ -1,6 +1,5 @@
 """Where pictures and exports go: in the place of nothing, of one of their own kind, or by --force of any file."""
 
-import glob
 import mmap
 from pathlib import Path
 
@@ -11,8 +10,6 @@ MARK = "render-fem"  # in files that have room for a remark
 FIELDS = b"von_mises", b"max_shear"  # of meshes with fields, in whatever format
 MARKS = {
     ".csv": (b"time_s,inner_ax_m_s2",),
-    ".mat": (b"rate_Hz", b"inner_ax_m_s2"),
-    ".pvd": (b"_00000.vtu",),
     **dict.fromkeys((".png", ".gif", ".mp4", ".wav"), (MARK.encode(),)),
 }
 
@@ -24,18 +21,11 @@ def refuse_foreign(target: Path, force: bool) -> None:
     ------
     UsageError. OSError: it can't be read, or is no plain file.
     """
-    for path in (target, *earlier_instants(target)):
-        refuse_special(path)
-        if not force and path.exists() and not _is_ours(path):
-            raise UsageError(
-                f"{path}: is there already and no export of render-fem; --force replaces it, or name another file"
-            )
-
-
-def earlier_instants(target: Path) -> list[Path]:
-    """Files of single instants that an earlier export as .pvd has left; of other exports none."""
-    is_list = target.suffix.lower() == ".pvd"
-    return sorted(target.with_suffix("").glob(f"{glob.escape(target.stem)}_*.vtu")) if is_list else []
+    refuse_special(target)
+    if not force and target.exists() and not _is_ours(target):
+        raise UsageError(
+            f"{target}: is there already and no export of render-fem; --force replaces it, or name another file"
+        )
 
 
 def _is_ours(path: Path) -> bool:

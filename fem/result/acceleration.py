@@ -75,20 +75,13 @@ def accelerations(scene: Scene, column: Callable[[str], np.ndarray]) -> Accelera
 
 
 def write_accelerations(target: Path, found: Accelerations) -> None:
-    """Write them as a file's name asks: CSV and MAT in m/s² and in g, WAV in m/s² (32-bit floating point)."""
-    suffix = target.suffix.lower()
-    if suffix == ".wav":
+    """Write them as a file's name asks: CSV in m/s² and in g, WAV in m/s² (32-bit floating point)."""
+    if target.suffix.lower() == ".wav":
         write_whole(target, _wav(found))
         return
     columns = {"time_s": found.time}
     for name, values in found.values.items():
         columns |= {f"{name}_m_s2": values, f"{name}_g": values / G}
-    if suffix == ".mat":
-        from scipy.io import savemat
-
-        with replaced(target) as part:
-            savemat(part, columns | {"rate_Hz": float(found.rate)}, appendmat=False, oned_as="column")
-        return
     with replaced(target) as part:
         np.savetxt(part, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
 

@@ -98,12 +98,8 @@ def _command(
         str | None, Parameter(help="another result file or table, or a law: both beside each other")
     ] = None,
     export: Annotated[
-        tuple[Literal["csv", "curves", "mat", "wav"], ...],
-        Parameter(
-            negative="",
-            consume_multiple=False,
-            help="also write signals (csv, mat), the curves of figures (CSV), the hub's sound (wav); repeatable",
-        ),
+        tuple[str, ...],
+        Parameter(negative="", consume_multiple=False, help='"csv": also write the signals as signals.csv'),
     ] = (),
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
@@ -115,6 +111,12 @@ def _command(
     from residual.store import check_replaceable, write_report
     from residual.summary import ReportOptions
 
+    for kind in export:
+        if kind != "csv":
+            raise InputError(
+                f"--export {kind}: only csv is written; MATLAB reads residual.nc and result files by ncread, "
+                "render-fem --export writes the hub's sound, and figures stand in the report as SVG"
+            )
     for option, value, unit in (("--start", start, "ms"), ("--tolerance", tolerance, "N")):
         if value is not None and not 0.0 <= value < float("inf"):
             raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
@@ -140,8 +142,8 @@ def _command(
     if compared is not None:
         other = evaluate(compared, its_law, seconds, order, band=limits)
     options = ReportOptions(
-        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations, exports=export,
-        other=other,
+        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations,
+        signals=bool(export), other=other,
     )  # fmt: skip
     write_report(evaluation, folder, options)
     if not quiet:

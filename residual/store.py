@@ -1,11 +1,10 @@
 """Writer of the report folder, residual.nc, summary.json, figures, report.html, which appears whole or not at all."""
 
-import csv
 import json
 import os
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,15 +16,13 @@ from lagrange.files.pages import load_matplotlib
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
-from residual.figures.saved import SavedFigure
 from residual.formatting import term_label
 from residual.spectrum import Envelope
-from residual.summary import PROGRAM, Export, ReportOptions, summarise
+from residual.summary import PROGRAM, ReportOptions, summarise
 
 OURS = {"residual.nc", "summary.json", "report.html"}
 OURS_BY_NAME = (".png", ".svg", ".csv", ".mat", ".wav")
 WHOLE = ReportOptions()
-SOUND = "hub_acceleration.wav"
 
 
 def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
@@ -119,7 +116,8 @@ def _fill(evaluation: Evaluation, folder: Path, options: ReportOptions) -> dict:
 
         figures = draw_figures(evaluation, statics, options, folder)
     _write_arrays(evaluation, folder / "residual.nc")
-    write_exports(evaluation, [figure for group in figures.values() for figure in group], options.exports, folder)
+    if options.signals:
+        _write_signals(signals(evaluation), folder / "signals.csv")
     page = render_report(evaluation, figures, options, VERSION, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
     files = sorted({path.name for path in folder.iterdir()} | OURS)
@@ -204,24 +202,6 @@ def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:
     return found | {"roller_x": t.roller_x, "roller_y": t.roller_y, "inner_force": evaluation.force}
 
 
-def write_exports(evaluation: Evaluation, figures: Iterable[SavedFigure], wanted: Iterable[Export], folder: Path):
-    """Write what is wanted and no more: `signals.csv`; each figure's curves; `signals.mat`; the hub's sound."""
-    if "csv" in wanted:
-        _write_signals(signals(evaluation), folder / "signals.csv")
-    if "curves" in wanted:
-        for figure in figures:
-            _write_curves(figure, folder / f"{figure.name}.csv")
-    if "mat" in wanted:
-        from scipy.io import savemat
-
-        savemat(folder / "signals.mat", signals(evaluation), oned_as="column", do_compression=True)
-    if "wav" in wanted:
-        from scipy.io import wavfile
-
-        sound = np.column_stack(evaluation.hub_acceleration).astype(np.float32)
-        wavfile.write(folder / SOUND, round(1.0 / evaluation.record.interval), sound)
-
-
 def _write_signals(found: dict[str, np.ndarray], path: Path) -> None:
     """One column for each signal, `name_<j>` for those of roller j."""
     names, columns = [], []
@@ -230,12 +210,3 @@ def _write_signals(found: dict[str, np.ndarray], path: Path) -> None:
         names += [name] if one else [f"{name}_{j}" for j in range(values.shape[1])]
         columns.append(values[:, None] if one else values)
     np.savetxt(path, np.hstack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")
-
-
-def _write_curves(figure: SavedFigure, path: Path) -> None:
-    """Rows of panel, curve, x and y."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("panel", "curve", "x", "y"))
-        for curve in figure.curves:
-            writer.writerows((curve.panel, curve.name, f"{x:.9g}", f"{y:.9g}") for x, y in curve.points)

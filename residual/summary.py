@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import degrees
 from operator import attrgetter
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from residual.vibration import BandLevel, FaultLine, Vibration
 from residual.vibration_tables import reported_angle, unseen
 
 PROGRAM = "check-residual"
-Export = Literal["csv", "curves", "mat", "wav"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +34,7 @@ class ReportOptions:
     search: FaultSearch | None = None  # for spalls; None: none was made
     figures: bool = True  # most of a report's time
     equations: bool = True  # False: of the run alone, without the error forces of (22) and (23)
-    exports: tuple[Export, ...] = ()  # the data in other formats
+    signals: bool = False  # as CSV, too
     other: Evaluation | None = None  # what the run is compared with
 
 

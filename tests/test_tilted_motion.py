@@ -187,9 +187,9 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
     assert tilt.hub[1].mean() < -1.5  # N m: the shaft is held against the load's side
     drawn = tilt_figure(checked, tmp_path)
     assert "0 mrad in x, −1 mrad in y" in drawn.caption and (tmp_path / "tilt.png").stat().st_size > 10_000
-    drawn = pressure_figure(checked, tmp_path)
+    assert pressure_figure(checked, tmp_path).png.stat().st_size > 10_000
     inner, outer = largest_pressures(checked.record)
-    assert 1e9 < max(curve.points[:, 1].max() for curve in drawn.curves) * 1e6 <= inner < 1.2e9 and outer < inner
+    assert 1e9 < inner < 1.2e9 and outer < inner
     soft = evaluate(read_result(path), law="harris")
     assert np.abs(soft.tilt.contact_law).max() > 1e-3  # another law is found out
 

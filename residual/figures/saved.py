@@ -4,8 +4,6 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 WIDTH, DPI = 7.0, 150  # inches: about one page's text width, still legible when a phone shrinks it
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 # Okabe and Ito's palette, distinguished by colour-blind readers
@@ -23,15 +21,6 @@ LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "outer ring": OLIVE, "BSF": ORANGE
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curve:
-    """A line, or dots, of a figure."""
-
-    panel: str  # name of its y axis
-    name: str
-    points: np.ndarray  # (n, 2), x and y in the units of the axes
-
-
-@dataclass(frozen=True, kw_only=True)
 class SavedFigure:
     """A figure that has been written, with its title and caption."""
 
@@ -40,7 +29,6 @@ class SavedFigure:
     caption: str
     png: Path
     svg: Path
-    curves: tuple[Curve, ...] = ()  # what it shows
 
 
 def family(line: str) -> str:

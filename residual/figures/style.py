@@ -20,7 +20,7 @@ from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormat
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from residual.figures.saved import BLUE, DPI, GREY, LINE_COLOURS, ORANGE, WIDTH, Curve, SavedFigure, family
+from residual.figures.saved import BLUE, DPI, GREY, LINE_COLOURS, ORANGE, WIDTH, SavedFigure, family
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
@@ -242,11 +242,6 @@ def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"
 def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
     """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
-    curves = tuple(
-        Curve(panel=axis.get_ylabel(), name=label if not (label := str(line.get_label())).startswith("_") else "",
-              points=np.column_stack(line.get_data()))
-        for axis in figure.axes for line in axis.lines if len(line.get_xdata()) > 2
-    )  # fmt: skip
     make_plain(figure)
     make_room(figure)
     figure.set_dpi(DPI)
@@ -256,7 +251,7 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigu
     about.add_text("Title", title)
     Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=about, **PACKED)
     FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
-    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
+    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg)
 
 
 def plain(label: str) -> str:

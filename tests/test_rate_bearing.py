@@ -309,6 +309,24 @@ def test_defaults_that_decide_the_answer_are_printed_in_a_line(tmp_path, monkeyp
     assert "defaults:" not in capsys.readouterr().out
 
 
+def test_what_lives_take_for_granted_is_told_where_it_is_not_so(tmp_path, monkeypatch):
+    """An oscillation of ±3°, below 360°/(13 (1 − 10/46)) = 35.4°; two rows; a ring on points."""
+    monkeypatch.chdir(tmp_path)
+    time = np.linspace(0.0, 100.0, 101)
+    speed = np.radians(3.0) * 2.0 * np.pi / 0.05 * np.cos(2.0 * np.pi * time / 50.0) * 30.0 / np.pi  # 1/min
+    rows = "".join(f"{t:g},{n:.6g}\n" for t, n in zip(time, speed, strict=True))
+    Path("speed.csv").write_text("time_ms,speed_rpm\n" + rows, encoding="utf-8")
+    Path("swing.toml").write_text('[operation]\nspeed_table = "speed.csv"\n[numerics]\nduration_ms = 100\n')
+    assert rate_main(["swing.toml", "--quiet"]) == 0
+    told = json.loads(Path("paper-rating.json").read_text(encoding="utf-8"))
+    assert told["L10r_Mrev"] is None and "swing by ±3°" in told["reasons"]["L10r_Mrev"]
+    assert any("critical amplitude of ±35.4°" in each for each in told["warnings"]) and told["L10_h"] > 0.0
+    points = rating(read_scene(None, ("support.kind=points",)))
+    assert points["L10r_Mrev"] is None and "the outer ring bends" in points.answer("L10r_Mrev").reason
+    rows = rating(read_scene(None, ("bearing.rows=2",)))
+    assert any("b_m = 1.15" in each for each in rows.warnings)
+
+
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):
     from fem.rating.page import write_page
 

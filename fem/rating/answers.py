@@ -247,6 +247,13 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
             f"the contact angle makes an axial force of {axial:.4g} N from the radial load, Σ Q sin α, which another "
             "bearing must take; loads of shafts that push further are not in this program"
         )
+    if case.oscillation:
+        yield f"{case.oscillation}: L10 by the mean speed says little, and lubricant is not carried in"
+    if case.bearing.rows > 1 and values["C_N"] is not None and not case.balls:
+        yield (
+            f"rows = {case.bearing.rows} share the load evenly here, with b_m = 1.1 of cylinders and tapers; "
+            "barrel rollers, which align themselves, have b_m = 1.15 and are not in this program"
+        )
     if abs(case.operation.misalignment) > ALLOWED_SLOPE:
         yield (
             f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import pi, sqrt
+from math import degrees, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -295,6 +295,25 @@ class Case:
         return {f"{mrad:g} mrad": self.reference_life(self.rigid_at(slope=1e-3 * mrad).loads)
                 for mrad in SLOPES}  # fmt: skip
 
+    @cached_property
+    def oscillation(self) -> str:
+        """Words on a swing of the rings in which rollers do not reach their neighbours' tracks; empty: there is none.
+
+        Source: Harris, Rolling Bearing Analysis: critical amplitude 360°/(Z (1 − γ)) either way, of the outer raceway.
+        """
+        duration, history = 1e-3 * self.scene.numerics.duration_ms, self.history
+        if history is None or not history.reverses(duration):
+            return ""
+        inner, outer = history.ring_turns(np.linspace(0.0, duration, INSTANTS))
+        gamma = self.bearing.roller_radius / self.bearing.pitch_radius
+        swing, critical = 0.5 * float(np.ptp(inner - outer)), 2.0 * pi / (self.bearing.pockets * (1.0 - gamma))
+        if swing >= critical:
+            return ""
+        return (
+            f"the rings swing by ±{degrees(swing):.3g}°, below the critical amplitude of ±{degrees(critical):.3g}°, at "
+            "which rollers reach their neighbours' tracks"
+        )
+
     @property
     def pitch(self) -> Pitch:
         """By the contacts of the scene's model."""
@@ -448,6 +467,13 @@ class Case:
 
     def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
         """L10r, 10⁶ revolutions, under loads of laminae, N."""
+        mounting = self.scene.mounting()
+        if mounting.points is not None or mounting.bore is not None:
+            raise Unavailable(
+                "[support]: the outer ring bends where nothing holds it, and L10r is of rings that do not"
+            )
+        if self.oscillation:
+            raise Unavailable(f"{self.oscillation}: no ring turns against the load, which L10r takes for granted")
         return reference_life(self.row, dynamic_capacity(self.row), inner, outer, turning=self.turning)
 
     def modified_life(self) -> float:

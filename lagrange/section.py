@@ -8,12 +8,14 @@ carry the load. By virtual work
 
     section's displacement = u cos α,   force = F/(i cos α),   stiffness, damping, mass = those over i cos²α,
 
-gravity is g cos α, so that weights are forces too, and elements keep their mass, which their smaller circles need more
-density for. Curvatures of contacts are the bearing's own, (1/D and cos α/R): see `contact_pairs`.
+gravity is g cos α, so that weights are forces too. An element has its mass times cos α, so that its centrifugal
+force is the component along its contacts. Curvatures of contacts are the bearing's own, (1/D and cos α/R): see
+`contact_pairs`.
 
 Left out: the axial force Q sin α and the shift that it causes, so a second bearing, or row, must take it; a flange;
-the change of α under load and speed; gyroscopic moments. Elements turn by 1/cos α too fast about their own axes, and
-their centrifugal force acts in full along the contacts, of which it has but cos α.
+the change of α under load and speed, by which unloaded elements bear all of their centrifugal force at the outer
+raceway; gyroscopic moments. Elements turn by 1/cos α too fast about their own axes; their inertia in strikes and
+their weight are by cos α too small.
 
 Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapters 7 (radial loads by cos α) and 8 (γ).
 """

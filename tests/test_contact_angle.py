@@ -101,7 +101,7 @@ def test_harris_angular_contact_ball_bearing():
     share, groove = 22.23 * cos(radians(40.0)) / 125.26, 1.0 / 0.5232
     for found, term in ((inner, 2.0 * share / (1.0 - share)), (outer, -2.0 * share / (1.0 + share))):
         assert found.difference == pytest.approx((groove + term) / (4.0 - groove + term), rel=1e-9)  # Harris (2.29)
-    assert bearing.roller_mass == pytest.approx(7850.0 * pi / 6.0 * 0.02223**3, rel=1e-12)
+    assert bearing.roller_mass == pytest.approx(7850.0 * pi / 6.0 * 0.02223**3 * cos(radians(40.0)), rel=1e-12)
     u, loads, stiffness = by_hand(bearing, contact_laws("hertz", bearing), 17800.0)
     found = statics(case)
     np.testing.assert_allclose(np.sort(found.inner_force), np.sort(loads), rtol=2e-3, atol=1.0)
@@ -109,6 +109,23 @@ def test_harris_angular_contact_ball_bearing():
     assert found.stiffness == pytest.approx(stiffness, rel=5e-3)
     stribeck = 4.37 * 17800.0 / (16 * bearing.cosine)
     assert loads.max() == pytest.approx(stribeck, rel=0.02)  # of many balls
+
+
+@pytest.mark.parametrize("bearing", [ZA_2115, ACBB_218], ids=["tapered rollers", "balls"])
+def test_centrifugal_forces_act_by_their_component_along_the_contacts(bearing):
+    """m ω² d_m/2 cos α on elements that carry no load, ω of the cage by Harris' kinematics."""
+    case = scene(bearing, speed_rpm=6000.0)
+    size, pitch, angle = (
+        bearing["roller_diameter_mm"],
+        bearing["pitch_diameter_mm"],
+        radians(bearing["contact_angle_deg"]),
+    )
+    volume = pi / 6.0 * size**3 if bearing.get("type") == "ball" else pi / 4.0 * size**2 * 10.0  # mm³
+    cage = 0.5 * 6000.0 * 2.0 * pi / 60.0 * (1.0 - size * cos(angle) / pitch)
+    force = 7850e-9 * volume * cage**2 * 0.5e-3 * pitch * cos(angle)
+    found = statics(case)
+    unloaded = found.outer_force[found.inner_force == 0.0]
+    assert unloaded.size and unloaded == pytest.approx(force, rel=1e-3)
 
 
 @pytest.mark.parametrize("model", [pytest.param("fem", marks=pytest.mark.slow), "reduced", "lagrange"])

@@ -125,7 +125,7 @@ class SceneTables(Table):
     def unmounted_bearing(self) -> Bearing:
         """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""
         b, roller = self.bearing, self.material.of("roller")
-        density = roller.density / b.cosine ** (3 if b.type == "ball" else 2)  # elements keep their mass
+        density = roller.density / b.cosine ** (2 if b.type == "ball" else 1)  # elements have m cos α, see `section`
         shape: dict[str, Any] = dict(
             n_rollers=b.present,
             missing=tuple(sorted(b.missing_rollers)),

@@ -12,7 +12,7 @@ from fem.pictures.bodies import ARCS, drawn_bearing
 from fem.pictures.drawing_process import PROBE, check_rendering
 from fem.pictures.look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import linear_scale, logarithmic_scale, quantity
+from fem.pictures.scale import Scale, quantity
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING
 
 PAPER_RADIUS = 32.5e-3  # m, outside
@@ -138,10 +138,10 @@ def test_an_arrow_ends_at_its_tip_and_its_border_surrounds_it(can_draw):
 
 
 def test_scales_end_at_round_numbers_and_label_their_ends():
-    linear = linear_scale("von-mises", 347e6)
+    linear = Scale(field="von-mises", largest=347e6, logarithmic=False)
     assert linear.end == 400.0 and linear.limits == (0.0, 400.0)
     assert linear.ticks()[-1] == (1.0, "400") and linear.ticks()[0] == (0.0, "0")
-    logarithmic = logarithmic_scale("max-shear", 230e6)
+    logarithmic = Scale(field="max-shear", largest=230e6, logarithmic=True)
     assert logarithmic.end == 250.0
     shares, labels = zip(*logarithmic.ticks(), strict=True)
     assert labels == ("0.5", "1", "2", "5", "10", "20", "50", "100", "200")

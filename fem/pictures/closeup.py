@@ -223,7 +223,7 @@ def _scales(page: Panel, scene: _Roller) -> None:
     look = scene.look
     page.text(look.scale.title, BARS[0][0], 0.965, HEADING, bold=True)
     for scale, (x, bottom, top) in zip((look.scale, look.contact_scale), BARS, strict=True):
-        page.text(scale.unit_name, x, top + 0.035, HEADING, bold=True)
+        page.text(scale.unit, x, top + 0.035, HEADING, bold=True)
         draw_scale(page, scale, x, bottom, top, BAR_WIDTH)
     if look.scale.field != "displacement":
         lines = ["half plane:", f"{LARGEST_SHEAR:.3f} p₀,", f"{AT_DEPTH:.2f} b deep"]

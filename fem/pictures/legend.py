@@ -30,7 +30,7 @@ def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str)
     """Beside a whole bearing."""
     page = canvas.panels[0]
     draw_title(page, instant, look, EDGE, TOP, (0.105,))
-    page.text(f"{look.scale.title}, {look.scale.unit_name}", COLUMN, BAR[1] + 0.10, HEADING, bold=True)
+    page.text(f"{look.scale.title}, {look.scale.unit}", COLUMN, BAR[1] + 0.10, HEADING, bold=True)
     draw_scale(page, look.scale, COLUMN, *BAR)
     y = _lines(page, BAR[0] - 0.12, scale_notes(instant, look.scale))
     y = _heading(page, f"Displacement × {look.magnification:g}", y)

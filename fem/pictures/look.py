@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import floor, log10
 from typing import Literal
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.pictures.bodies import body_motions
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import Field, Scale, linear_scale, logarithmic_scale
+from fem.pictures.scale import Field, Scale, rounded_down
 from fem.pictures.stress_below import LARGEST_SHEAR
 from lagrange import Bearing
 
@@ -97,10 +96,11 @@ def _scales(request: Request, run: StoredRun, force: float, displacement: float)
     """Scales of the picture and of a close-up's contacts."""
     field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
     if field == "displacement":
-        return (linear_scale(field, displacement),) * 2
+        return (Scale(field=field, largest=displacement, logarithmic=False),) * 2
     pressure = max(law.pair.peak_pressure(max(force, 1e-3)) for law in (run.model.inner_law, run.model.outer_law))
     largest = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
-    return logarithmic_scale(field, largest), linear_scale(field, largest)
+    of_body, of_contacts = (Scale(field=field, largest=largest, logarithmic=each) for each in (True, False))
+    return of_body, of_contacts
 
 
 def _arrow_length(bearing: Bearing, largest: float) -> float:
@@ -112,5 +112,4 @@ def chosen_magnification(largest: float, outside_radius: float) -> float:
     if largest <= 0.0:
         return 1.0
     wanted = min(max(1.0, LARGEST_SHARE * outside_radius / largest), LARGEST_MAGNIFICATION)
-    decade = 10.0 ** floor(log10(wanted))
-    return decade * max(step for step in STEPS if step * decade <= wanted * (1.0 + 1e-12))
+    return rounded_down(wanted, STEPS)

@@ -18,7 +18,6 @@ from fem.pictures.bodies import drawn_bearing
 from fem.pictures.canvas import ASPECT, INK, Canvas
 from fem.pictures.look import Request, chosen_look
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import TITLES
 from fem.pictures.target import MARK
 from lagrange.files.output import replaced
 from lagrange.messages import shown
@@ -84,8 +83,9 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     about = PngInfo()
     about.add_text("Software", MARK)
     about.add_itxt("Source", shown(run.path.name))
-    title = TITLES[renderer.look.scale.field][0]
-    about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms; {run.scene.method}.")
+    about.add_itxt(
+        "Description", f"{renderer.look.scale.title}, {seen} at {1e3 * run.times[sample]:.6g} ms; {run.scene.method}."
+    )
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
     with replaced(target) as part:

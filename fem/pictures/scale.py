@@ -1,43 +1,50 @@
 """What a picture's colours mean: the quantity, its colour map, its scale and the ticks beside it."""
 
 from dataclasses import dataclass
-from math import ceil, floor, log10
+from math import floor, log10
 from typing import Literal
 
 import numpy as np
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fem.elastic.stress import max_shear, von_mises
 from fem.pictures.bodies import DrawnBearing
 
 Field = Literal["von-mises", "max-shear", "displacement"]
-TITLES = {
-    "von-mises": ("Von Mises stress", "MPa"),
-    "max-shear": ("Max. shear stress", "MPa"),
-    "displacement": ("Displacement", "µm"),
+FIELDS = {  # title, unit, its size in SI, colours, fit for colour-blind eyes
+    "von-mises": ("Von Mises stress", "MPa", 1e6, "viridis"),
+    "max-shear": ("Max. shear stress", "MPa", 1e6, "viridis"),
+    "displacement": ("Displacement", "µm", 1e-6, "cividis"),
 }
-COLOURS = {"von-mises": "viridis", "max-shear": "viridis", "displacement": "cividis"}  # fit for colour-blind eyes
-ROUND_ENDS = (1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-ROUND = (1.0, 2.0, 5.0, 10.0)
 FAINTEST = 1.0 / 500.0  # of the end of a logarithmic scale
+ROUND = MaxNLocator(5, steps=[1, 2, 2.5, 5, 10])  # intervals of a linear scale
+ROUND_TIMES = LogLocator(subs=(1.0, 2.0, 5.0))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scale:
-    """From a quantity in its unit to colours."""
+    """From a quantity in its unit to colours, up to a round number."""
 
     field: Field
-    colours: str
-    end: float  # MPa or µm
-    unit: float  # Pa or m per one of the scale
-    logarithmic: bool = False
+    largest: float  # Pa or m, that must be on it
+    logarithmic: bool
 
     @property
     def title(self) -> str:
-        return TITLES[self.field][0]
+        return FIELDS[self.field][0]
 
     @property
-    def unit_name(self) -> str:
-        return TITLES[self.field][1]
+    def unit(self) -> str:
+        return FIELDS[self.field][1]
+
+    @property
+    def colours(self) -> str:
+        return FIELDS[self.field][3]
+
+    @property
+    def end(self) -> float:
+        """In its unit."""
+        return float(ROUND.tick_values(0.0, self.largest / FIELDS[self.field][2] or 1.0)[-1])
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -46,20 +53,20 @@ class Scale:
 
     def values(self, drawn: DrawnBearing) -> np.ndarray:
         """The nodes' values, to be coloured between `limits`."""
-        found = quantity(self.field, drawn) / self.unit
+        found = quantity(self.field, drawn) / FIELDS[self.field][2]
         return np.log10(np.maximum(found, 1e-3 * FAINTEST * self.end)) if self.logarithmic else found
 
     def ticks(self) -> list[tuple[float, str]]:
         """Share of the bar's length and label."""
+        low, high = self.limits
         if self.logarithmic:
-            low, high = self.limits
-            decades = range(ceil(low - 1e-9), floor(high) + 1)
-            values = [f * 10.0**k for k in (ceil(low) - 1, *decades) for f in (1.0, 2.0, 5.0)]
-            return [
-                ((log10(v) - low) / (high - low), f"{v:.4g}") for v in values if low - 1e-9 <= log10(v) <= high + 1e-9
-            ]
-        n = _intervals(self.end)
-        return [(k / n, f"{k / n * self.end:.4g}") for k in range(n + 1)]
+            values = ROUND_TIMES.tick_values(FAINTEST * self.end, self.end)
+            places = np.log10(values)
+        else:
+            places = values = ROUND.tick_values(0.0, self.end)
+        shares = (places - low) / (high - low)
+        inside = (shares > -1e-9) & (shares < 1.0 + 1e-9)
+        return [(share, f"{value:.4g}") for share, value in zip(shares[inside], values[inside], strict=True)]
 
 
 def quantity(field: Field, drawn: DrawnBearing) -> np.ndarray:
@@ -70,35 +77,7 @@ def quantity(field: Field, drawn: DrawnBearing) -> np.ndarray:
     return von_mises(stress, drawn.poisson_ratio) if field == "von-mises" else max_shear(stress)
 
 
-def linear_scale(field: Field, end: float) -> Scale:
-    """From 0 to a round number not below `end`, Pa or m."""
-    unit = 1e-6 if field == "displacement" else 1e6
-    return Scale(field=field, colours=COLOURS[field], end=rounded_up(end / unit), unit=unit)
-
-
-def logarithmic_scale(field: Field, end: float) -> Scale:
-    """Up to a round number not below `end`, Pa."""
-    return Scale(field=field, colours=COLOURS[field], end=rounded_up(1e-6 * end), unit=1e6, logarithmic=True)
-
-
-def rounded_up(value: float) -> float:
-    """A round number not below a value; 1 for 0."""
-    if value <= 0.0:
-        return 1.0
+def rounded_down(value: float, steps: tuple[float, ...] = (1.0, 2.0, 5.0, 10.0)) -> float:
+    """The largest step times a power of ten that is not above a value > 0."""
     decade = 10.0 ** floor(log10(value))
-    return decade * min(end for end in ROUND_ENDS if end * decade >= value * (1.0 - 1e-12))
-
-
-def rounded_down(value: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that is not above a value > 0."""
-    decade = 10.0 ** floor(log10(value))
-    return decade * max(step for step in ROUND if step * decade <= value * (1.0 + 1e-12))
-
-
-def _intervals(limit: float) -> int:
-    """How many round intervals the scale is divided into."""
-    for count in (5, 4, 3):
-        step = limit / count
-        if round(step / 10.0 ** floor(log10(step) + 1e-9), 6) in (1.0, 2.0, 3.0, 4.0, 5.0):
-            return count
-    return 4
+    return decade * max(step for step in steps if step * decade <= value * (1.0 + 1e-12))

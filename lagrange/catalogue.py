@@ -155,16 +155,17 @@ def instead(designation: str, sizes: str, of_scene: bool = True) -> str:
     """What a bearing is that the table lacks, and what to give: `sizes`; whether these are keys of a scene."""
     written = _written(designation)
     for pattern, kind in _NOT_HERE:
-        if (found := re.match(pattern, written)) is not None:
-            return found.expand(kind)
+        if (of_kind := re.match(pattern, written)) is not None:
+            return of_kind.expand(kind)
     return f"{_advice(written, of_scene)}; of another bearing leave it out and {sizes}"
 
 
 def _advice(written: str, of_scene: bool) -> str:
     for name in entries():
-        if _row_of(written).startswith(name) and (rest := _row_of(written)[len(name) :]) and not rest[0].isdigit():
-            known = _SUFFIX.match(rest)
-            return f"{rest[known.end() if known else 0 :]} is unknown after {name}; give that, with C2 to C5 or none"
+        rest = _row_of(written).removeprefix(name)
+        if _row_of(written).startswith(name) and rest and not rest[0].isdigit():
+            suffix = _SUFFIX.match(rest)
+            return f"{rest[suffix.end() if suffix else 0 :]} is unknown after {name}; give that, with C2 to C5 or none"
     for pattern, advice in _OTHERS:
         if (found := re.match(pattern, written)) is not None and (of_scene or "give" not in advice):
             return found.expand(advice)

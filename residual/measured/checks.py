@@ -167,9 +167,9 @@ def _bearing(question: Question) -> Geometry | None:
         raise InputError("--bearing, --scene and --elements say the same thing; leave all but one out")
     if question.bearing is not None:
         if listed(question.bearing) is None:
-            sizes = "give --elements, --element-diameter, --pitch-diameter and --contact-angle"
+            wanted = "give --elements, --element-diameter, --pitch-diameter and --contact-angle"
             raise InputError(
-                f"--bearing {question.bearing}: not in the table; {instead(question.bearing, sizes, of_scene=False)}"
+                f"--bearing {question.bearing}: not in the table; {instead(question.bearing, wanted, of_scene=False)}"
             )
         return Geometry.of(parse_scene({"bearing": {"designation": question.bearing}}, "--bearing").perfect_bearing())
     if question.scene is not None:

@@ -93,14 +93,14 @@ def _from_file(path: Path, file) -> Record:
     version = attributes.get("format_version")
     if version != FORMAT_VERSION:
         raise InputError(
-            f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
+            f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; run the scene again"
         )
     scene = parse_stored_scene(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
     needed, held = _variables(scene)
     promised = [*needed, *held] if attributes.get("program") == SOLVER else needed
     missing = [name for name in promised if not has(file, name)]
     if missing:
-        raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
+        raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file? Run the scene again")
     n = attributes["committed_samples"]
     if not isinstance(n, int) or n < 0:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")

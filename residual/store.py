@@ -21,7 +21,6 @@ from residual.spectrum import Envelope
 from residual.summary import PROGRAM, ReportOptions, summarise
 
 OURS = {"residual.nc", "summary.json", "report.html"}
-OURS_BY_NAME = (".png", ".svg", ".csv", ".mat", ".wav")
 WHOLE = ReportOptions()
 
 
@@ -80,8 +79,7 @@ def check_replaceable(folder: Path, program: str = PROGRAM) -> None:
         raise InputError(
             f"{folder}: not empty and no report of {program}; choose another --output or empty it"
         ) from None
-    of_earlier = () if ours else OURS_BY_NAME  # versions that did not list what they wrote
-    foreign = sorted(n for n in names - OURS - ours if not n.endswith(of_earlier))
+    foreign = sorted(names - OURS - ours)
     if foreign:
         raise InputError(
             f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"

@@ -21,14 +21,6 @@ def test_spring_and_damper_together_never_pull():
     np.testing.assert_array_equal(found, [1.0, -0.4, -1.0, 0.0])
 
 
-def test_the_former_name_of_the_lagrangian_model_is_read_still():
-    """Results made before all models had dampers say it in [lagrange]; there is one place for it in a scene."""
-    found = parse_scene_text("[lagrange]\ndamping_N_s_m = 250.0", "old.toml")
-    assert found == parse_scene_text("[damping]\ncontact_N_s_m = 250.0", "new.toml")
-    assert "damping_N_s_m" not in found.to_toml().replace("contact_N_s_m", "")
-    assert parse_scene_text("[lagrange]\ndamping_N_s_m = 0.0", "old.toml") == read_scene()
-
-
 def test_a_scene_without_damping_says_nothing_of_it():
     assert "damping" not in read_scene().to_toml()
     damped = read_scene(None, ("damping.contact_time_us=12",))
@@ -41,7 +33,7 @@ def test_a_scene_without_damping_says_nothing_of_it():
     [
         (["damping.contact_N_s_m=1", "damping.contact_time_us=1"], ["contact_N_s_m = 1", "leave all but one out"]),
         (["damping.hunt_crossley_s_m=-1"], ["damping.hunt_crossley_s_m = -1", "0"]),
-        (["damping.contact_N_s_m=1", "lagrange.damping_N_s_m=1"], ["lagrange.damping_N_s_m: unknown key"]),
+        (["lagrange.damping_N_s_m=1"], ["lagrange.damping_N_s_m: contacts are damped by damping.contact_N_s_m"]),
         (["model=lagrange", "damping.bodies_1_s=1"], ["damping.bodies_1_s = 1", "'lagrange'", "fem"]),
         (["model=reduced", "damping.bodies_1_s=1"], ["damping.bodies_1_s = 1", "'reduced'"]),
         (["reduced.modes_up_to_kHz=500"], ["reduced: the reduced model no longer has modes", 'model = "fem"']),

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from fem.solver.simulate import make_plan
-from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene, read_scene
 from lagrange.scene.surfaces import SpallTable
 
 
@@ -66,10 +66,9 @@ def test_none_from_python_where_a_kind_needs_a_value_is_refused(tables):
         parse_scene(tables, "scene")
 
 
-def test_results_that_spell_out_one_thread_are_read_and_more_are_refused():
-    assert parse_scene({"numerics": {"threads": 1}}, "stored") == read_scene()
-    with pytest.raises(SceneError, match=r"numerics.threads: unknown key"):
-        parse_scene({"numerics": {"threads": 2}}, "new")
+def test_a_stored_scene_of_an_earlier_version_is_to_be_run_again():
+    with pytest.raises(SceneError, match="run the scene again"):
+        parse_stored_scene("[numerics]\nthreads = 1\n", "run.nc")
 
 
 def test_a_scene_that_is_not_there_is_named_with_what_is(tmp_path):

@@ -34,6 +34,7 @@ GONE: dict[tuple[str, ...], tuple[Any, str]] = {
         {"modes_up_to_kHz": 0.0},
         'the reduced model no longer has modes; for elastic waves use model = "fem"',
     ),
+    ("lagrange", "damping_N_s_m"): (None, "contacts are damped by damping.contact_N_s_m in all models; write it there"),
     ("axial", "skew"): ("guided", "rollers are always guided against skew; leave it out"),
     ("axial", "skew_play_mrad"): (None, "rollers are always guided against skew; leave it out"),
 }

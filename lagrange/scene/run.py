@@ -70,11 +70,6 @@ class NumericsTable(Table):
         "faults pass, so that no warning follows",
     )
 
-    @classmethod
-    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        """Without the one thread that results up to version 0.2 spell out."""
-        return {key: value for key, value in data.items() if (key, value) != ("threads", 1)}
-
     def checks(self) -> tuple[Check, ...]:
         return (self._samples,)
 
@@ -166,7 +161,6 @@ class OutputTable(Table):
 
 
 CONTACT_LAWS = ("contact_N_s_m", "contact_time_us", "hunt_crossley_s_m")
-FORMER = "damping_N_s_m"  # of [lagrange], before all models had dampers: scenes of older results have it
 
 
 class DampingTable(Table):
@@ -208,15 +202,3 @@ class DampingTable(Table):
         return ContactDamping(
             constant=self.contact_N_s_m, time=1e-6 * self.contact_time_us, hunt_crossley=self.hunt_crossley_s_m
         )
-
-
-def with_former_name(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's tables with `lagrange.damping_N_s_m` where it now stands; not where that says something already."""
-    options, damping = data.get("lagrange"), data.get("damping", {})
-    if not (isinstance(options, dict) and FORMER in options and isinstance(damping, dict)):
-        return data
-    if any(name in damping for name in CONTACT_LAWS):
-        return data  # an unknown key: nobody has to guess which of the two is meant
-    found = options[FORMER]
-    moved = {} if found == 0.0 else {"damping": {"contact_N_s_m": found} | damping}
-    return data | {"lagrange": {name: value for name, value in options.items() if name != FORMER}} | moved

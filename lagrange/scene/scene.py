@@ -24,7 +24,7 @@ from lagrange.scene.combinations import COMBINATIONS
 from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable, quoted, without_gone
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
 from lagrange.scene.operation import IN_PLACE_OF, TABLES
-from lagrange.scene.run import DampingTable, LagrangeTable, with_former_name
+from lagrange.scene.run import DampingTable, LagrangeTable
 from lagrange.scene.surfaces import SURFACES
 from lagrange.scene.tables import SceneTables
 from lagrange.step_size import fitting_interval, wave_interval
@@ -95,7 +95,7 @@ class Scene(SceneTables):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        data = without_gone(with_former_name(data))
+        data = without_gone(data)
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
@@ -266,7 +266,10 @@ def parse_stored_scene(text: str, name: str, files: dict[str, str] | None = None
     data = load(text, name)
     with _refused(name):
         content_of(data, files)
-    return parse_scene({"cage": {"kind": "none"}} | data, name)
+    try:
+        return parse_scene({"cage": {"kind": "none"}} | data, name)
+    except SceneError as error:
+        raise SceneError(f"{error}\nif an earlier version wrote the file, run the scene again") from None
 
 
 @contextmanager

@@ -23,11 +23,12 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
-from numba.core.types import BaseNamedTuple, BaseTuple
+from numba.core.types import BaseNamedTuple, BaseTuple, Float
 
 from fem.kernels.fields_used import forget, shifted
 from fem.kernels.kernel_folder import cache_folder, notices
 from fem.kernels.known_none import KernelCompiler
+from fem.kernels.lanes import LanesType
 from fem.kernels.part_compiler import Code, rebuilt, reduced, register
 from lagrange.files.output import read_sealed, write_sealed
 
@@ -147,6 +148,12 @@ def part(function=None, *, inlined: bool = True):
     code = Code(function, INLINED if inlined else OPTIONS, _keep_part)
     register(function, lambda *_: code, lambda: [function])
     return function
+
+
+def lanes_call(function, code) -> None:
+    """Let kernels call one of numpy's functions on lanes, and on scalars what numba can't: `code` does the same."""
+    chosen = Code(code, INLINED, _keep_part)
+    register(function, lambda *_: chosen, lambda: [code], LanesType | Float)
 
 
 def verb(function):

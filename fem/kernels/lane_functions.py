@@ -6,8 +6,19 @@ coefficients.
 
 from math import log, pi
 
-from fem.kernels.jit import part
-from fem.kernels.lanes import absolute, exponent_and_mantissa, power_of_two, select, to_float, to_int, with_sign
+import numpy as np
+
+from fem.kernels.jit import lanes_call, part
+from fem.kernels.lanes import (
+    absolute,
+    exponent_and_mantissa,
+    power_of_two,
+    select,
+    square_root,
+    to_float,
+    to_int,
+    with_sign,
+)
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
 LN_2 = log(2.0)
@@ -158,3 +169,31 @@ def minimum(a, b):
 def maximum(a, b):
     """The larger of two, lane by lane; the second where one is not a number."""
     return select(a > b, a, b)
+
+
+@part
+def _root(x):
+    return square_root(x)
+
+
+@part
+def _size(x):
+    return absolute(x)
+
+
+@part
+def _choice(mask, yes, no):
+    return select(mask, yes, no)
+
+
+# numpy's functions that laws of `lagrange.contact` may use: they name them
+for _function, _code in (
+    (np.sqrt, _root),
+    (np.exp, exponential),
+    (np.log, logarithm),
+    (np.abs, _size),
+    (np.minimum, minimum),
+    (np.maximum, maximum),
+    (np.where, _choice),
+):
+    lanes_call(_function, _code)

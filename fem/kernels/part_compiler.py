@@ -131,8 +131,11 @@ class Code:
         return found.signature.replace(pysig=python), found.entry_point
 
 
-def register(function: Callable, choose: Callable, codes: Callable) -> None:
-    """Let kernels call a function: `choose` gives the `Code` for types of arguments, `codes` all that it may give."""
+def register(function: Callable, choose: Callable, codes: Callable, of=types.Type) -> None:
+    """Let kernels call a function: `choose` gives the `Code` for types of arguments, `codes` all that it may give.
+
+    `of` : a kind of types that one argument has; of others it is whatever numba makes of the function
+    """
     callees[function] = codes
     forget()
 
@@ -140,6 +143,8 @@ def register(function: Callable, choose: Callable, codes: Callable) -> None:
         key = function
 
         def generic(self, arguments, keywords):
+            if not any(isinstance(each, of) for each in arguments):
+                return None
             signature, self._entry = choose(*arguments).compiled(arguments, keywords)
             return signature
 

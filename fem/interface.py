@@ -213,8 +213,8 @@ def frequencies(designation: str, speed_rpm: float) -> dict[str, float]:
     ------
     SceneError: a designation that is not in the table.
     """
-    from lagrange.scene.scene import Scene
+    from lagrange.scene.scene import parse_scene
 
-    scene = Scene(model="lagrange", bearing={"designation": designation}, operation={"speed_rpm": speed_rpm})
-    found = labels(scene)
+    tables = {"model": "lagrange", "bearing": {"designation": designation}, "operation": {"speed_rpm": speed_rpm}}
+    found = labels(parse_scene(tables, designation))
     return {name: float(found[f"{name}_Hz"]) for name in ("FTF", "BSF", "BPFO", "BPFI")}

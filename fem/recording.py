@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -88,7 +88,8 @@ class Stored(Mapping[str, np.ndarray]):
     """A result file's samples; a column is read when it is asked for."""
 
     def __init__(self, values: "StoredValues", names: Iterable[str]):
-        self._values, self._names, self._columns = values, tuple(names), {}
+        self._values, self._names = values, tuple(names)
+        self._columns: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
         """All samples of a column, by the result file's names."""
@@ -228,7 +229,7 @@ class Result:
         refuse_no_place(path)
         if self.path is not None:
             return Path(shutil.copyfile(self.path, path))
-        with ResultFile(path, self.plan, self.setup_seconds, None, **self.outcome_attributes) as store:
+        with ResultFile(path, cast("Plan", self.plan), self.setup_seconds, None, **self.outcome_attributes) as store:
             checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
             for frame in self.frames:
                 store.keep(frame)

@@ -228,7 +228,7 @@ def _signals(result: Result, wanted: Wanted) -> tuple[float, dict[str, np.ndarra
     """Interval, s, and signals; decimated by a whole number, after a filter without phase."""
     if not wanted.signals:
         return 0.0, {}
-    interval = result.plan.interval
+    interval = 1e-6 * result.scene.numerics.output_interval_us
     factor = decimation(interval, wanted.signal_rate)
     signals = {name: result[name] for name in wanted.signals}
     if factor > 1:

@@ -146,8 +146,8 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     """One pydantic fault, a line for each thing that is wrong."""
     place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        if fault["loc"] in GONE:
-            return [f"{place}: {GONE[fault['loc']][1]}"]
+        if (gone := GONE.get(tuple(map(str, fault["loc"])))) is not None:
+            return [f"{place}: {gone[1]}"]
         known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
         lacking = None if likely else _absent(str(fault["loc"][-1]))

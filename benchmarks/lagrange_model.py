@@ -1,8 +1,8 @@
 """The Lagrangian model solved, and the checker on its output: `python -m benchmarks.lagrange_model`, two minutes.
 
-Processor time of 60 ms of the paper's bearing; how far the first 0.3 ms are from the reference, `lagrange.simulate`,
-and with half the step; the energy error. Then what the checker finds in result files of the model:
-differentiation is all that may be left.
+Processor time of 60 ms of the paper's bearing; how far the first 0.3 ms are from the reference,
+`tests.reference.forward_motion`, and with half the step; the energy error. Then what the checker finds in
+result files of the model: differentiation is all that may be left.
 """
 
 import sys
@@ -18,10 +18,10 @@ from benchmarks.measuring import new_table, timed
 from fem.commands.run_fem import run_main
 from fem.solver.lagrangian import LagrangianPlan, make_plan
 from fem.solver.solver import Samples
-from lagrange import simulate
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
 from tests.measurements import publish
+from tests.reference.forward_motion import simulate
 
 REPEATS = 7  # of which the fastest counts
 DURATION, INTERVAL = 0.06, 1e-5  # s

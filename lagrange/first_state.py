@@ -16,6 +16,7 @@ from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
+from lagrange.load_history import load_share
 from lagrange.motion import State
 from lagrange.mounting import ring_place
 from lagrange.statics import Statics, held_hub, static_equilibrium
@@ -255,6 +256,11 @@ class Problem:
     def hub_tilt(self) -> HubTilt | None:
         """How the hub's axis stands; None: parallel to the others."""
         return None if self.axial is None else hub_tilt(self.operation, self.axial)
+
+    def acting(self, time) -> Operation:
+        """What acts at a time, s, or at times, (n_times,), with the ramp's share of the load."""
+        acting, share = self.operation.at(time), load_share(time, self.load_ramp)
+        return replace(acting, radial_load=share * acting.radial_load, side_load=share * acting.side_load)
 
     @property
     def free_cage(self) -> Cage | None:

@@ -293,32 +293,6 @@ def tilt_equations(
     )
 
 
-def tilt_accelerations(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """τ̈ of rollers that are guided against skew, rad/s²."""
-    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)
-    return -left / roller_inertias(bearing)[0]
-
-
-def guide_moment(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """Moment that keeps rollers from skewing, N m: > 0 pushes their +z end backwards."""
-    return tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)[1]
-
-
-def guided_theta(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
-    """θ̈ of free rollers, rad/s², whose guides push back on what turns them: m ρ² θ̈ = … + τ (guide's moment)."""
-    tilt, turning = state.tilts.tilt, bearing.roller_mass * state.rho**2
-    push = turning * theta_acc + tilt * guide_moment(bearing, operation, state, contacts, 0.0)
-    return push / (turning + roller_inertias(bearing)[0] * tilt**2)
-
-
-def hub_slope_accelerations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any):
-    """b̈ along x and y, rad/s²; 0 of a hub whose slope is held."""
-    if not hub.is_free:
-        return np.zeros_like(np.asarray(state.tilts.slope_x)), np.zeros_like(np.asarray(state.tilts.slope_y))
-    x, y = hub_slope_equations(bearing, operation, hub, state, contacts, 0.0, 0.0)
-    return -x / hub.inertia, -y / hub.inertia
-
-
 def hub_slope_equations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any, x_acc, y_acc):
     """Left sides of the equations of the hub's slope along x and y, N m, each (...,): 0 where nothing else holds it.
 

@@ -13,7 +13,7 @@ import pytest
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
-from lagrange import contact_laws, simulate
+from lagrange import contact_laws
 from lagrange.columns import columns_of
 from lagrange.first_state import Problem
 from lagrange.scene.scene import read_scene
@@ -22,6 +22,7 @@ from residual.evaluation import evaluate
 from residual.sources import read_result
 from residual.spectrum import rms
 from tests.reference.compiled_motion import FLOORS
+from tests.reference.forward_motion import simulate
 
 ROOT = Path(__file__).resolve().parent.parent
 LOAD = 2000.0  # N, the paper's
@@ -121,7 +122,7 @@ def test_ball_bearing_carries_harris_loads(tmp_path, capsys):
     scene, path = tmp_path / "209.toml", tmp_path / "209.nc"
     scene.write_text(BALLS)
     assert run_main([str(scene), "--duration", "0", "--output", str(path)]) == 0
-    shown = PAGE.split("$ run-fem 209.toml --duration 0\n")[1].split("```")[0].splitlines()
+    shown = PAGE.split("run-fem 209.toml --duration 0\n```\n\n```text\n")[1].split("\nResult")[0].splitlines()
     printed = capsys.readouterr().out
     assert len(shown) == 2 and all(line in printed for line in shown)
     with h5py.File(path) as file:

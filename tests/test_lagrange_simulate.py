@@ -1,6 +1,5 @@
 """Forward solution by scipy: balances, statics it settles on, its own residual, impacts; what it refuses."""
 
-import sys
 from dataclasses import replace
 from math import atan2, exp, pi, sqrt
 
@@ -15,11 +14,11 @@ from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.first_state import Problem
 from lagrange.mounting import Housing, Mounting, Shaft
-from lagrange.simulate import simulate
 from lagrange.statics import static_equilibrium
+from tests.reference import forward_motion
+from tests.reference.forward_motion import simulate
 from tests.reference.ideal import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
-module = sys.modules["lagrange.simulate"]  # the package's `simulate` is the function
 ENERGY = 1e-8  # of the elastic energy
 MOUNTED = replace(
     RUNNING,
@@ -97,7 +96,7 @@ def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeyp
     shorter = simulate(Problem(PAPER, RUNNING, HARRIS, **choices), 4e-4, 1e-4, time_step=2e-6)
     assert shorter.time_step < 2.0001e-6 and shorter.steps > run.steps
     for name in ("RELATIVE", "PLACE", "RATE", "WORK"):
-        monkeypatch.setattr(module, name, 0.01 * getattr(module, name))
+        monkeypatch.setattr(forward_motion, name, 0.01 * getattr(forward_motion, name))
     finer = simulate(Problem(PAPER, RUNNING, HARRIS, **choices), 4e-4, 1e-5)
     np.testing.assert_allclose(run.inner_y, finer.inner_y, atol=1e-12)
     np.testing.assert_allclose(shorter.inner_y, finer.inner_y[::10], atol=1e-12)
@@ -190,7 +189,7 @@ def thrown(damping: ContactDamping, speed: float, exponent: float = 1.0) -> floa
     far = replace(PAPER, n_rollers=1, inner_raceway_radius=0.9 * PAPER.inner_raceway_radius)
     still = Operation(speed=0.0, radial_load=0.0, inner_mass=1.0, gravity=0.0, first_roller_angle=0.0)
     laws = ContactLaws(inner=law, outer=law)
-    motion = module.Motion(Problem(bearing=far, operation=still, laws=laws, damping=damping, start="rest"))
+    motion = forward_motion.Motion(Problem(bearing=far, operation=still, laws=laws, damping=damping, start="rest"))
     start = motion.start
     start[4] = far.outer_raceway_radius - far.roller_radius - far.pitch_radius  # ρ, where it touches
     start[4 + 4 + 2] = speed

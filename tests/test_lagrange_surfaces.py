@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lagrange import simulate, static_equilibrium
+from lagrange import static_equilibrium
 from lagrange.first_state import Problem
 from lagrange.motion import State, accelerations, contact_energy, contact_state
 from lagrange.surface.deviation import Turns
 from tests.reference.compiled_motion import compiled, simulation
+from tests.reference.forward_motion import simulate
 from tests.reference.ideal import DOWN, HARRIS, PAPER, RUNNING, spall, wavy
 
 STANDING = replace(RUNNING, speed=0.0, gravity=0.0)

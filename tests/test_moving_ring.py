@@ -10,7 +10,7 @@ from fem.interface import simulate as run_scene
 from fem.solver.reduced import make_plan
 from fem.solver.reduced_start import equilibrium_start
 from fem.statics.reduced_bearing import reduced_bearing
-from lagrange import contact_laws, simulate
+from lagrange import contact_laws
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
@@ -20,6 +20,7 @@ from residual.evaluation import evaluate
 from residual.record import relative
 from tests.reference.budgets import budget_terms, energy_left
 from tests.reference.compiled_motion import assert_right, compiled, simulation, solved
+from tests.reference.forward_motion import simulate
 from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.ideal import HARRIS, PAPER, RUNNING, wavy
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from fem.commands.run_fem import run_main
 from fem.interface import simulate as run_scene
-from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import turned
@@ -20,6 +20,7 @@ from residual.check_vibration import main as vibration_main
 from residual.evaluation import evaluate
 from tests.reference import compiled_motion
 from tests.reference.budgets import budget_terms
+from tests.reference.forward_motion import simulate
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
 from tests.reference.unloaded_stiffness import stiffness_without_load
 

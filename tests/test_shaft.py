@@ -14,7 +14,7 @@ from fem.kernels.shaft import Shaft
 from fem.solver.reduced_start import equilibrium_start
 from fem.solver.simulate import make_plan
 from fem.statics.reduced_bearing import reduced_bearing
-from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import ContactLaws
@@ -26,6 +26,7 @@ from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, read_scen
 from residual.evaluation import evaluate
 from tests.reference.budgets import budget_terms, energy_left
 from tests.reference.compiled_motion import assert_right, compiled, solved
+from tests.reference.forward_motion import simulate
 from tests.reference.ideal import HARRIS, PAPER, RUNNING
 from tests.reference.operation_tables import record_of
 from tests.reference.refusals import assert_refused

@@ -9,7 +9,7 @@ from fem.runner import RunOptions, run_scene
 from fem.solver import finite_elements, rigid_state, tilted_start
 from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.simulate import make_plan
-from lagrange import contact_laws, first_state, simulate
+from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.first_state import Problem
@@ -19,6 +19,7 @@ from residual.evaluation import evaluate
 from residual.figures.motion import pressure_figure, tilt_figure
 from residual.sources import read_result
 from residual.tilt import largest_pressures
+from tests.reference.forward_motion import simulate
 from tests.reference.going_on import assert_same_bits
 from tests.reference.tilted_runs import defects, missed, moved, moved_by, scene
 
@@ -50,7 +51,7 @@ def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     bearing = found.ideal_bearing()
     laws = contact_laws(found.lagrange.law, bearing)
     reference = simulate(Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial()), 5e-4, 1e-5)
-    samples, tilt = moved(found), reference.tilt
+    samples, tilt = moved(found), reference
     loaded = reference.inner_force > 50.0
     assert samples["inner_y"] == pytest.approx(reference.inner_y, abs=1e-3 * 6e-6)
     assert samples["roller_tilt"][loaded] == pytest.approx(tilt.roller_tilt[loaded], abs=1e-2 * 5e-4)
@@ -82,13 +83,13 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
     )
     samples = moved(found)
     for name, value in {
-        "inner_force": reference.inner_force, "inner_moment": reference.tilt.inner_moment,
-        "roller_tilt": reference.tilt.roller_tilt, "inner_slope_y": reference.tilt.inner_slope_y,
+        "inner_force": reference.inner_force, "inner_moment": reference.inner_moment,
+        "roller_tilt": reference.roller_tilt, "inner_slope_y": reference.inner_slope_y,
     }.items():  # fmt: skip
         assert samples[name] == pytest.approx(value, abs=1e-4 * np.abs(value).max())
-    largest = np.abs(reference.tilt.inner_damping_moment).max()
+    largest = np.abs(reference.inner_damping_moment).max()
     assert largest > 5e-4  # N m
-    assert samples["inner_damping_moment"] == pytest.approx(reference.tilt.inner_damping_moment, abs=2e-3 * largest)
+    assert samples["inner_damping_moment"] == pytest.approx(reference.inner_damping_moment, abs=2e-3 * largest)
     assert samples["work_damping_contact"] == pytest.approx(
         reference.work_damping, abs=3e-3 * reference.work_damping[-1]
     )
@@ -212,8 +213,8 @@ def test_missing_rollers_and_a_turning_outer_ring_move_as_the_reference_says(key
     assert samples["inner_force"][loaded] == pytest.approx(
         reference.inner_force[loaded], abs=2e-3 * 700.0
     )  # N, of a table
-    assert samples["roller_tilt"][loaded] == pytest.approx(reference.tilt.roller_tilt[loaded], abs=1e-2 * 5e-4)
-    assert samples["inner_moment"] == pytest.approx(reference.tilt.inner_moment, abs=5e-3)  # N m, of 0.7
+    assert samples["roller_tilt"][loaded] == pytest.approx(reference.roller_tilt[loaded], abs=1e-2 * 5e-4)
+    assert samples["inner_moment"] == pytest.approx(reference.inner_moment, abs=5e-3)  # N m, of 0.7
     assert missed(samples) < 1e-6
 
 
@@ -283,7 +284,7 @@ def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says(tmp_path
     # tables of energy put a strike's ringing off by a tenth of a radian
     assert record.inner_force == pytest.approx(reference.inner_force, abs=1.5e-2 * reference.inner_force.max())
     assert record.outer_moment == pytest.approx(
-        reference.tilt.outer_moment, abs=3e-2 * reference.tilt.outer_moment.max()
+        reference.outer_moment, abs=3e-2 * reference.outer_moment.max()
     )
     checked = evaluate(record)
     for direction in checked.directions:

@@ -10,7 +10,7 @@ from scipy.integrate import solve_bvp
 from fem.commands.run_fem import run_main
 from fem.interface import simulate as run
 from fem.runner import RunOptions, run_scene
-from lagrange import contact_laws, kinematics, simulate, static_equilibrium
+from lagrange import contact_laws, kinematics, static_equilibrium
 from lagrange.first_state import Problem
 from lagrange.kinematics import OUTER_RING, turned
 from lagrange.scene.operation import RPM
@@ -21,6 +21,7 @@ from residual.evaluation import evaluate
 from residual.fault_finding import find_faults
 from residual.measured.diagnosis import Geometry
 from residual.sources import read_result
+from tests.reference.forward_motion import simulate
 from tests.reference.refusals import assert_refused
 
 SPALL = {"width_mm": 1.0, "depth_um": 20.0}

@@ -8,19 +8,15 @@ import numpy as np
 from fem.solver.guards import EnergyAccount, largest_forces
 from fem.solver.lagrangian_judge import Judge
 from fem.solver.solver import Block, Numbers, RunState
-from lagrange.cage_motion import CageRows, first_row
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
+from lagrange.samples import sampled
 from lagrange.surface.deviation import Turns
-from lagrange.trajectory import loaded, quantities
 
 if TYPE_CHECKING:
     from fem.solver.lagrangian import LagrangianPlan
 
-PER_TIME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "energy_kinetic",
-            "energy_contact")  # fmt: skip
-PER_ROLLER = "roller_rho", "roller_theta", "inner_force", "outer_force"
 KEPT = "turns", "tilts"  # of a state: no arrays
 WORKS = "energy_elastic", "work_external", "work_dissipated", "work_damping_contact", "work_damping_bodies"
 
@@ -52,7 +48,7 @@ def beginning(problem: Problem) -> Beginning:
     bearing, operation, held = problem.bearing, problem.operation, problem.angles == "kinematic"
     state = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0))
     touch = contact_state(bearing, problem.contacts, state, problem.damping)
-    hub_acceleration = -np.array(hub_equations(loaded(problem, 0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
+    hub_acceleration = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
     ring = np.array([state.ring_x, state.ring_y])
     ring_acceleration = np.array(housing_accelerations(bearing, operation, state, touch))
     radial = np.array([np.cos(state.theta), np.sin(state.theta)])
@@ -83,27 +79,12 @@ def beginning(problem: Problem) -> Beginning:
 
 def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     """The first sample."""
-    n, zero = problem.bearing.n_rollers, np.zeros(1)
-    ideal, per_roller = kinematics(problem.bearing, *problem.operation.ring_speeds), np.zeros((1, n))
     coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name not in KEPT}
     alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
-    rows = None if problem.free_cage is None else CageRows.of(first_row(n, ideal.cage)[None])
-    part, _, _ = quantities(problem, zero, alone, zero, zero, np.zeros((1, 2)), rows)
-    cage, tilt = part.pop("cage"), part.pop("tilt")
-    x, y = alone.rho * np.cos(alone.theta), alone.rho * np.sin(alone.theta)
-    found = {name: zero + part[name] for name in (*PER_TIME, *problem.operation.mounting.columns)}
-    found |= {name: per_roller + part[name] for name in PER_ROLLER}
-    found |= {
-        "roller_x": x + part["housing_x"][:, None], "roller_y": y + part["housing_y"][:, None],
-        "roller_spin": per_roller + ideal.roller,
-        "inner_damping_force": part["inner_damper"], "outer_damping_force": part["outer_damper"],
-    }  # fmt: skip
+    found, per_roller = sampled(problem, np.zeros(1), alone), np.zeros((1, problem.bearing.n_rollers))
     found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
-    found |= dict.fromkeys(WORKS, zero)
-    if tilt is not None:
-        damps = problem.damping.acts
-        found |= {name: value for name, value in vars(tilt).items() if damps or "damping" not in name}
-    return found | ({} if cage is None else {f"cage_{name}": value for name, value in vars(cage).items()})
+    spin = kinematics(problem.bearing, *problem.operation.ring_speeds).roller
+    return found | dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin}
 
 
 class StartState(RunState):

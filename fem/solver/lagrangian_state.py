@@ -18,7 +18,6 @@ from lagrange.motion import State, StatedDampers, contact_state, hub_equations, 
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import Turns
 from lagrange.tilt import Tilts
-from lagrange.trajectory import loaded
 
 if TYPE_CHECKING:
     from fem.solver.lagrangian import LagrangianPlan
@@ -158,7 +157,7 @@ class LagrangianState(RigidState):
             for name, moment in zip(names[2:], touch.tilted.dampers, strict=True):
                 if name in samples.values:
                     samples[name][:] = moment
-        left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
+        left = hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
             of_cage: Any = 0.0
             if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":

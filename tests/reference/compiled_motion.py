@@ -1,4 +1,4 @@
-"""Compiled runs of the Lagrangian model, and their judge: `lagrange.simulate`, which shares no step with them."""
+"""Compiled runs of the Lagrangian model, and their judge, `forward_motion`, which shares no step with them."""
 
 from math import ceil
 from types import SimpleNamespace
@@ -11,8 +11,8 @@ from fem.solver.solver import Samples
 from lagrange import BallBearing
 from lagrange.first_state import Problem
 from lagrange.mounting import ENERGIES
-from lagrange.simulate import simulate
 from lagrange.step_size import longest_step
+from tests.reference.forward_motion import simulate
 
 COMPARED = ("inner_x", "inner_y", "roller_rho", "inner_vy", "inner_ay", "roller_theta", "inner_force", "outer_force",
             "work_external", "work_dissipated", "housing_y", "housing_ay", "sensor_ay")  # fmt: skip
@@ -92,7 +92,7 @@ def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: fl
 
 
 def solved(problem: Problem, duration: float, interval: float) -> SimpleNamespace:
-    """As `lagrange.simulate`, by compiled steps: for long motions."""
+    """As `tests.reference.forward_motion`, by compiled steps: for long motions."""
     return compiled(problem, int(duration / interval + 1e-9) + 1, interval)
 
 

@@ -1,9 +1,9 @@
 """Scenes whose speed or load come from tables, and their records as the checker sees them."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 from lagrange.scene.scene import Scene, read_scene
-from lagrange.trajectory import Trajectory
 from residual.record import Record
 
 RAMP = "time_ms,speed_rpm\n0,1000\n2,1500\n6,5000\n8,6000\n"
@@ -24,7 +24,7 @@ def scene_with(
     return read_scene(path, settings)
 
 
-def record_of(scene: Scene, run: Trajectory) -> Record:
+def record_of(scene: Scene, run: SimpleNamespace) -> Record:
     """A Lagrangian run as a record."""
     return Record(
         name="run", source=Path("run"), scene=scene, time=run.time, inner_x=run.inner_x, inner_y=run.inner_y,

@@ -7,9 +7,9 @@ from scipy.integrate import solve_ivp
 
 from lagrange import BallBearing, Operation, contact_laws
 from lagrange.first_state import Problem
-from lagrange.simulate import Motion
 from tests.reference.bearings import STEEL, STEEL_ON_STEEL
 from tests.reference.disc_impact import thrown_at_flat
+from tests.reference.forward_motion import Motion
 from tests.reference.line_contact import impact_on_rigid_flat
 from tests.verification.bar import DENSITY, DROP, GRAVITY, LENGTH, MODULUS, fall
 from tests.verification.case import Case, Check, Origin

@@ -1,19 +1,26 @@
-"""Forward solution of the equations of motion (21)-(23), written as they stand in `motion` and left to scipy.
+"""Forward solution of the equations of motion (21)-(23), written as they stand in `lagrange.motion` and left to scipy.
 
-The reference of the compiled model: it shares geometry, laws and equations with it, but no step, no scheme and no
-account of energy. Beside hub, outer ring and rolling elements the unknowns are the works of load, held angles and
-dampers, and a sensor's motion, so that the energy balances to the tolerance.
+The reference of the compiled Lagrangian model: it shares geometry, laws and equations with it, but no step, no
+scheme and no account of energy. Beside hub, outer ring and rolling elements the unknowns are the works of load, held
+angles and dampers, and a sensor's motion, so that the energy balances to the tolerance.
 """
 
-import numpy as np
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.columns import columns_of
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles, turned
-from lagrange.motion import State, accelerations, contact_state, housing_accelerations
+from lagrange.motion import State, accelerations, contact_state, housing_accelerations, rotation_energy
+from lagrange.mounting import PARTS
+from lagrange.samples import sampled
 from lagrange.step_size import critical_time_step
 from lagrange.surface.deviation import Turns
-from lagrange.tilt import Tilts, guide_moment, guided_theta, hub_slope_accelerations, tilt_accelerations
-from lagrange.trajectory import Trajectory, energy_of, loaded, quantities
+from lagrange.tilt import HubTilt, Tilts, hub_slope_equations, roller_inertias, tilt_equations
 
 RELATIVE = 1e-7  # error of a step, of each unknown; and absolute:
 PLACE, RATE, WORK = 1e-14, 1e-9, 1e-12  # m, m/s, J
@@ -81,7 +88,7 @@ class Motion:
         """Rates of the unknowns: equations (21)-(23), the θ equation, those of housing and sensor; powers, W."""
         problem, n, places = self.problem, self.n, 4 + 2 * self.n
         bearing, history = problem.bearing, problem.operation.history
-        state, acting = self.state(time, unknowns), loaded(problem, time)
+        state, acting = self.state(time, unknowns), problem.acting(time)
         touch = contact_state(bearing, problem.contacts, state, problem.damping)
         ring = housing_accelerations(bearing, acting, state, touch)
         x, y, rho, theta = accelerations(bearing, acting, state, touch, ring)
@@ -120,7 +127,33 @@ class Motion:
         return found
 
 
-def simulate(problem: Problem, duration: float, interval: float, *, time_step: float = LONGEST) -> Trajectory:
+def tilt_accelerations(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """τ̈ of rollers that are guided against skew, rad/s²."""
+    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)
+    return -left / roller_inertias(bearing)[0]
+
+
+def guide_moment(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """Moment that keeps rollers from skewing, N m: > 0 pushes their +z end backwards."""
+    return tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)[1]
+
+
+def guided_theta(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
+    """θ̈ of free rollers, rad/s², whose guides push back on what turns them: m ρ² θ̈ = … + τ (guide's moment)."""
+    tilt, turning = state.tilts.tilt, bearing.roller_mass * state.rho**2
+    push = turning * theta_acc + tilt * guide_moment(bearing, operation, state, contacts, 0.0)
+    return push / (turning + roller_inertias(bearing)[0] * tilt**2)
+
+
+def hub_slope_accelerations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any):
+    """b̈ along x and y, rad/s²; 0 of a hub whose slope is held."""
+    if not hub.is_free:
+        return np.zeros_like(np.asarray(state.tilts.slope_x)), np.zeros_like(np.asarray(state.tilts.slope_y))
+    x, y = hub_slope_equations(bearing, operation, hub, state, contacts, 0.0, 0.0)
+    return -x / hub.inertia, -y / hub.inertia
+
+
+def simulate(problem: Problem, duration: float, interval: float, *, time_step: float = LONGEST) -> SimpleNamespace:
     """Integrate (21)-(23), with the angles from kinematics (20) or free (the θ equation).
 
     Parameters
@@ -130,7 +163,9 @@ def simulate(problem: Problem, duration: float, interval: float, *, time_step: f
 
     Returns
     -------
-    Trajectory; its steps are the integrator's, its time step the longest of them
+    Columns by the result file's names, 0 of a housing, a shaft's springs and a sensor that are not there, those of a
+    cage under `cage`; rates of the coordinates; works, J; the energy that the integration has made since the start; its
+    steps, and the longest of them, s.
 
     Errors
     ------
@@ -140,17 +175,14 @@ def simulate(problem: Problem, duration: float, interval: float, *, time_step: f
     ValueError: impossible arguments; a free cage, whose Coulomb friction is no smooth function of the motion.
     RuntimeError: no equilibrium to start from; the integrator finds no step.
     """
-    from scipy.integrate import solve_ivp  # which commands that import this package load without
-
     if not (duration >= 0.0 and interval > 0.0):
         raise ValueError(f"duration = {duration}, interval = {interval}: at least 0, and positive")
     if problem.free_cage is not None:
         raise ValueError('cage with angles = "free": its friction jumps with the slip; run-fem\'s model has it')
-    bearing, operation, laws = problem.bearing, problem.operation, problem.laws
+    bearing, operation = problem.bearing, problem.operation
     motion, time = Motion(problem), interval * np.arange(int(duration / interval + 1e-9) + 1)
-    mounting = operation.mounting
-    dashpots = [0.0 if part is None else part.damping for part in (mounting.shaft, mounting.housing)]
-    stiff = max(dashpots) > STIFF * operation.inner_mass
+    shaft, housing, sensor = (getattr(operation.mounting, part) for part in ("shaft", "housing", "sensor"))
+    stiff = max(0.0 if part is None else part.damping for part in (shaft, housing)) > STIFF * operation.inner_mass
     found = solve_ivp(
         motion.rate, (0.0, time[-1]), motion.start, "Radau" if stiff else "DOP853", dense_output=True, rtol=RELATIVE,
         atol=motion.tolerance, max_step=min(LONGEST, time_step),
@@ -159,18 +191,27 @@ def simulate(problem: Problem, duration: float, interval: float, *, time_step: f
         raise RuntimeError(found.message)
     unknowns = found.sol(time) if time.size > 1 else motion.start[:, None]
     load, driven, by_contacts, by_dashpots = unknowns[-WORKS - 2 : -2]
-    part, lift, rotation = quantities(
-        problem, time, motion.state(time, unknowns), by_contacts, by_dashpots, unknowns[-2:].T
-    )
+    state, zero = motion.state(time, unknowns), np.zeros(time.size)
+    part: dict[str, Any] = dict.fromkeys(columns_of(*PARTS), zero) | sampled(problem, time, state)
+    if sensor is not None:
+        part["sensor_ay"] = unknowns[-2:].T @ sensor.pull
+    cage = {name.removeprefix("cage_"): value for name, value in part.items() if name.startswith("cage_")}
+    lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
+    if housing is not None:
+        carrying = housing.mass + bearing.outer_ring_mass
+        lift = lift + (operation.inner_mass + bearing.n_rollers * bearing.roller_mass + carrying) * state.ring_y
+    rotation = rotation_energy(bearing, operation.at(time)) + zero
     work_gravity, work_cage = -operation.gravity * (lift - lift[0]), driven + rotation - rotation[0]
-    energy = energy_of(part)
-    return Trajectory(
-        **part, bearing=bearing, operation=operation, laws=laws, work_load=load, work_gravity=work_gravity,
-        work_cage=work_cage,
-        energy_error=energy - energy[0] - load - work_gravity - work_cage + part["work_dissipated"],
+    energy = sum(part[f"energy_{name}"] for name in ("kinetic", "contact", "shaft", "support"))
+    work_external, lost = load + work_gravity + work_cage, by_contacts + by_dashpots
+    return SimpleNamespace(
+        **part, bearing=bearing, operation=operation, laws=problem.laws, cage=SimpleNamespace(**cage) if cage else None,
+        roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
+        inner_damper=part["inner_damping_force"], outer_damper=part["outer_damping_force"],
+        work_load=load, work_cage=work_cage, work_external=work_external, work_dissipated=lost,
+        work_damping=by_contacts, energy_error=energy - energy[0] - work_external + lost,
         roller_spin=kinematics(bearing, *operation.at(time).ring_speeds).roller,
         roller_turn=np.asarray(turned(bearing, operation, time).roller),
-        time_step=float(np.diff(found.t).max(initial=0.0)),
+        time_step=float(np.diff(found.t).max(initial=0.0)), steps=found.t.size - 1 if time.size > 1 else 0,
         critical_time_step=critical_time_step(problem, part["inner_force"].max(), part["outer_force"].max()),
-        steps=found.t.size - 1 if time.size > 1 else 0,
     )  # fmt: skip

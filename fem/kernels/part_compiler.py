@@ -143,7 +143,7 @@ def register(function: Callable, choose: Callable, codes: Callable, of=types.Typ
         key = function
 
         def generic(self, arguments, keywords):
-            if not any(isinstance(each, of) for each in arguments):
+            if arguments and not any(isinstance(each, of) for each in arguments):
                 return None
             signature, self._entry = choose(*arguments).compiled(arguments, keywords)
             return signature

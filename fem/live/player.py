@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Container
 from contextlib import suppress
-from dataclasses import asdict
 from math import degrees, pi, remainder
 
 import numpy as np
@@ -243,7 +242,7 @@ class Player:
             "pockets": bearing.pockets,
             "play": None if self._cage is None else self._cage.pocket_clearance / MM,
             "spalls": [
-                {**{key: value for key, value in asdict(fault).items() if key in ("body", "roller", "angle")},
+                {"body": fault.body, "roller": fault.roller, "angle": fault.angle,
                  "half": fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault)}
                 for fault in bearing.faults if isinstance(fault, Spall)
             ],

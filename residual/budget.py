@@ -27,7 +27,7 @@ import numpy as np
 from lagrange.contact.raceway_laws import law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.load_history import load_share
-from residual.fitted_laws import Identification, Law, inner_law, law_force, spring_and_damper
+from residual.fitted_laws import Identification, Law, inner_law, spring_and_damper
 from residual.record import CageMotion, Record
 from residual.spectrum import Statistics, rms
 from residual.tilt import SlicedLaw, moment_resultant
@@ -249,7 +249,7 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
     closed, scores = run_force > 0.0, []
     for name, law in laws.items():
-        force = law_force(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
+        force = sum(spring_and_damper(law, contacts.inner, budget.closing_speed, contacts.inner_compliance))
         pushes = resultant_by(law, record, contacts, force)
         contact_rms = rms((run_force - force[late])[closed]) if closed.any() else None
         error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))

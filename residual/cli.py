@@ -70,8 +70,7 @@ def _command(
         str | None,
         Parameter(
             help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz (balls); "
-            "or fitted, fitted_coupled, fitted_damped, fitted_coupled_damped: to the first half of the run's own "
-            "forces; default: the scene's, harris or hertz"
+            "or fitted, fitted_damped: to the first half of the run's own forces; default: the scene's, harris or hertz"
         ),
     ] = None,
     start: Annotated[float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")] = None,
@@ -135,7 +134,7 @@ def _command(
             f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
             "leave either option out"
         )
-    evaluation = evaluate(record, law, seconds, order, line, limits)
+    evaluation = evaluate(record, law, seconds, order, line, limits, compare_laws)
     found = find_faults(evaluation.record) if search else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")

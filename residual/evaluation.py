@@ -91,8 +91,8 @@ class Evaluation:
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     quarters: Stationarity | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
-    identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
-    unfitted: str | None  # why no law could be fitted
+    identified: dict[str, Identification]  # laws fitted to the run's own forces, as far as they are asked for, by name
+    unfitted: dict[str, str]  # why the others of these could not be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
     reference: tuple[float, str]  # N, what errors are compared with, and its name, see `reference_force`
     too_coarse: TooCoarse | None  # of a run of ours that vibrates beyond its samples
@@ -193,17 +193,19 @@ def evaluate(
     order: int = 6,
     watch: tuple[str, ...] = (),
     band: tuple[float, float] | None = None,
+    fit: bool = False,
 ) -> Evaluation:
     """Put a run's record into equations (22), (23) and analyse what is left.
 
     Parameters
     ----------
-    law : name in `lagrange.contact.raceway_laws.law_names`; "fitted" or another of `comparison.FITTED` (to the record's
-        first half); a law; None: the scene's, [lagrange] law
+    law : name in `lagrange.contact.raceway_laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a
+        law; None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation
     watch : lines to look at, by name ("BPFO", "BPFO-shaft") or in Hz ("22"); warned of when the record is too short
     band : Hz, whose envelope is taken of the vibration; None: see `vibration`
+    fit : whether laws are fitted to be compared, as far as the source allows
 
     Returns
     -------
@@ -235,7 +237,14 @@ def evaluate(
     if isinstance(law, str) and law not in FITTED:
         law = inner_law(law, used)
     chatter = chatter_gap(used)
-    identified, unfitted = _identify(used, approach[first:], closing_speed, chatter, law)
+    identified, unfitted = {}, {}
+    for name in FITTED if fit else (law,) if isinstance(law, str) else ():
+        try:
+            identified[name] = identify(used, approach[first:], closing_speed, chatter, name)
+        except InputError as error:
+            if law == name:
+                raise
+            unfitted[name] = str(error)
     if isinstance(law, str):
         law = identified[law].law
     budget = error_budget(used, law, accelerations, closing_speed)
@@ -245,8 +254,7 @@ def evaluate(
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
-    own = identified.get("fitted")
-    resonances = _resonances(used, law if own is None else own.law, budget)  # a law may be a tenth too soft
+    resonances = _resonances(used, law, budget)
     noise = NOISE * max(used.load, float(budget.law_force.max()))
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
     bodies = measured(used, accelerations)
@@ -336,27 +344,14 @@ def _observed(ideal: Kinematics, record: Record) -> Kinematics:
     return replace(ideal, cage=record.cage_speed)
 
 
-def _identify(
-    record: Record, approach, closing_speed, chatter: int, wanted
-) -> tuple[dict[str, Identification], str | None]:
-    """Fit every law that the run allows; why one could not be fitted, unless it is the wanted one: that raises."""
-    identified, reason = {}, None
-    for name in FITTED:
-        try:
-            identified[name] = identify(record, approach, closing_speed, chatter, name)
-        except InputError as error:
-            if wanted == name:
-                raise
-            reason = str(error)
-    return identified, reason
-
-
 def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]:
     """Frequencies of the inner ring's modes along x and y, Hz, each roller's contacts in series, rollers without mass.
 
     Rollers about the load line hold the ring along it better than across it.
     """
-    slope = law.slope(budget.contacts.inner)
+    slope, own, by_law = law.slope(budget.contacts.inner), record.inner_force, np.sum(budget.law_force**2)
+    if own is not None and by_law > 0.0:
+        slope = slope * (np.sum(own * budget.law_force) / by_law)  # a law may be a tenth too soft
     shaft = record.operation.mounting.shaft
     beside = 0.0 if shaft is None else shaft.stiffness
 

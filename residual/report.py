@@ -70,7 +70,7 @@ def render_report(
         fit=tables.fit_sentences(evaluation),
         laws=tables.ranking_rows(evaluation),
         laws_span=tables.ranking_span(evaluation),
-        unfitted=evaluation.unfitted,
+        unfitted=evaluation.unfitted.items(),
         peaks=[(direction.name, tables.peak_rows(direction.peaks)) for direction in evaluation.directions],
         levels=tables.level_rows(evaluation),
         watched=tables.watched_rows(evaluation),

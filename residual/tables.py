@@ -197,7 +197,6 @@ def fit_sentences(evaluation: Evaluation) -> list[str]:
     scale = MILLIMETRES**-found.exponent.value
     sentences = [
         f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
-        + ("" if found.coupling is None else f", c = {_interval(found.coupling, 1e12)} pm/N")
         + ("" if found.damping is None else f", d = {_interval(found.damping)} N s/m")
         + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width).",
         f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "

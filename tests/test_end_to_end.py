@@ -62,7 +62,7 @@ def test_rest_start_settles_around_the_equilibrium(tmp_path):
     assert abs(budget.y.momentum[:50]).max() < 40.0
 
 
-@pytest.mark.parametrize("law", ["harris", "fitted_coupled_damped"])
+@pytest.mark.parametrize("law", ["harris", "fitted_damped"])
 def test_the_budget_of_a_simulated_run_adds_up_at_every_sample(coarse_run, law):
     budget = evaluate(read_result(coarse_run), law).budget
     laws = ["contact_law", "damping"] if law.endswith("damped") else ["contact_law"]

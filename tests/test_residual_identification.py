@@ -10,7 +10,7 @@ from lagrange.contact.laws import PowerLaw, roller_law
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.fitted_laws import CoupledLaw, DampedLaw, fit_law, law_force, neighbours, passage_numbers
+from residual.fitted_laws import DampedLaw, fit_law, passage_numbers, spring_and_damper
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
@@ -40,47 +40,39 @@ def test_a_law_is_found_again():
     assert found.scatter < 1e-6
 
 
-def test_a_coupling_between_neighbours_is_found_again():
-    depth = load_zone()
-    law = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=-4e-11)
-    force = law.force(depth)
-    found = fit_law(depth, force, bridge=5, extras=("coupling",))
-    assert found.coupling.value == pytest.approx(-4e-11, rel=1e-6)
-    assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-7)
-    np.testing.assert_allclose(found.law.force(depth), force, atol=1e-4)
-
 
 def closing_speed(n_times=1200, seed=4):
     """Made-up closing speeds, m/s, of the size of a vibrating roller's."""
     return 1e-3 * np.random.default_rng(seed).standard_normal((n_times, 13))
 
 
-@pytest.mark.parametrize("extras", [("damping",), ("coupling", "damping")])
-def test_damping_is_found_again_beside_the_rest(extras):
+def force_of(law, depth, speed):
+    return sum(spring_and_damper(law, depth, speed))
+
+
+def test_damping_is_found_again_beside_the_rest():
     depth, speed = load_zone(), closing_speed()
-    spring = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=-4e-11)
-    if extras == ("damping",):
-        spring = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
-    force = law_force(DampedLaw(spring=spring, damping=ContactDamping(constant=300.0)), depth, speed)
-    found = fit_law(depth, force, bridge=5, extras=extras, closing_speed=speed)
-    assert found.damping.value == pytest.approx(300.0, rel=1e-3)  # a neighbour's damper couples too, unfitted
+    spring = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
+    force = force_of(DampedLaw(spring=spring, damping=ContactDamping(constant=300.0)), depth, speed)
+    found = fit_law(depth, force, bridge=5, closing_speed=speed)
+    assert found.damping.value == pytest.approx(300.0, rel=1e-3)
     assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-5)
-    assert found.law.name == "fitted_" + "_".join({"coupling": "coupled", "damping": "damped"}[e] for e in extras)
-    np.testing.assert_allclose(law_force(found.law, depth, speed), force, atol=0.05)
+    assert found.law.name == "fitted_damped"
+    np.testing.assert_allclose(force_of(found.law, depth, speed), force, atol=0.05)
 
 
 def test_damping_that_is_not_there_is_told_by_an_interval_around_zero():
     depth, speed = load_zone(), closing_speed()
     noise = 0.5 * np.random.default_rng(5).standard_normal(depth.shape)
     force = np.where(depth > 0.0, np.maximum(power(depth) + noise, 0.0), 0.0)
-    found = fit_law(depth, force, bridge=5, extras=("damping",), closing_speed=speed)
+    found = fit_law(depth, force, bridge=5, closing_speed=speed)
     assert found.damping.low < 0.0 < found.damping.high
     assert found.damping.high - found.damping.low < 100.0
 
 
 def test_a_bearing_that_does_not_move_fixes_no_damping():
     with pytest.raises(InputError, match="damping"):
-        fit_law(load_zone(), power(load_zone()), bridge=5, extras=("damping",), closing_speed=0.0 * load_zone())
+        fit_law(load_zone(), power(load_zone()), bridge=5, closing_speed=0.0 * load_zone())
 
 
 @pytest.mark.parametrize("scale", [1e-310, 1e-160])
@@ -93,22 +85,15 @@ def test_numbers_that_a_run_does_not_fix_are_refused_in_a_sentence():
     """A dashpot whose force grows with the spring's can't be told from a stiffer spring."""
     depth = load_zone()
     with pytest.raises(InputError, match="do not fix all numbers"):
-        fit_law(depth, power(depth), bridge=5, extras=("damping",), closing_speed=1e-6 * power(depth))
+        fit_law(depth, power(depth), bridge=5, closing_speed=1e-6 * power(depth))
 
 
 def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
     spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
     law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
-    found = law_force(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
+    found = force_of(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
     np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
 
-
-def test_coupled_forces_satisfy_their_equation():
-    depth = load_zone(200)
-    law = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=1e-10)
-    force = law.force(depth)
-    np.testing.assert_allclose(force, power(depth - 1e-10 * neighbours(force)), rtol=1e-9, atol=1e-9)
-    assert np.max(np.abs(force - power(depth))) > 10.0
 
 
 def test_intervals_cover_the_truth_though_samples_of_a_passage_are_correlated():
@@ -160,10 +145,10 @@ def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
     )
 
 
-@pytest.mark.parametrize("law", ["harris", "fitted", "fitted_coupled", "johnson", "teutsch_sauer"])
+@pytest.mark.parametrize("law", ["harris", "fitted", "johnson", "teutsch_sauer"])
 def test_ranking_agrees_with_an_evaluation_under_each_law(law, run, tmp_path):
     trajectory = recorded(tmp_path / "a.nc", run)
-    ranked = evaluate(trajectory, "palmgren")
+    ranked = evaluate(trajectory, "palmgren", fit=True)
     late = slice(ranked.identified["fitted"].samples, None)
     alone = evaluate(trajectory, law).budget
     score = ranked.score(law)
@@ -182,7 +167,7 @@ def test_summary_and_terminal_tell_the_fit_and_the_ranking(run, tmp_path, capsys
     fit = summary["identification"]
     assert fit["exponent"]["low"] <= fit["exponent"]["value"] <= fit["exponent"]["high"]
     assert fit["held_back"]["samples"] + round(fit["fitted_until_s"] / 1e-5) + 1 == run.time.size
-    assert {row["law"] for row in summary["laws"]} >= {"harris", "fitted", "fitted_coupled", "fitted_damped", "johnson"}
+    assert {row["law"] for row in summary["laws"]} >= {"harris", "fitted", "fitted_damped", "johnson"}
     page = (tmp_path / "a-residual" / "report.html").read_text()
     assert "95 % confidence" in page and "Held-back part" in page
 
@@ -206,9 +191,9 @@ def test_a_run_without_forces_can_be_ranked_but_not_fitted(run, tmp_path, capsys
 
 def test_fitted_law_explains_a_simulated_run(coarse_run):
     """On the part of a finite-element run not fitted to: under 10 N rms in y, mean under 2 N; and no damping."""
-    evaluation = evaluate(read_result(coarse_run), "fitted")
+    evaluation = evaluate(read_result(coarse_run), "fitted", fit=True)
     _, error_y = evaluation.judged
     assert error_y.rms < 10.0 and abs(error_y.mean) < 2.0
     assert evaluation.score("harris").errors[1].rms > 100.0
-    damping = evaluation.identified["fitted_coupled_damped"].damping
+    damping = evaluation.identified["fitted_damped"].damping
     assert damping.low < 0.0 < damping.high

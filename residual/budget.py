@@ -249,7 +249,8 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
     closed, scores = run_force > 0.0, []
     for name, law in laws.items():
-        force = sum(spring_and_damper(law, contacts.inner, budget.closing_speed, contacts.inner_compliance))
+        spring, damper = spring_and_damper(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
+        force = spring + damper
         pushes = resultant_by(law, record, contacts, force)
         contact_rms = rms((run_force - force[late])[closed]) if closed.any() else None
         error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))

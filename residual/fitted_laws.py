@@ -161,14 +161,15 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     log_stiffness = found.x[0] + np.log(units[1]) - exponent * np.log(units[0])
     reach = np.sqrt(weights @ covariance @ weights)
     stiffness = Interval(*np.exp([log_stiffness, log_stiffness - reach, log_stiffness + reach]).tolist())
-    law: PowerLaw | DampedLaw = PowerLaw(
+    spring = PowerLaw(
         name=FITTED[fitted.stop - 2], stiffness=stiffness.value, exponent=exponent,
         range="the depths it was fitted to", source="fitted to the run's own contact forces, Q = K δ^n",
     )  # fmt: skip
+    law: PowerLaw | DampedLaw = spring
     damping = None
     if closing_speed is not None:
         damping = _interval(units[1] / units[2] * found.x[2], units[1] / units[2] * half[2])
-        law = DampedLaw(spring=law, damping=ContactDamping(constant=damping.value))
+        law = DampedLaw(spring=spring, damping=ContactDamping(constant=damping.value))
     return Identification(
         law=law, stiffness=stiffness, exponent=_interval(exponent, half[1]), damping=damping, samples=samples,
         contacts=load.size, passages=n_passages, depth=(float(depth.min()), float(depth.max())),

@@ -1,12 +1,11 @@
 """Numbers and names as words."""
 
-from math import floor, isfinite, log10
+from math import isfinite
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 PLAIN = (-4, 6)  # powers of ten that are written out
 KILOHERTZ = 1e4  # from here on
 NOISE = 1e-6  # of the largest force at work: less is what sums and differences of stored numbers leave
-MOST_DECIMALS = 6
 METRES = ((1e-3, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from, factor, unit
 
 
@@ -33,16 +32,6 @@ def length(value: float, digits: int = 4) -> str:
     """Write a length, m, with the unit that suits it; 0 below a picometre."""
     _, factor, unit = next(row for row in METRES if abs(value) >= row[0])
     return f"{text(factor * value, digits, 1e-12 * factor)} {unit}"
-
-
-def metres(low: float, high: float) -> str:
-    """Write a range of lengths, m, with the unit that the larger asks for, to a hundredth of the range."""
-    largest = max(abs(low), abs(high))
-    _, factor, unit = next(row for row in METRES if largest >= row[0])
-    width = factor * (high - low)
-    decimals = min(MOST_DECIMALS, max(0, 2 - floor(log10(width)))) if width > 0.0 else 3
-    written = " … ".join(f"{factor * value:.{decimals}f}" for value in (low, high))
-    return f"{written} {unit}".replace("-", "−")
 
 
 def share(part: float, whole: float) -> str:

@@ -8,7 +8,6 @@ import numpy as np
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import law_names
 from lagrange.kinematics import kinematics, roller_angles
-from residual.differentiate import derivative
 from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
@@ -82,10 +81,3 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
         return len(zones), whole, int(loaded[:, j].sum())
 
     return max(range(loaded.shape[1]), key=merit)
-
-
-def roller_radial(record: Record, j: int, order: int):
-    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
-    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
-    interval = record.interval
-    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)

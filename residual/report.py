@@ -23,13 +23,13 @@ from residual.interpretation import contradiction_sentence, interpretation, verd
 from residual.load_zone import QuasiStatic
 from residual.ratings import rating_rows
 from residual.record import Record, varies
-from residual.run_comparison import difference_rows, headings, paper_rows, same_run
+from residual.run_comparison import difference_rows, headings, same_run
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
 from residual.tilt import TiltErrors, tilt_summary
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("against", "motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by places on the page
+GROUPS = ("against", "motion", "spectra", "vibration", "search", "budget")  # of figures, by places on the page
 SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
 LARGEST = 2_000_000  # bytes  # of a picture of the run
 MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
@@ -65,7 +65,6 @@ def render_report(
         facts=_facts(evaluation),
         clearance=[] if (parts := t.scene.operating_clearance()) is None else parts.rows(),
         errors=tables.error_rows(evaluation),
-        paper=paper_rows(evaluation),
         budget=tables.budget_rows(evaluation),
         fit=tables.fit_sentences(evaluation),
         laws=tables.ranking_rows(evaluation),

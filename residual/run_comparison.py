@@ -1,78 +1,12 @@
-"""A run beside another one, one law beside another, the paper's bearing beside its figures.
-
-Source: Rubio, García Prada, Castejón, Laniado (IFToMM 2007), figures 6 to 11. Ranges, not data.
-"""
+"""A run beside another one, or one law beside another."""
 
 import numpy as np
 
-from lagrange.scene.scene import Scene
-from residual.evaluation import Direction, Evaluation
-from residual.formatting import metres, text
-from residual.load_zone import chosen_roller, roller_radial
+from residual.evaluation import Evaluation
+from residual.formatting import text
 
-INNER_X = -80e-6, 60e-6  # m, figure 6
-INNER_Y = -220e-6, -80e-6  # m
-ROLLER_RHO = 22.98e-3, 23.08e-3  # m, figure 7
-ROLLER_VELOCITY = -0.4, 0.4  # m/s
-ROLLER_ACCELERATION = -5e3, 5e3  # m/s²
-ERROR_FORCE = -3000.0, 3000.0  # N, figures 8 and 9, around 0 and around the load
-PEAK = 22.0  # Hz, figures 10 and 11
-PAPER_BAND = 300.0  # Hz, their frequency axis
 SAME = 1e-6  # relative: sums and differences of stored numbers leave less
 MANY_TIMES = 3.0  # from here on a ratio instead of per cent
-
-
-def is_paper(scene: Scene) -> bool:
-    """Whether the scene's bearing and operating point are the paper's."""
-    paper = Scene()
-    return scene.bearing == paper.bearing and (
-        scene.operation.speed_rpm == paper.operation.speed_rpm
-        and scene.operation.radial_load_N == paper.operation.radial_load_N
-    )
-
-
-def paper_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Rows of figure, quantity, range read off the paper, and ours; none for another bearing or operating point."""
-    t, budget = evaluation.record, evaluation.budget
-    if not is_paper(t.scene):
-        return []
-    j = chosen_roller(budget.loaded, evaluation.chatter)
-    rho, velocity, acceleration = roller_radial(t, j, evaluation.order)
-    low, high = evaluation.loaded_range
-    return [
-        ["6", "x of the inner ring", "−80 … +60 µm", _length(t.inner_x)],
-        ["6", "y of the inner ring", "−220 … −80 µm", _length(t.inner_y)],
-        ["7", f"ρ of one roller (ours: {j})", "22.98 … 23.08 mm", _length(rho)],
-        ["7", "dρ/dt, mm/s", "±400", _span(velocity, 1e3, 3)],
-        ["7", "d²ρ/dt², m/s²", "±5000", _span(acceleration, 1.0, 3)],
-        ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
-        ["8", "left side of (22), N", "±3000 around 0", _span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", _span(t.acting.radial_load - budget.y.error)],
-        ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10¹⁰", _band_peak(evaluation.x)],
-        ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10⁷", _band_peak(evaluation.y)],
-    ]
-
-
-def _span(values, scale: float = 1.0, digits: int = 4) -> str:
-    """Write the smallest and the largest of some values, scaled."""
-    return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
-
-
-def _length(values) -> str:
-    return metres(float(np.min(values)), float(np.max(values)))
-
-
-def _band_peak(direction: Direction) -> str:
-    """State the strongest significant peak in the paper's band, or the strongest bin where none stands out."""
-    peaks = [p for p in direction.peaks if p.frequency <= PAPER_BAND]
-    if peaks:
-        return f"{text(peaks[0].frequency)} Hz, {text(peaks[0].psd, 3)} N²/Hz"
-    spectrum = direction.spectrum
-    band = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND)
-    if not band.any():
-        return "no bin in this band"
-    top = float(spectrum.psd[band].max())
-    return f"none stands out (density at most {text(top, 3)} N²/Hz)"
 
 
 def same_run(evaluation: Evaluation, other: Evaluation) -> bool:

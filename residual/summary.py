@@ -104,8 +104,8 @@ KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
     },
     Interval: {"value": "value", "low": "low", "high": "high"},
     Identification: {
-        "stiffness_N_per_m_to_the_n": "stiffness", "exponent": "exponent", "damping_N_s_per_m": "damping", "confidence": lambda _: CONFIDENCE, "contacts": "contacts",
-        "passages": "passages", "scatter_N": "scatter",
+        "stiffness_N_per_m_to_the_n": "stiffness", "exponent": "exponent", "damping_N_s_per_m": "damping",
+        "confidence": lambda _: CONFIDENCE, "contacts": "contacts", "passages": "passages", "scatter_N": "scatter",
     },
 }  # fmt: skip
 

@@ -6,7 +6,6 @@ from lagrange.section import is_plain, load_factor
 from residual.evaluation import Evaluation
 from residual.fitted_laws import Identification, Interval
 from residual.formatting import hertz, term_label, text
-from residual.run_comparison import PEAK
 from residual.spectrum import MAIN_LOBE, Peak, Statistics, rms
 
 NO_MOTION = 1e-6  # nm: round-off of positions
@@ -99,13 +98,6 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         + (f", {spectrum.segments} averaged segments" if spectrum.segments > 1 else ", the whole record as one")
         + f"; with the Hann window, lines nearer than {text(reach, 3)} Hz merge."
     )
-    if reach > PEAK:
-        notes.append(
-            "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
-            f"{PEAK / spectrum.resolution:.2g} bins, so neither drift nor the cage's line can be separated from it. "
-            f"It takes at least {text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from "
-            "the cage."
-        )
     notes.append(
         f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
         f"{evaluation.order // 2} samples at either end; by the record's own spectrum it errs by about "

@@ -72,7 +72,7 @@ def can_draw():
 @pytest.fixture
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
-    for group in ("paper", "motion", "spectrum", "vibration", "budget"):
+    for group in ("motion", "spectrum", "vibration", "budget"):
         monkeypatch.setattr(f"residual.figures.drawing.{group}_figures", lambda *_: [])
 
 

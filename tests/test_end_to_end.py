@@ -41,7 +41,7 @@ def test_the_harris_law_misses_the_load_by_what_the_static_solution_says(report)
 def test_the_report_folder_is_complete(report):
     names = {path.name for path in report.iterdir()}
     assert {"residual.nc", "summary.json", "report.html"} <= names
-    for figure in ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11"):
+    for figure in ("history", "orbit", "budget", "whole_spectra"):
         assert f"{figure}.png" in names and f"{figure}.svg" in names
 
 

@@ -63,7 +63,7 @@ def test_report_folder_is_complete(result, tmp_path, capsys):
     folder = tmp_path / "made-residual"
     names = {p.name for p in folder.iterdir()}
     figures = (
-        "fig06 fig07 fig08 fig09 fig10 fig11 whole_spectra budget orbit "
+        "history whole_spectra budget orbit "
         "load_distribution passage loads energy budget_stacked budget_spectra envelope hub_spectrum"
     )
     assert names == {"residual.nc", "summary.json", "report.html"} | {
@@ -103,7 +103,7 @@ def test_page_fetches_nothing_and_escapes_names(run, tmp_path):
     page = (tmp_path / "a <b> & c-residual" / "report.html").read_text(encoding="utf-8")
     assert "a &lt;b&gt; &amp; c" in page and "<b> &" not in page
     assert 'src="http' not in page and "<script src" not in page and "@import" not in page
-    assert page.count("data:image/") == 17
+    assert page.count("data:image/") == 12
     assert len(page) < 5_000_000
 
 

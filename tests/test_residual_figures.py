@@ -8,11 +8,8 @@ from lagrange.scene.scene import parse_scene
 from residual.check_vibration import main as check_vibration
 from residual.evaluation import evaluate
 from residual.figures import measured, style
-from residual.figures.comparison import point_contact
 from residual.figures.saved import TERM_COLOURS
 from residual.figures.spectra import envelope_figure, short_time_figure
-from residual.report import render_report
-from residual.summary import ReportOptions
 from tests.reference.synthetic_run import make_run, recorded
 
 # the 209 bearing of Harris' examples
@@ -28,15 +25,6 @@ def ball_run(tmp_path_factory):
     scene = parse_scene({"bearing": BALLS, "operation": {"inner_ring_and_shaft_kg": 0.5}}, "test")
     path = tmp_path_factory.mktemp("balls") / "balls.nc"
     return evaluate(recorded(path, make_run(n_times=1201, scene=scene)))
-
-
-def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
-    """Harris: F = 0.940 and 0.912, Σρ = 0.202 and 0.138 mm⁻¹."""
-    drawn = point_contact(ball_run.record.bearing, tmp_path)
-    assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
-    for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
-        assert words in drawn.caption
-    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, ReportOptions(), "0")
 
 
 def test_short_time_spectra_need_two_passages(ball_run, tmp_path):

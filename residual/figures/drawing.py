@@ -7,8 +7,7 @@ import matplotlib
 
 from residual.evaluation import Evaluation
 from residual.figures.budget import budget_figures
-from residual.figures.comparison import against_figures, paper_figures
-from residual.figures.motion import motion_figures
+from residual.figures.motion import against_figures, motion_figures
 from residual.figures.passages import fault_figures, passage_figures
 from residual.figures.saved import SavedFigure
 from residual.figures.spectra import order_figures, spectrum_figures
@@ -32,7 +31,10 @@ def draw_figures(
     with matplotlib.rc_context(STYLE):
         drawn = {
             "against": [] if options.other is None else against_figures(evaluation, options.other, folder),
-            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
+            "motion": [
+                *motion_figures(evaluation, options.equations, statics, folder),
+                *filter(None, [cage_figure(evaluation, folder)]),
+            ],
             "vibration": [
                 *vibration_figures(evaluation, folder),
                 *order_figures(evaluation, folder),
@@ -44,7 +46,6 @@ def draw_figures(
             drawn |= {
                 "spectra": spectrum_figures(evaluation, folder),
                 "budget": budget_figures(evaluation, folder),
-                "paper": paper_figures(evaluation, folder),
             }
     methods = {group: method_sentence(evaluation, options.other if group == "against" else None) for group in drawn}
     return {

@@ -1,4 +1,4 @@
-"""Figures of loads, motion and energy: the hub's path, loads around the bearing and on one roller, energy balance."""
+"""Figures of loads, motion and energy, and of two checks laid over each other."""
 
 from pathlib import Path
 
@@ -9,13 +9,18 @@ from lagrange.columns import ENERGIES
 from lagrange.rating.sources import Unavailable
 from residual.evaluation import Evaluation
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
-from residual.figures.style import COLOUR_BAR, DASHED, DOTS, colour_bar, legend_above, panels, save
+from residual.figures.style import COLOUR_BAR, DASHED, DOTS, colour_bar, legend_above, log_panel, panels, save
 from residual.formatting import length, text
 from residual.load_zone import QuasiStatic, chosen_roller, load_zones
 from residual.record import angle_from_load
+from residual.run_comparison import named
+from residual.spectrum import power_spectrum
 from residual.tilt import along_rollers
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
+MOST_COMPARED = 6000  # the same of two
+LAWS = ("error_x, N", "error_y, N", "PSD of error_x, N²/Hz", "PSD of error_y, N²/Hz")
+RUNS = ("hub x, µm", "hub y, µm", "PSD, x, m²/s⁴/Hz", "PSD, y, m²/s⁴/Hz")
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 FROM_LOAD = "roller's angle from the load line, degrees"
@@ -232,9 +237,72 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     return save(figure, folder, "passage", f"Roller {j} through the load zone", caption + ".")
 
 
-def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[SavedFigure]:
+def history_figure(evaluation: Evaluation, equations: bool, folder: Path) -> SavedFigure:
+    """Draw the hub's place, one roller's radial place, and the error forces over time."""
+    t, loaded = evaluation.record, evaluation.budget.loaded
+    j = chosen_roller(loaded, evaluation.chatter)
+    curves = {"hub x, µm": 1e6 * t.inner_x, "hub y, µm": 1e6 * t.inner_y}
+    curves[f"ρ of roller {j}, mm"] = 1e3 * np.hypot(t.roller_x[:, j], t.roller_y[:, j])
+    if equations:
+        curves |= {f"error_{d.name}, N": d.budget.error for d in evaluation.directions}
+    time, count = 1e3 * t.time, len(curves)
+    figure, axes = panels(count, 1.0 + 1.4 * count, lines=0, x="time, ms", y=list(curves))
+    for axis, values in zip(axes, curves.values(), strict=True):
+        axis.plot(time, values, color=BLUE, linewidth=0.9)
+    for first, last in load_zones(loaded[:, j], evaluation.chatter):
+        axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
+    errors = "; error forces, 0 for a perfect model" if equations else ""
+    caption = (
+        f"Centre of the inner ring; radial place ρ of roller {j} about the outer ring's centre, shaded where its inner "
+        f"contact is closed (load zone){errors}."
+    )
+    return save(figure, folder, "history", "Motion over time", caption)
+
+
+def against_figures(evaluation: Evaluation, other: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw the hub's motion or, for two laws of one run, the errors; loads by angle; spectra."""
+    laws = evaluation.record.source == other.record.source
+    figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x="frequency, Hz")
+    curves = [*axes[:2], *axes[3:]]
+    for each, name, colour, width in zip(
+        (evaluation, other), named(evaluation, other), (BLUE, RED), (1.4, 0.8), strict=True
+    ):
+        t, style = each.record, {"color": colour, "linewidth": width, "label": name}
+        for axis, d, place in zip(axes[:2], each.directions, (t.inner_x, t.inner_y), strict=True):
+            axis.plot(1e3 * t.time, d.budget.error if laws else 1e6 * place, **style)
+        force = each.budget.law_force if laws else each.force  # of two laws theirs, of two runs their own
+        rows = slice(None, None, max(1, force.size // MOST_COMPARED))
+        axes[2].plot(np.degrees(t.from_load)[rows].ravel(), force[rows].ravel(), color=colour, label=name, **DOTS)
+        slowest = min(each.lines.values(), default=0.0)
+        spectra = (
+            [d.spectrum for d in each.directions]
+            if laws
+            else [power_spectrum(a, t.interval, slowest) for a in each.hub_acceleration]
+        )
+        for axis, spectrum in zip(axes[3:], spectra, strict=True):
+            log_panel(axis, spectrum.frequency[1:])
+            axis.plot(spectrum.frequency[1:], np.maximum(spectrum.psd[1:], 1e-300), **style)
+    for axis, label in zip(curves, LAWS if laws else RUNS, strict=True):
+        axis.set_ylabel(label)
+        axis.margins(x=0.0)
+    axes[1].set_xlabel("time, ms")
+    axes[2].set(xlabel="roller's angle from the load line, degrees", ylabel="inner contact force, N")
+    axes[2].set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylim=(0.0, None))
+    legend_above(axes[0], 2)
+    what, of = ("error forces", "error forces") if laws else ("motion of the hub", "acceleration of the hub")
+    caption = (
+        f"The {what} over time, forces of the inner contacts over the rollers' angle, and power spectral densities of "
+        f"the {of}, laid over each other."
+    )
+    return [save(figure, folder, "against", "Laid over each other", caption)]
+
+
+def motion_figures(
+    evaluation: Evaluation, equations: bool, statics: QuasiStatic | None, folder: Path
+) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
-    drawn = [orbit_figure(evaluation, statics, folder), load_distribution(evaluation, statics, folder)]
+    drawn = [history_figure(evaluation, equations, folder), orbit_figure(evaluation, statics, folder)]
+    drawn.append(load_distribution(evaluation, statics, folder))
     passage = passage_figure(evaluation, folder)
     drawn += [] if passage is None else [passage]
     drawn.append(roller_loads(evaluation, folder))

@@ -20,7 +20,7 @@ from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormat
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from residual.figures.saved import BLUE, DPI, GREY, LINE_COLOURS, ORANGE, WIDTH, SavedFigure, family
+from residual.figures.saved import DPI, GREY, LINE_COLOURS, WIDTH, SavedFigure, family
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
@@ -29,7 +29,6 @@ LEFT, RIGHT = 0.86, 0.22  # beside panels: tick labels and the axis' name; half 
 BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share their x axis
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
 NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's middle
-SLIM, SLIM_GAP, SLIM_LABELS = 0.6, 0.12, 0.5  # axes for the paper's ranges
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
 COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
 MARK = 0.012  # of a panel's height, long
@@ -114,37 +113,6 @@ def _panel(figure, place, **keywords):
         axis.yaxis.set_label_coords(-NAME_BESIDE / wide, 0.5)
         axis.xaxis.set_label_coords(0.5, -NAME_BELOW / high)
     return axis
-
-
-def panels_beside(n_rows: int, height: float, **keywords):
-    """Make `panels` with a slim axis at the right of each row for `beside_paper`: figure, axes, slim axes."""
-    figure, axes = panels(n_rows, height, right=SLIM_GAP + SLIM + SLIM_LABELS, **keywords)
-    slim, inch = [], 1.0 / figure.get_size_inches()[0]
-    for axis in axes:
-        box = axis.get_position()
-        slim.append(figure.add_axes((box.x1 + SLIM_GAP * inch, box.y0, SLIM * inch, box.height)))
-        slim[-1].yaxis.tick_right()
-        slim[-1].spines["left"].set_visible(False)
-        slim[-1].spines["right"].set_visible(True)
-        slim[-1].grid(visible=False)
-        slim[-1].set(xlim=(0.0, 1.0), xticks=[])
-    for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
-        slim[0].annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
-    return figure, axes, slim
-
-
-def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
-    """Draw the range that the paper's figure shows as a band, and ours as a bar, on a scale of their own."""
-    low, high = float(np.min(ours)), float(np.max(ours))
-    bottom, top = min(low, paper[0]), max(high, paper[1])
-    margin = 0.08 * (top - bottom)
-    axis.axhspan(*paper, xmin=0.08, xmax=0.55, color=ORANGE, alpha=0.45, linewidth=0)
-    thinnest = 0.012 * (top - bottom)  # a range of nanometres beside one of millimetres would not be seen
-    middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.5 * thinnest)
-    axis.axhspan(middle - half, middle + half, xmin=0.62, xmax=0.95, color=BLUE, linewidth=0)
-    axis.set_ylim(bottom - margin, top + margin)
-    axis.locator_params(axis="y", nbins=4)
-    axis.tick_params(axis="y", labelsize=8.5)
 
 
 def colour_bar(drawn, axes, label: str, **keywords) -> None:

@@ -5,24 +5,25 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from residual import Record, evaluate, run_comparison
-from residual.figures.comparison import chosen_roller
+from residual import Record, evaluate
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED
 from residual.figures.style import STYLE
+from residual.load_zone import chosen_roller
 from residual.spectrum import power_spectrum
+from tests.paper import read_off
 from tests.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
 
 BAND_COLOUR = dict(color=ORANGE, alpha=0.35, linewidth=0)
 LOAD = 2000.0  # N
 # name, unit per SI unit, the paper's range
 ROWS = (
-    ("x of the inner\nring, µm", 1e6, run_comparison.INNER_X),
-    ("y of the inner\nring, µm", 1e6, run_comparison.INNER_Y),
-    ("ρ − 23 mm of\none roller, µm", 1e6, tuple(r - 23e-3 for r in run_comparison.ROLLER_RHO)),
-    ("ρ′, mm/s", 1e3, run_comparison.ROLLER_VELOCITY),
-    ("ρ″, m/s²", 1.0, run_comparison.ROLLER_ACCELERATION),
-    ("left side\nof (22), N", 1.0, run_comparison.ERROR_FORCE),
-    ("left side\nof (23), N", 1.0, tuple(LOAD + r for r in run_comparison.ERROR_FORCE)),
+    ("x of the inner\nring, µm", 1e6, read_off.INNER_X),
+    ("y of the inner\nring, µm", 1e6, read_off.INNER_Y),
+    ("ρ − 23 mm of\none roller, µm", 1e6, tuple(r - 23e-3 for r in read_off.ROLLER_RHO)),
+    ("ρ′, mm/s", 1e3, read_off.ROLLER_VELOCITY),
+    ("ρ″, m/s²", 1.0, read_off.ROLLER_ACCELERATION),
+    ("left side\nof (22), N", 1.0, read_off.ERROR_FORCE),
+    ("left side\nof (23), N", 1.0, tuple(LOAD + r for r in read_off.ERROR_FORCE)),
 )
 FIGURES = (6, 6, 7, 7, 7, 8, 9)
 FACETED_ROWS = (0, 5, 6)
@@ -77,7 +78,7 @@ def draw_records(path: Path, ours: Record, soft: Record, facets: Record, titles:
         _spectra(axes[-1], other, soft.interval, RED)
         _spectra(axes[-1], third, facets.interval, GREEN)
         for axis, number in zip(axes[-1], (10, 11), strict=True):
-            axis.axvline(run_comparison.PEAK, color=ORANGE, alpha=0.6, linewidth=5)
+            axis.axvline(read_off.PEAK, color=ORANGE, alpha=0.6, linewidth=5)
             axis.set(xlim=(0.0, BAND), xlabel=f"frequency, Hz (Fig. {number}: left side of ({number + 12}))")
             axis.set_ylabel("density, N²/Hz" if number == 10 else "")
         axes[-1, 0].annotate("the paper's 22 Hz", (28, 0.03), xycoords=("data", "axes fraction"), color="#8A5A00")

@@ -7,8 +7,8 @@ import numpy as np
 from lagrange import contact_laws
 from lagrange.contact.laws import delta_star
 from lagrange.scene.scene import read_scene
-from residual import run_comparison
 from tests.measurements import markdown_table, publish
+from tests.paper import read_off
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant
 
@@ -18,7 +18,7 @@ POLYGONS = "less-soft-facets-1"
 ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
 SIDES = ("(22) Harris, N", "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz")
 MINUS = "−"
-SINK = 0.5 * abs(sum(run_comparison.INNER_Y))  # m, middle of the paper's y
+SINK = 0.5 * abs(sum(read_off.INNER_Y))  # m, middle of the paper's y
 
 
 def text(value: float, digits: int = 3) -> str:
@@ -54,7 +54,7 @@ HARRIS_POINTS = (  # F and δ* of figure 4. Source: Harris, Rolling Bearing Anal
 
 def rattle() -> float:
     """Frequency at which the paper's velocity and acceleration of figure 7 belong together, Hz."""
-    return run_comparison.ROLLER_ACCELERATION[1] / run_comparison.ROLLER_VELOCITY[1] / (2.0 * pi)
+    return read_off.ROLLER_ACCELERATION[1] / read_off.ROLLER_VELOCITY[1] / (2.0 * pi)
 
 
 def delta_star_error() -> float:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import BallBearing, Bearing
-from lagrange.contact.laws import Side, ball_pressure
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import Side, ball_pressure, contact_pairs
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
 

@@ -23,7 +23,7 @@ Everything but `scene` (which validates with pydantic) and `files.pages` (jinja)
 """
 
 from lagrange.bearing import BallBearing, Bearing, Material, Operation
-from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.contact.laws import ContactLaws, contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.statics import Statics, static_equilibrium

@@ -14,7 +14,7 @@ import numpy as np
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
 from lagrange.load_history import load_share
 from lagrange.motion import State

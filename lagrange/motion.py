@@ -13,7 +13,7 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, Turns, profiles

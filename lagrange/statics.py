@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import nothing_carries, touching_distances
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.surface.deviation import UNTURNED, Turns, profiles

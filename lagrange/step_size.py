@@ -5,7 +5,7 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles

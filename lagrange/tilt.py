@@ -22,7 +22,7 @@ from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import PolarOverlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import Falls, SurfaceDeviation

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.contact.raceway_laws import law_names
+from lagrange.contact.laws import law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.load_history import load_share
 from residual.fitted_laws import Identification, Law, inner_law, spring_and_damper

@@ -165,7 +165,7 @@ def _band(given: str) -> tuple[float, float]:
 
 def _laws(bearing) -> tuple[list[str], tuple[str, ...]]:
     """Names of the laws for a bearing's rolling elements, and others that they have."""
-    from lagrange.contact.raceway_laws import law_names
+    from lagrange.contact.laws import law_names
     from residual.fitted_laws import ALIASES, FITTED
 
     return [*law_names(bearing), *FITTED], ALIASES

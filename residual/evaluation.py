@@ -6,7 +6,7 @@ from math import hypot
 
 import numpy as np
 
-from lagrange.contact.raceway_laws import warning
+from lagrange.contact.laws import warning
 from lagrange.kinematics import OUTER_RING, Kinematics, kinematics
 from residual.budget import (
     Accelerations,
@@ -199,7 +199,7 @@ def evaluate(
 
     Parameters
     ----------
-    law : name in `lagrange.contact.raceway_laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a
+    law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a
         law; None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation

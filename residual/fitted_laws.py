@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.contact.damping import ContactDamping, damper_force
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import LogarithmicLaw, contact_laws
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
 from lagrange.surface.edges import softened
 from residual.errors import InputError
 from residual.load_zone import load_zones

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
-from lagrange.contact.raceway_laws import law_names
+from lagrange.contact.laws import law_names
 from lagrange.kinematics import kinematics, roller_angles
 from residual.record import Record, angle_from_load
 

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.laws import Side
-from lagrange.contact.raceway_laws import Pair, contact_laws, contact_pairs
+from lagrange.contact.hertz import Pair, Side, contact_pairs
+from lagrange.contact.laws import contact_laws
 from lagrange.equations import approaches
 from lagrange.kinematics import turned
 from lagrange.surface.edges import softening

@@ -8,7 +8,7 @@ from lagrange.axial.slices import Slices
 from lagrange.axial.stored import read_slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.files.hdf5 import (
     SIGNATURE,
     Damaged,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.files.input import read_plain
 from lagrange.files.tables import LARGEST_TEXT, TextTable, decoded
 from lagrange.kinematics import roller_angles, turned

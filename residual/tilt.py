@@ -11,8 +11,8 @@ from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact
 from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.contact.damping import ContactDamping, tilted_damper
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import LogarithmicLaw, Pair, contact_laws, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
 from lagrange.equations import Overlaps
 from lagrange.motion import State
 from lagrange.rating.sources import Unavailable

@@ -10,7 +10,8 @@ from fem.contacts.tilted import WIDTHS
 from lagrange.axial.pressure import Ends
 from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
-from lagrange.contact.raceway_laws import LogarithmicLaw, contact_pairs
+from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import LogarithmicLaw
 from tests.reference.bearings import paper
 from tests.reference.half_space import Pressed, pressed
 

@@ -15,7 +15,8 @@ from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.axial.table import in_series as softened
 from lagrange.axial.tabulate import alone, spalled, tabulated
-from lagrange.contact.raceway_laws import contact_laws, contact_pairs, johnson
+from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import contact_laws, johnson
 from lagrange.tilt import roller_inertias
 from tests.reference.bearings import paper
 

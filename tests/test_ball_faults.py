@@ -8,8 +8,7 @@ from scipy.optimize import minimize
 
 from fem.interface import simulate
 from lagrange import static_equilibrium
-from lagrange.contact.laws import ball_law
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import ball_law, contact_laws
 from lagrange.first_state import Problem
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.surface.deviation import Turns, profiles

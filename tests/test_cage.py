@@ -16,7 +16,7 @@ from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import cage_state, critical_with_cage
 from lagrange.bearing import Cage
 from lagrange.catalogue import entries, has_balls
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.mounting import Housing, Mounting
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene
 from tests.accuracy.fault_finding import diagnosis_of_sensor

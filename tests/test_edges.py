@@ -8,7 +8,7 @@ import pytest
 
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.motion import State, accelerations, contact_energy, contact_state
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import fsolve
 
 from lagrange.bearing import Operation
-from lagrange.contact.laws import harris
+from lagrange.contact.laws import steel_law
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.scene.scene import parse_scene
@@ -13,7 +13,7 @@ from lagrange.scene.scene import parse_scene
 SCENE = parse_scene({"operation": {"gravity_m_s2": 0.0}}, "test")
 BEARING = SCENE.ideal_bearing()
 OPERATION = SCENE.ideal_operation()
-LAW = harris(BEARING.roller_length)
+LAW = steel_law("harris", BEARING.roller_length)
 
 
 def test_paper_bearing_turns_as_its_kinematics_say():

@@ -7,8 +7,7 @@ import pytest
 import sympy as sp
 
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
 from lagrange.motion import (
     State,
     accelerations,

@@ -6,7 +6,7 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from lagrange.contact.raceway_laws import ROLLER_LAWS, contact_laws
+from lagrange.contact.laws import ROLLER_LAWS, contact_laws
 from lagrange.scene.scene import Scene
 
 PAPER = Scene().ideal_bearing()

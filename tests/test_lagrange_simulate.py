@@ -9,8 +9,7 @@ from scipy.integrate import solve_ivp
 
 from lagrange.bearing import Cage, Operation
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.first_state import Problem
 from lagrange.mounting import Housing, Mounting, Shaft

@@ -6,8 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
 from lagrange.motion import State, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium

@@ -10,7 +10,7 @@ from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import exponential
 from lagrange import contact_laws
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.raceway_laws import BALL_LAWS, ROLLER_LAWS, ContactLaws
+from lagrange.contact.laws import BALL_LAWS, ROLLER_LAWS, ContactLaws
 from lagrange.first_state import Problem
 from tests.reference.compiled_motion import COMPARED, assert_right, compiled, simulation
 from tests.reference.ideal import DGBB_209, DOWN, PAPER, PRELOADED, RUNNING, spall, wavy

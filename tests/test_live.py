@@ -11,7 +11,7 @@ from fem.live.player import MOST_PLACES, Player, Record
 from fem.live.server import make_page
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.scene.scene import SceneError, read_scene
 
 REDUCED = "model=reduced"

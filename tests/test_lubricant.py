@@ -8,7 +8,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from lagrange import contact_laws, static_equilibrium
-from lagrange.contact.raceway_laws import Pair
+from lagrange.contact.hertz import Pair
 from lagrange.scene.scene import parse_scene_text, read_scene
 from lagrange.surface.film import Lubricant, film_thickness, films
 from tests.reference.refusals import assert_refused

@@ -9,7 +9,7 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.rating.case import Case, Options
 from lagrange import contact_laws, static_equilibrium
-from lagrange.contact.raceway_laws import law_names
+from lagrange.contact.laws import law_names
 from lagrange.scene.faults import SceneError
 from lagrange.scene.law_table import fitted_law
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene

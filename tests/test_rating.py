@@ -10,8 +10,7 @@ from fem.rating.case import Case, Options
 from fem.rating.ross import coefficients
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
-from lagrange.contact.laws import ball_pressure
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import ball_pressure, contact_pairs
 from lagrange.first_state import equilibrium_state
 from lagrange.rating.capacity import (
     Basic,

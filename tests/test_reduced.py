@@ -16,7 +16,7 @@ from fem.solver.reduced_state import slowest_vibration
 from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from fem.statics.reduced_bearing import tangential_compliance
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.free_vibration import disc_frequency

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.laws import PowerLaw, roller_law
+from lagrange.contact.laws import PowerLaw, steel_law
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
@@ -136,7 +136,7 @@ def test_data_that_fix_no_exponent_are_refused(constant):
 def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
     """The run's forces are 0.95 of Harris's: K is, n is Harris's, and no contact-law term is left."""
     evaluation = evaluate(recorded(tmp_path / "a.nc", run), "fitted")
-    harris = roller_law("harris", run.scene.ideal_bearing().roller_length)
+    harris = steel_law("harris", run.scene.ideal_bearing().roller_length)
     assert evaluation.law.exponent == pytest.approx(10 / 9, rel=1e-7)
     assert evaluation.law.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
     np.testing.assert_allclose(evaluation.budget.y.terms["contact_law"], 0.0, atol=1e-4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.statics.exact_statics import exact_contacts
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.scene.scene import Scene
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.modal_bodies import Body

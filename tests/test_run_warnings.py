@@ -16,8 +16,7 @@ from fem.solver.guards import n_in_place, run_warnings
 from fem.solver.lagrangian_judge import Judge
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.contact.laws import contact_ellipse, raceway_curvature
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_ellipse, contact_pairs, raceway_curvature
 from lagrange.equations import THROUGH, farthest_place
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.commands import command

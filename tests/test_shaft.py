@@ -16,8 +16,7 @@ from fem.solver.simulate import make_plan
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws, PowerLaw
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting

@@ -11,7 +11,7 @@ from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.first_state import Problem
 from lagrange.scene.scene import SceneError
 from lagrange.tilt import TiltedLaws, sliced_laws
@@ -283,9 +283,7 @@ def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says(tmp_path
     assert reference.inner_force[:, 0].min() < 0.9 * reference.inner_force[:, 0].max()  # it crosses the spall
     # tables of energy put a strike's ringing off by a tenth of a radian
     assert record.inner_force == pytest.approx(reference.inner_force, abs=1.5e-2 * reference.inner_force.max())
-    assert record.outer_moment == pytest.approx(
-        reference.outer_moment, abs=3e-2 * reference.outer_moment.max()
-    )
+    assert record.outer_moment == pytest.approx(reference.outer_moment, abs=3e-2 * reference.outer_moment.max())
     checked = evaluate(record)
     for direction in checked.directions:
         terms = direction.budget.terms

@@ -11,8 +11,7 @@ import pytest
 from fem.statics.contact_balance import Loads, balance, first_guess
 from fem.statics.exact_statics import exact_contacts
 from lagrange import static_equilibrium
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import ContactLaws, contact_laws
+from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns

@@ -20,7 +20,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.fields import filled
 from fem.kernels.patches import N_NODES, chord
 from fem.kernels.state import INNER, OUTER, Law, Points, Spread
-from lagrange.contact.raceway_laws import Pair
+from lagrange.contact.hertz import Pair
 
 POINTS_PER_NODE = 4  # of resolved contacts
 CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end

@@ -31,7 +31,7 @@ from fem.kernels.fields import filled
 from fem.kernels.patches import N_NODES
 from fem.kernels.state import Spread
 from lagrange import Bearing
-from lagrange.contact.raceway_laws import contact_pairs, line_compliance
+from lagrange.contact.hertz import contact_pairs, line_compliance
 from meshes import graded_shapes
 
 LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/crossover.md for what it costs

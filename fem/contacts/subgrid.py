@@ -47,7 +47,7 @@ from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER
 from lagrange import Bearing
-from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
+from lagrange.contact.hertz import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes
 
 REFERENCE_HALF_WIDTH = 0.01  # of a roller's radius: calibrated there, the constants hold for any narrow contact

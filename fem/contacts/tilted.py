@@ -14,7 +14,8 @@ from lagrange.axial.slices import Slices
 from lagrange.axial.table import TiltedContact, in_series
 from lagrange.axial.tabulate import contact_slices, without_part
 from lagrange.bearing import Bearing
-from lagrange.contact.raceway_laws import LogarithmicLaw, contact_pairs
+from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import LogarithmicLaw
 
 FEWEST = 3  # slices
 WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; equilibria are not unique below 1.96

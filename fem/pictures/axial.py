@@ -10,7 +10,7 @@ from fem.pictures.recover import StoredRun
 from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
 from lagrange.axial.pressure import SHARP, borne, profile_ends
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.files.output import replaced
 from lagrange.messages import shown
 

@@ -11,8 +11,7 @@ import numpy as np
 from lagrange import BallBearing, Operation, contact_laws
 from lagrange.axial import Axial
 from lagrange.catalogue import dimension_series, listed, width_of
-from lagrange.contact.laws import ball_pressure
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.hertz import Pair, ball_pressure, contact_pairs
 from lagrange.first_state import equilibrium_state
 from lagrange.fits import OperatingClearance
 from lagrange.kinematics import kinematics

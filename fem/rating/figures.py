@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.rating.case import Case, positive
 from fem.study.figures import Figure, finished
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable

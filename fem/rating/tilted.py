@@ -15,7 +15,8 @@ from lagrange.axial.pressure import SHARP, pressures, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing, Operation
-from lagrange.contact.raceway_laws import ContactLaws, contact_pairs
+from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch, Point, over_pitch

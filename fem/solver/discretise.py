@@ -10,7 +10,7 @@ from fem.elastic.outer_support import bored_ring, supported_ring
 from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_outer_ring, check_rollers
 from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.scene.scene import Scene
 
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from fem.solver.solver import Samples
 from lagrange import BallBearing, Bearing
-from lagrange.contact.laws import Side, contact_ellipse
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import Side, contact_ellipse, contact_pairs
 from lagrange.equations import nothing_carries, touching_distances
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import profiles

@@ -20,8 +20,7 @@ from fem.solver.sections import RigidPlan, sections_of
 from fem.solver.solver import RunState, sample_count
 from fem.solver.warnings import of_scene
 from lagrange import Bearing, Operation, contact_laws, static_equilibrium
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import warning
+from lagrange.contact.laws import PowerLaw, warning
 from lagrange.first_state import Problem
 from lagrange.kinematics import fastest_kinematics
 from lagrange.mounting import HELD

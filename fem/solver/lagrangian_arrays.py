@@ -20,8 +20,7 @@ from lagrange import Bearing, kinematics
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
 from lagrange.axial.tabulate import steepest_slope
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.equations import touching_distances
 from lagrange.first_state import Problem
 from lagrange.step_size import expected_force

@@ -13,7 +13,7 @@ from fem.errors import UsageError
 from fem.solver.guards import WIDEST_CONTACT
 from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing, Kinematics
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.limits import exceeds
 from lagrange.scene.scene import Scene
 from lagrange.scene.surfaces import SURFACES

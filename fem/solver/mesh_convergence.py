@@ -9,7 +9,7 @@ from fem.solver.error_estimate import ORDER
 from fem.solver.finite_elements import make_plan
 from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.mounting import HELD
 from lagrange.scene.run import COMPARISONS
 from lagrange.scene.scene import Scene

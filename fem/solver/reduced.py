@@ -32,7 +32,7 @@ from fem.statics.vibrating_bearing import UnseenWaves, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.tabulate import MORE
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import fastest_kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES

@@ -16,7 +16,7 @@ from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.tabulate import steepest_slope
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, places_moving, surface_speed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.load_history import LONGEST_LOOK, SLOWEST

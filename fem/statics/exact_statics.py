@@ -25,7 +25,7 @@ from fem.elastic.continuum import (
 from fem.elastic.tangential import cross_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
 from lagrange import Bearing, Operation
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.kinematics import roller_angles
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law

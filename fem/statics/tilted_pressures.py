@@ -11,8 +11,8 @@ from fem.statics.reduced_bearing import kept_contacts
 from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
-from lagrange.contact.laws import Side
-from lagrange.contact.raceway_laws import contact_laws, contact_pairs
+from lagrange.contact.hertz import Side, contact_pairs
+from lagrange.contact.laws import contact_laws
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import surfaces_met
 

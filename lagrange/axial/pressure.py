@@ -9,7 +9,7 @@ import numpy as np
 from lagrange.axial.facts import Axial
 from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing
-from lagrange.contact.raceway_laws import Pair
+from lagrange.contact.hertz import Pair
 
 SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
 STEPS, HALVINGS = 100, 30  # of Newton's method

@@ -8,7 +8,7 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.slices import Slices
 from lagrange.axial.tabulate import contact_slices
 from lagrange.bearing import Bearing
-from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.contact.laws import LogarithmicLaw
 from lagrange.files.hdf5 import Damaged, check_array, has, variable
 
 if TYPE_CHECKING:

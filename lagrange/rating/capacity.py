@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from lagrange.bearing import BallBearing, Bearing
-from lagrange.contact.raceway_laws import STEEL
+from lagrange.contact.laws import STEEL
 from lagrange.limits import exceeds
 from lagrange.rating.sources import Unavailable
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.columns import DERIVED
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.rating.sources import Unavailable
 
 PERMITTED = 4000e6  # Pa, at ISO 76's C0: roller and raceway then keep 1e-4 of the roller's diameter

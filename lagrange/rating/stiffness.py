@@ -11,7 +11,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
-from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.contact.laws import ContactLaws
 from lagrange.equations import overlaps
 from lagrange.kinematics import roller_angles
 from lagrange.mounting import HELD

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import Field
 
 from lagrange.bearing import Bearing, Cage, Guidance, room_between_rollers, thin_ring_inertia
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.limits import exceeds
 from lagrange.scene.bearing import MM, BearingTable
 from lagrange.scene.faults import Check, Table

@@ -6,7 +6,7 @@ Of what models take see `capabilities`.
 from collections.abc import Callable, Iterator
 from math import pi
 
-from lagrange.contact.raceway_laws import OWN, law_names
+from lagrange.contact.laws import OWN, law_names
 from lagrange.limits import exceeds
 from lagrange.scene.axial import axial_faults
 from lagrange.scene.bearing import LARGEST_CLEARANCE, LARGEST_PRELOAD, ROUNDED

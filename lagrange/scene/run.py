@@ -7,7 +7,7 @@ from pydantic import Field
 
 from lagrange.bearing import OwnLaw
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.raceway_laws import OWN
+from lagrange.contact.laws import OWN
 from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
 from lagrange.scene.law_table import fitted_law

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.kinematics import kinematics, turned
 from lagrange.surface.edges import reach, softening
 from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness

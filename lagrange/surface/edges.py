@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.contact.laws import PowerLaw
-from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.surface.faults import Spall
 from lagrange.surface.rolling_envelope import Circles
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.contact.raceway_laws import Pair, contact_laws, contact_pairs
+from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.contact.laws import contact_laws
 from lagrange.kinematics import kinematics
 from lagrange.statics import static_equilibrium
 from lagrange.surface.faults import Body, Film

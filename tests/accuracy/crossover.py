@@ -16,7 +16,7 @@ from fem.contacts.subgrid import SubgridModel
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
 from tests.measurements import DOCS, markdown_table, publish

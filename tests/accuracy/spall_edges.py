@@ -20,7 +20,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
 from lagrange import contact_laws, kinematics, static_equilibrium
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import softened

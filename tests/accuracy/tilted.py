@@ -12,7 +12,8 @@ from scipy.signal import butter, hilbert, sosfiltfilt
 from fem.solver.simulate import make_plan
 from lagrange.axial.table import in_series
 from lagrange.axial.tabulate import alone, contact_slices
-from lagrange.contact.raceway_laws import contact_laws, contact_pairs
+from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import contact_laws
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.edges import Softened

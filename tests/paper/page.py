@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from lagrange import contact_laws
-from lagrange.contact.laws import delta_star
+from lagrange.contact.hertz import delta_star
 from lagrange.scene.scene import read_scene
 from tests.measurements import markdown_table, publish
 from tests.paper import read_off

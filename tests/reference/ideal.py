@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from lagrange.bearing import BallBearing, Material
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.motion import State
 from lagrange.scene.scene import Scene
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness

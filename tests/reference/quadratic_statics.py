@@ -15,7 +15,7 @@ from fem.elastic.continuum import ring_sections
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Bearing
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from tests.reference.quadratic_elements import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from tests.reference.refined_mesh import RefinedDisc, RefinedSector, Spot

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from fem.errors import UsageError
 from fem.solver.simulate import make_plan
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.equations import contact_resultant
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import SceneError, parse_scene_text

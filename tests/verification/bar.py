@@ -12,7 +12,7 @@ from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels
 from fem.kernels.state import Disc
 from lagrange import Material
-from lagrange.contact.raceway_laws import Pair
+from lagrange.contact.hertz import Pair
 from meshes import Mesh
 from tests.reference import compiled
 

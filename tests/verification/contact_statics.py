@@ -22,7 +22,7 @@ from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing, Material
-from lagrange.contact.raceway_laws import Pair
+from lagrange.contact.hertz import Pair
 from tests.reference.bearings import (
     HALF_PITCH,
     LENGTH,

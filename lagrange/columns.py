@@ -45,8 +45,8 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "work_dissipated": (PER_TIME, "J", "work dissipated since the start"),
     },
     "housing": {
-        "housing_x": (PER_TIME, "m", "housing's place, x, which without a fit is the outer ring's centre"),
-        "housing_y": (PER_TIME, "m", "housing's place, y"),
+        "housing_x": (PER_TIME, "m", "housing, x; without a fit also the outer ring's centre"),
+        "housing_y": (PER_TIME, "m", "housing, y"),
         "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
         "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
         "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
@@ -55,7 +55,7 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
     },
     "shaft": {
-        "energy_shaft": (PER_TIME, "J", "energy of the springs that hold the shaft beside the bearing"),
+        "energy_shaft": (PER_TIME, "J", "energy of the shaft's springs"),
     },
     "bore": {
         "outer_ring_x": (PER_TIME, "m", "outer ring's centre, x: mean of its outside"),
@@ -67,29 +67,37 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "bore_arc": (PER_TIME, "rad", "angle over which the outer ring touches its bore"),
     },
     "surfaces": {  # that are not perfect circles
-        "roller_turn": (PER_ROLLER, "rad", "how far the roller has turned about its axis since t = 0, fixed frame"),
-        "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
-        "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
+        "roller_turn": (PER_ROLLER, "rad", "roller's rotation about its axis since t = 0, fixed frame"),
+        "inner_sinkage": (
+            PER_ROLLER,
+            "m",
+            "approach of inner ring and roller that surface faults allow beyond perfect circles",
+        ),
+        "outer_sinkage": (
+            PER_ROLLER,
+            "m",
+            "approach of outer ring and roller that surface faults allow beyond perfect circles",
+        ),
     },
     "cage": {
         "cage_x": (PER_TIME, "m", "cage centre, x"),
         "cage_y": (PER_TIME, "m", "cage centre, y"),
-        "cage_angle": (PER_TIME, "rad", "how far the cage has turned since t = 0"),
+        "cage_angle": (PER_TIME, "rad", "cage's rotation since t = 0"),
         "cage_speed": (PER_TIME, "rad/s", "cage's angular speed"),
         "cage_guidance_x": (PER_TIME, "N", "force of the guiding ring on the cage, x; 0 where rollers guide it"),
         "cage_guidance_y": (PER_TIME, "N", "force of the guiding ring on the cage, y; 0 where rollers guide it"),
-        "cage_work_dashpots": (PER_TIME, "J", "dissipated by the cage's dashpots since the start"),
-        "cage_work_friction": (PER_TIME, "J", "dissipated by the cage's friction since the start"),
-        "cage_work_drag": (PER_TIME, "J", "taken by the cage's drag since the start"),
-        "cage_force": (PER_ROLLER, "N", "cage on roller, along the pitch circle: forward where > 0, by the rear wall"),
-        "cage_radial_force": (PER_ROLLER, "N", "cage on roller, outward"),
-        "cage_moment": (PER_ROLLER, "N m", "cage's friction on roller, about the roller's centre"),
+        "cage_work_dashpots": (PER_TIME, "J", "energy dissipated by the cage's dashpots since the start"),
+        "cage_work_friction": (PER_TIME, "J", "energy dissipated by the cage's friction since the start"),
+        "cage_work_drag": (PER_TIME, "J", "work of the cage's drag torque since the start"),
+        "cage_force": (PER_ROLLER, "N", "force of the cage on the roller along the pitch circle; positive: forward"),
+        "cage_radial_force": (PER_ROLLER, "N", "force of the cage on the roller, outward"),
+        "cage_moment": (PER_ROLLER, "N m", "friction torque of the cage on the roller"),
     },
     "damping": {  # of contacts or of bodies
-        "inner_damping_force": (PER_ROLLER, "N", "part of inner_force that damping gives"),
-        "outer_damping_force": (PER_ROLLER, "N", "part of outer_force that damping gives"),
-        "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
-        "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
+        "inner_damping_force": (PER_ROLLER, "N", "damping part of inner_force"),
+        "outer_damping_force": (PER_ROLLER, "N", "damping part of outer_force"),
+        "work_damping_contact": (PER_TIME, "J", "part of work_dissipated by contact damping"),
+        "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated by damping of the bodies"),
     },
     "axial": {
         "roller_tilt": (PER_ROLLER, "rad", "roller's tilt: its +z end outwards where > 0"),
@@ -100,8 +108,8 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "inner_slope_y": (PER_TIME, "rad", "slope of the hub's axis along z, y"),
     },
     "damping of tilt": {
-        "inner_damping_moment": (PER_ROLLER, "N m", "part of inner_moment that damping gives"),
-        "outer_damping_moment": (PER_ROLLER, "N m", "part of outer_moment that damping gives"),
+        "inner_damping_moment": (PER_ROLLER, "N m", "damping part of inner_moment"),
+        "outer_damping_moment": (PER_ROLLER, "N m", "damping part of outer_moment"),
     },
 }
 

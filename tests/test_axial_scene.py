@@ -83,9 +83,9 @@ def test_sizes_and_places_at_their_limits_are_taken_as_they_are_typed(tmp_path):
         ({"axial": {"crown_um": 3.0}}, 'only with a profile that is "crowned"'),
         ({"axial": {"ring_width_mm": 8.0}}, "at least bearing.roller_length_mm = 10"),
         ({"axial": {"shaft_tilt_stiffness_N_m_rad": 10.0}}, "give hub_tilt_inertia_kg_m2"),
-        ({"operation": {"misalignment_mrad": 1.0}}, "only with [axial]"),
+        ({"operation": {"misalignment_mrad": 1.0}}, "operation.misalignment_mrad = 1: needs an [axial] table"),
         ({"axial": {}, "model": "lagrange", "bearing": {"type": "ball"}}, "[axial]: only for rollers"),
-        ({"spall": [{"length_mm": 5.0}]}, "spall.0.length_mm = 5: only with [axial]"),
+        ({"spall": [{"length_mm": 5.0}]}, "spall.0.length_mm = 5: needs an [axial] table"),
         ({"spall": [{"z_mm": 2.0}]}, "only with length_mm"),
         (
             {"axial": {}, "model": "reduced", "spall": [{"length_mm": 9.9}]},

@@ -152,7 +152,7 @@ def test_tables_that_are_no_surface_are_refused(why, tmp_path, capsys):
     [
         ('[[profile]]\nfile = "none.csv"', "No such file"),
         ("[[profile]]", "file"),
-        ('[[profile]]\nfile = "race.csv"\nbody = "roller"', "which one?"),
+        ('[[profile]]\nfile = "race.csv"\nbody = "roller"', "roller = 0"),
         ('[[profile]]\nfile = "race.csv"\nbody = "roller"\nroller = 13', "counted from 0 to 12"),
         ('[[profile]]\nfile = "race.csv"\n[[profile]]\nfile = "race.csv"', "of the same surface"),
         ('[[profile]]\nfile = "race.csv"\ncontent = "x"', "profile.0.content: unknown key"),

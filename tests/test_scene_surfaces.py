@@ -74,7 +74,7 @@ def test_overrides_that_miss_are_refused(override, word):
         ("[[spal]]", ["spal", "did you mean spall?"]),
         ("spall = 3", ["spall = 3", "[[spall]]"]),
         ('[[spall]]\nbody = "cage"', ["spall.0.body = 'cage'", "'outer_ring', 'inner_ring' or 'roller'"]),
-        ('[[spall]]\nbody = "roller"', ["which one?"]),
+        ('[[spall]]\nbody = "roller"', ["roller = 0"]),
         ("[[spall]]\nroller = 3", ["spall.0", "roller = 3", 'only with body = "roller"']),
         ("[[unequal_roller]]\nroller = 13", ["unequal_roller.0.roller = 13", "from 0 to 12"]),
         ("[[unequal_roller]]\n[[unequal_roller]]", ["roller = 0", "2 times"]),

@@ -22,45 +22,43 @@ SURFACES = ("roller", "inner_raceway", "outer_raceway")  # before _profile
 FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
 LARGEST_DROP = 1e5  # µm
-PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a file beside the scene, CSV with the '
+PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a CSV file beside the scene with the '
 PROFILE += "columns z_mm, drop_um"
 
 
 class AxialTable(Table):
-    """Rollers that tilt, in slices along their length; without the table the bearing is a plane section."""
+    """Rollers that tilt, divided into slices along their length; without this table the bearing is a plane section."""
 
-    roller_profile: FileName = Field("logarithmic", description=f"of the rollers: {PROFILE}")
+    roller_profile: FileName = Field("logarithmic", description=f"profile of the rollers: {PROFILE}")
     roller_profile_sha256: Digest = None
     roller_profile_content: FileText = None
-    inner_raceway_profile: FileName = Field("none", description="likewise")
+    inner_raceway_profile: FileName = Field("none", description="profile of the inner raceway: as roller_profile")
     inner_raceway_profile_sha256: Digest = None
     inner_raceway_profile_content: FileText = None
-    outer_raceway_profile: FileName = Field("none", description="likewise")
+    outer_raceway_profile: FileName = Field("none", description="profile of the outer raceway: as roller_profile")
     outer_raceway_profile_sha256: Digest = None
     outer_raceway_profile_content: FileText = None
     decimal: DecimalSign = None
     crown_um: float | None = Field(
-        None, gt=0.0, le=1e4, description='drop of surfaces that are "crowned" at a roller\'s ends, an arc between'
+        None, gt=0.0, le=1e4, description='drop of a "crowned" profile (an arc) at the ends of a roller'
     )
     lundberg_load_N: float | None = Field(
-        None, gt=0.0, le=1e7, description='load of a roller under which a "lundberg" profile has an even pressure'
+        None, gt=0.0, le=1e7, description='load of a roller at which a "lundberg" profile has a uniform pressure'
     )
-    slices: int = Field(21, ge=3, le=201, description="of a roller along its length")
-    coupling: bool = Field(
-        True, description="whether neighbouring slices know each other; the Lagrangian model's never do"
-    )
+    slices: int = Field(21, ge=3, le=201, description="number of slices of a roller")
+    coupling: bool = Field(True, description="neighbouring slices interact elastically; never in the Lagrangian model")
     ring_width_mm: float | None = Field(
-        None, gt=0.0, le=10_000.0, description="of both rings; if left out twice the rollers' length"
+        None, gt=0.0, le=10_000.0, description="width of both rings; default: twice the length of the rollers"
     )
     hub_tilt_inertia_kg_m2: float | None = Field(
         None,
         gt=0.0,
         le=1e6,
-        description="of inner ring and shaft about an axis across theirs; if left out the shaft's slope is "
-        "operation.misalignment_mrad throughout",
+        description="moment of inertia of inner ring and shaft about an axis across theirs; default: the slope stays "
+        "at operation.misalignment_mrad",
     )
     shaft_tilt_stiffness_N_m_rad: float | None = Field(
-        None, ge=0.0, le=1e12, description="of the shaft against a slope, where it may move; 0 if left out"
+        None, ge=0.0, le=1e12, description="tilt stiffness of a shaft whose slope can change; default 0"
     )
 
     def checks(self) -> tuple[Check, ...]:
@@ -76,8 +74,8 @@ class AxialTable(Table):
                 yield f'{key} = {given:g}: only with a profile that is "{kind}"; leave it out'
         if self.hub_tilt_inertia_kg_m2 is None and self.shaft_tilt_stiffness_N_m_rad is not None:
             yield (
-                f"shaft_tilt_stiffness_N_m_rad = {self.shaft_tilt_stiffness_N_m_rad:g}: only of a shaft whose slope "
-                "moves; give hub_tilt_inertia_kg_m2 too, or leave it out"
+                f"shaft_tilt_stiffness_N_m_rad = {self.shaft_tilt_stiffness_N_m_rad:g}: only for a shaft whose slope "
+                "can change; give hub_tilt_inertia_kg_m2 too, or leave it out"
             )
 
     def _files(self) -> Iterator[str]:

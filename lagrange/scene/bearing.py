@@ -19,7 +19,7 @@ FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
 ROUNDED = 6  # decimals of a clearance in mm, a difference of diameters
 
-FOLLOWS = "; left out with an inner raceway or a pitch"  # of which the paper's rings are none
+FOLLOWS = "; default with an inner raceway or a pitch"  # of which the paper's rings are none
 SIZES = "inner_raceway_diameter_mm", "pitch_diameter_mm"  # where one is given, what is not follows from the roller's
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
 
@@ -48,18 +48,16 @@ def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
 
 
 class BearingTable(Table):
-    """What the bearing is; defaults are the paper's."""
+    """The bearing; the defaults are the paper's."""
 
     designation: str | None = Field(
-        None, max_length=40, description="of a standard bearing, as NU206/C3 or 6205: the default of the other keys"
+        None, max_length=40, description="standard bearing, e.g. NU206/C3 or 6205; gives the other keys their defaults"
     )
-    type: Literal["roller", "ball"] = Field(
-        "roller", description="of the rolling elements; balls have no finite elements"
-    )
-    rollers: int = Field(13, ge=3, le=200, description="number of rollers, or balls")
-    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller, or ball")
+    type: Literal["roller", "ball"] = Field("roller", description='roller or ball; balls not with model = "fem"')
+    rollers: int = Field(13, ge=3, le=200, description="number of rollers or balls")
+    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller or ball")
     roller_length_mm: float = Field(
-        10.0, ge=0.1, le=2000.0, description=f"length over which a roller bears{FOLLOWS}: its diameter"
+        10.0, ge=0.1, le=2000.0, description=f"effective length of a roller{FOLLOWS}: its diameter"
     )
     inner_raceway_diameter_mm: float = Field(
         36.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's raceway"
@@ -68,8 +66,8 @@ class BearingTable(Table):
         56.0,
         gt=0.0,
         le=10_000.0,
-        description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance, at a contact "
-        "angle outer − inner − 2 · roller · cos α is the clearance times cos α",
+        description="diameter of the outer ring's raceway; outer − inner − 2 · roller · cos α is the clearance times "
+        "cos α",
     )
     bore_diameter_mm: float = Field(
         25.0,
@@ -77,13 +75,13 @@ class BearingTable(Table):
         le=10_000.0,
         description="diameter of the inner ring's bore; 0: a solid shaft is the inner ring"
         + FOLLOWS
-        + ": 0.55 of a roller's diameter inside it",
+        + ": that raceway less 1.1 roller diameters",
     )
     outside_diameter_mm: float = Field(
         65.0,
         gt=0.0,
         le=10_000.0,
-        description=f"outside diameter of the outer ring{FOLLOWS}: 0.45 of a roller's diameter outside the outer one",
+        description=f"outside diameter of the outer ring{FOLLOWS}: its raceway plus 0.9 roller diameters",
     )
     clearance_um: float | None = Field(
         None,
@@ -92,29 +90,35 @@ class BearingTable(Table):
         description="diametral clearance, instead of outer_raceway_diameter_mm; negative: preload",
     )
     contact_angle_deg: float = Field(
-        0.0, ge=0.0, le=45.0, description="of tapered rollers and angular-contact balls; raceways are where they touch"
+        0.0,
+        ge=0.0,
+        le=45.0,
+        description="contact angle of tapered rollers or angular-contact balls; raceway diameters are those at the "
+        "contacts",
     )
-    rows: int = Field(1, ge=1, le=8, description="of rolling elements, rollers in each, which share the load evenly")
+    rows: int = Field(
+        1, ge=1, le=8, description="number of rows, each of that many rollers; they share the load equally"
+    )
     missing_rollers: list[Annotated[int, Field(ge=0)]] = Field(
-        [], max_length=197, description="numbers of the pockets without a roller, counted from 0 as rollers are"
+        [], max_length=197, description="numbers of the empty pockets, counted from 0"
     )
     pitch_diameter_mm: float | None = Field(
         None,
         gt=0.0,
         le=10_000.0,
-        description="instead of inner_raceway_diameter_mm: that is pitch − roller · cos(contact angle)",
+        description="instead of inner_raceway_diameter_mm, which is pitch − roller · cos(contact angle)",
     )
     inner_conformity: float | None = Field(
         None,
         gt=0.5,
         le=1.0,
-        description="of balls: radius of the inner groove over the ball's diameter; 0.52 if left out",
+        description="balls: radius of the inner groove over the diameter of the ball; default 0.52",
     )
     outer_conformity: float | None = Field(
         None,
         gt=0.5,
         le=1.0,
-        description="of balls: radius of the outer groove over the ball's diameter; 0.53 if left out",
+        description="balls: radius of the outer groove over the diameter of the ball; default 0.53",
     )
 
     @classmethod
@@ -276,26 +280,22 @@ class BearingTable(Table):
 
 
 class MaterialOverride(Table):
-    """One body's own, in place of [material]'s."""
+    """Material of this body; keys left out are those of [material]."""
 
-    youngs_modulus_GPa: float | None = Field(
-        None, ge=0.1, le=2000.0, description="of this body; left out: that of [material]"
-    )
-    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45, description="of this body; left out: that of [material]")
-    density_kg_m3: float | None = Field(
-        None, ge=100.0, le=30_000.0, description="of this body; left out: that of [material]"
-    )
+    youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0, description="Young's modulus of this body")
+    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45, description="Poisson's ratio of this body")
+    density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0, description="density of this body")
 
 
 class MaterialTable(Table):
-    """Of every body; [material.roller], [material.inner_ring] and [material.outer_ring] override."""
+    """Material of all bodies; [material.roller], [material.inner_ring] and [material.outer_ring] override it."""
 
     youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="Young's modulus")
     poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="Poisson's ratio")
     density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0, description="density")
-    roller: MaterialOverride = Field(MaterialOverride(), description="of the rollers, where it differs")
-    inner_ring: MaterialOverride = Field(MaterialOverride(), description="of the inner ring, where it differs")
-    outer_ring: MaterialOverride = Field(MaterialOverride(), description="of the outer ring, where it differs")
+    roller: MaterialOverride = Field(MaterialOverride(), description="material of the rollers")
+    inner_ring: MaterialOverride = Field(MaterialOverride(), description="material of the inner ring")
+    outer_ring: MaterialOverride = Field(MaterialOverride(), description="material of the outer ring")
 
     def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
         """Material of one kind of body, SI."""
@@ -313,11 +313,11 @@ class MaterialTable(Table):
 
 
 class BodiesTable(Table):
-    """Which bodies are taken as undeformable."""
+    """Which bodies are rigid."""
 
-    rollers: Literal["elastic", "rigid"] = Field("elastic", description="the rollers; not rigid together with a ring")
-    inner_ring: Literal["elastic", "rigid"] = Field("elastic", description="the inner ring")
-    outer_ring: Literal["elastic", "rigid"] = Field("elastic", description="the outer ring")
+    rollers: Literal["elastic", "rigid"] = Field("elastic", description="rollers; not rigid together with a ring")
+    inner_ring: Literal["elastic", "rigid"] = Field("elastic", description="inner ring")
+    outer_ring: Literal["elastic", "rigid"] = Field("elastic", description="outer ring")
 
     def checks(self) -> tuple[Check, ...]:
         return (self._partners,)
@@ -341,10 +341,10 @@ class BodiesTable(Table):
 class LubricantTable(Table):
     """A film that takes up gap, as thick as Dowson and Higginson's under the largest static load of a raceway."""
 
-    viscosity_Pa_s: float = Field(0.02, ge=1e-5, le=100.0, description="where the oil enters the contacts")
-    pressure_viscosity_1_Pa: float = Field(2e-8, ge=1e-10, le=1e-6, description="its growth with pressure")
+    viscosity_Pa_s: float = Field(0.02, ge=1e-5, le=100.0, description="viscosity at the inlet of the contacts")
+    pressure_viscosity_1_Pa: float = Field(2e-8, ge=1e-10, le=1e-6, description="pressure-viscosity coefficient")
     traction_coefficient: float = Field(
-        0.05, ge=0.0, le=1.0, description="of the film, in place of contact.friction_coefficient"
+        0.05, ge=0.0, le=1.0, description="traction coefficient of the film, instead of contact.friction_coefficient"
     )
 
     def lubricant(self) -> Lubricant:

@@ -27,43 +27,50 @@ SIZES = "rollers", "roller_diameter_mm", "inner_raceway_diameter_mm"  # by which
 
 
 class CageTable(Table):
-    """A rigid cage that moves by the forces on it; keys left out are those of the bearing's default cage."""
+    """A rigid cage that moves under the forces on it; keys left out are those of the default cage."""
 
-    kind: Literal["rigid", "none"] = Field("rigid", description="none: the bearing has no cage")
+    kind: Literal["rigid", "none"] = Field("rigid", description="rigid, or none: the bearing has no cage")
     mass_kg: float | None = Field(
-        None, ge=1e-6, le=1e5, description="of the whole cage; left out: a tenth of the rolling elements' mass"
+        None, ge=1e-6, le=1e5, description="mass of the cage; default: a tenth of the rolling elements' mass"
     )
     inertia_kg_m2: float | None = Field(
-        None, ge=1e-12, le=1e6, description="about its centre; left out: of a thin ring of the pitch radius"
+        None,
+        ge=1e-12,
+        le=1e6,
+        description="moment of inertia about its centre; default: a thin ring of the pitch radius",
     )
     pocket_clearance_mm: float | None = Field(
         None,
         ge=1e-3,
         le=100.0,
-        description="of a roller in its pocket along the pitch circle, on both sides together; left out: 0.001 of the "
-        "pitch diameter",
+        description="clearance of a roller in its pocket along the pitch circle, both sides together; default: 0.001 "
+        "of the pitch diameter",
     )
     guidance: Guidance | None = Field(
         None,
-        description="what centres the cage: rollers in round pockets, or a ring, and pockets have flat walls; left "
-        "out: the outer ring, or the inner one where the outer ring turns or has a fit",
+        description="what centres the cage: the rollers (round pockets) or a ring (flat pockets); default: the outer "
+        "ring, or the inner ring if the outer one turns or has a fit",
     )
     guidance_clearance_mm: float | None = Field(
         None,
         ge=1e-3,
         le=100.0,
-        description="difference of diameters between the cage and the ring that guides it; left out: 0.001 of the "
-        "pitch diameter, of the inner ring half of that or the bearing's clearance",
+        description="diametral clearance between cage and guiding ring; default: 0.001 of the pitch diameter, at the "
+        "inner ring half of it or the bearing's clearance",
     )
     stiffness_N_per_m: float | None = Field(
         None,
         ge=1e4,
         le=1e11,
-        description="of each contact of the cage; left out: 1e7, or that of a raceway contact where it is softer",
+        description="stiffness of each contact of the cage; default: 1e7, or that of a raceway contact if lower",
     )
-    damping_N_s_m: float = Field(1.0, ge=0.0, le=1e6, description="of each closed contact of the cage; never pulls")
-    friction_coefficient: float = Field(0.05, ge=0.0, le=1.0, description="in pockets and at the guiding ring")
-    drag_torque_N_m: float = Field(0.0, ge=0.0, le=1e6, description="against the cage's rotation, of the lubricant")
+    damping_N_s_m: float = Field(
+        1.0, ge=0.0, le=1e6, description="damping of each closed contact of the cage; never pulls"
+    )
+    friction_coefficient: float = Field(
+        0.05, ge=0.0, le=1.0, description="friction coefficient in pockets and at the guiding ring"
+    )
+    drag_torque_N_m: float = Field(0.0, ge=0.0, le=1e6, description="drag torque of the lubricant on the cage")
 
     def checks(self) -> tuple[Check, ...]:
         return (self._guided,)

@@ -118,7 +118,7 @@ REFUSED = (
     ("rigid body", "axial on meshes",
      f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
     ("part of the length", "no axial",
-     "{given}: only with [axial], in which rollers tilt over such a spall; add that table, or leave length_mm out"),
+     "{given}: needs an [axial] table (an empty one is enough); or leave length_mm out"),
     ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
     ("contacts' damping", "axial on meshes", AXIAL_MESH),
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),

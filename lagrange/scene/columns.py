@@ -39,39 +39,39 @@ UNITS = {
 
 
 class Columns(BaseModel):
-    """Where each quantity stands in a table: names, as "name" (SI) or "name [unit]"."""
+    """Names of a table's columns: "name" (SI) or "name [unit]"."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    time: str = Field("time", description="column of the time")
-    inner_x: str = Field("inner_x", description="of the inner ring's centre, x")
-    inner_y: str = Field("inner_y", description="of the inner ring's centre, y, up")
-    roller_x: str = Field("roller_{j}_x", description="of a roller's centre, x; {j}: its number")
-    roller_y: str = Field("roller_{j}_y", description="of a roller's centre, y")
+    time: str = Field("time", description="time")
+    inner_x: str = Field("inner_x", description="inner ring's centre, x")
+    inner_y: str = Field("inner_y", description="inner ring's centre, y (up)")
+    roller_x: str = Field("roller_{j}_x", description="roller's centre, x; {j}: its number")
+    roller_y: str = Field("roller_{j}_y", description="roller's centre, y")
     roller_rho: str = Field(
-        "roller_{j}_rho", description="of its distance from the outer ring's centre, instead of x and y"
+        "roller_{j}_rho", description="roller's distance from the outer ring's centre, instead of x and y"
     )
-    roller_theta: str = Field("roller_{j}_theta", description="of its angle from +x, counter-clockwise")
-    inner_ax: str = Field("inner_ax", description="of the inner ring's own acceleration, x")
-    inner_ay: str = Field("inner_ay", description="of the inner ring's own acceleration, y")
-    housing_x: str = Field("housing_x", description="of the outer ring's centre, x, in a housing")
-    housing_y: str = Field("housing_y", description="of the outer ring's centre, y, in a housing")
-    housing_ax: str = Field("housing_ax", description="of the housing's own acceleration, x")
-    housing_ay: str = Field("housing_ay", description="of the housing's own acceleration, y")
-    outer_ring_x: str = Field("outer_ring_x", description="of the outer ring's centre, x, where it has a fit")
-    outer_ring_y: str = Field("outer_ring_y", description="of the outer ring's centre, y, where it has a fit")
-    outer_ring_ax: str = Field("outer_ring_ax", description="of its own acceleration, x")
-    outer_ring_ay: str = Field("outer_ring_ay", description="of its own acceleration, y")
-    inner_force: str = Field("roller_{j}_inner_force", description="of the normal force at the inner raceway")
-    outer_force: str = Field("roller_{j}_outer_force", description="of the normal force at the outer raceway")
+    roller_theta: str = Field("roller_{j}_theta", description="roller's angle from +x, counter-clockwise")
+    inner_ax: str = Field("inner_ax", description="acceleration of the inner ring, x")
+    inner_ay: str = Field("inner_ay", description="acceleration of the inner ring, y")
+    housing_x: str = Field("housing_x", description="outer ring's centre in a housing, x")
+    housing_y: str = Field("housing_y", description="outer ring's centre in a housing, y")
+    housing_ax: str = Field("housing_ax", description="acceleration of the housing, x")
+    housing_ay: str = Field("housing_ay", description="acceleration of the housing, y")
+    outer_ring_x: str = Field("outer_ring_x", description="outer ring's centre, x, if it has a fit")
+    outer_ring_y: str = Field("outer_ring_y", description="outer ring's centre, y, if it has a fit")
+    outer_ring_ax: str = Field("outer_ring_ax", description="acceleration of the outer ring, x")
+    outer_ring_ay: str = Field("outer_ring_ay", description="acceleration of the outer ring, y")
+    inner_force: str = Field("roller_{j}_inner_force", description="normal force at the inner raceway")
+    outer_force: str = Field("roller_{j}_outer_force", description="normal force at the outer raceway")
     inner_traction: str = Field(
-        "roller_{j}_inner_traction", description="of the tangential force of the inner raceway on the roller, along +θ"
+        "roller_{j}_inner_traction", description="tangential force of the inner raceway on the roller, along +θ"
     )
     outer_traction: str = Field(
-        "roller_{j}_outer_traction", description="of the tangential force of the outer raceway on the roller, along +θ"
+        "roller_{j}_outer_traction", description="tangential force of the outer raceway on the roller, along +θ"
     )
     first_roller: int = Field(0, ge=0, description="number of the first roller in the names")
-    decimal: Literal[".", ","] = Field(".", description="the table's decimal point")
+    decimal: Literal[".", ","] = Field(".", description="decimal sign of the table")
 
     @field_validator(*UNITS)
     @classmethod
@@ -83,7 +83,7 @@ class Columns(BaseModel):
         if unit is not None and unit not in units:
             raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")
         if per_roller(quantity) != ("{j}" in name):
-            wanted = "needs {j} where the roller's number stands"
+            wanted = "needs {j} in place of the roller's number"
             raise ValueError(wanted if per_roller(quantity) else "has one column, without {j}")
         return name
 

@@ -42,9 +42,9 @@ GONE: dict[tuple[str, ...], tuple[Any, str]] = {
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 Digest = Annotated[
     str | None,
-    Field(pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"),
+    Field(pattern=r"^[0-9a-f]{64}$", description="SHA-256 of the file's text; another text is refused"),
 ]
-DecimalSign = Annotated[Literal[".", ","] | None, Field(description='the file\'s decimal sign; "." if left out')]
+DecimalSign = Annotated[Literal[".", ","] | None, Field(description='decimal sign of the file; default "."')]
 FileText = Annotated[SkipJsonSchema[str | None], Field(exclude=True, repr=False)]
 
 Check = Callable[[], Iterator[str]]

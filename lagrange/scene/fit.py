@@ -14,46 +14,57 @@ from lagrange.scene.faults import Table
 UM = 1e-6
 LARGEST_INTERFERENCE = 2e-3  # of the diameter: steel yields at about that strain
 COLDEST, HOTTEST = -200.0, 500.0
-AT_HAND = "left out: that of the ring"
+AT_HAND = "temperature in operation; default: that of the ring"
 STEEL_DENSITY = 7850.0
 
 
 class FitTable(Table):
-    """From the clearance of the unmounted bearing to the operating one: fits, temperatures, spin, film."""
+    """Operating clearance from that of the unmounted bearing: fits, temperatures, spin, film."""
 
     shaft_interference_um: float = Field(
         0.0, ge=-10_000.0, le=10_000.0,
-        description="shaft less bore, diameters at 20 °C, smoothing of surfaces taken off; negative: loose",
+        description="shaft minus bore diameter at 20 °C, less the smoothing of the surfaces; negative: loose",
     )  # fmt: skip
     housing_interference_um: float = Field(
-        0.0, ge=-10_000.0, le=10_000.0, description="outer ring less housing, likewise"
+        0.0,
+        ge=-10_000.0,
+        le=10_000.0,
+        description="outside diameter of the outer ring minus housing bore at 20 °C; negative: loose",
     )
-    shaft_bore_mm: float = Field(0.0, ge=0.0, le=10_000.0, description="of a hollow shaft; 0: solid")
+    shaft_bore_mm: float = Field(0.0, ge=0.0, le=10_000.0, description="bore of a hollow shaft; 0: solid")
     housing_outside_diameter_mm: float = Field(
         0.0,
         ge=0.0,
         le=100_000.0,
-        description="of a ring that stands for the housing; 0: as wide as it takes to be stiff",
+        description="outside diameter of the housing, taken as a ring; 0: so thick that it is stiff",
     )
-    shaft_youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="of the shaft")
-    shaft_poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="of the shaft")
-    shaft_density_kg_m3: float = Field(STEEL_DENSITY, ge=100.0, le=30_000.0, description="of the shaft, which spins")
-    housing_youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="of the housing; aluminium 70")
-    housing_poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="of the housing; aluminium 0.33")
+    shaft_youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="Young's modulus of the shaft")
+    shaft_poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="Poisson's ratio of the shaft")
+    shaft_density_kg_m3: float = Field(
+        STEEL_DENSITY, ge=100.0, le=30_000.0, description="density of the shaft, for its spin"
+    )
+    housing_youngs_modulus_GPa: float = Field(
+        210.0, ge=0.1, le=2000.0, description="Young's modulus of the housing; aluminium 70"
+    )
+    housing_poisson_ratio: float = Field(
+        0.3, ge=0.0, le=0.45, description="Poisson's ratio of the housing; aluminium 0.33"
+    )
     inner_ring_C: float = Field(REFERENCE_C, ge=COLDEST, le=HOTTEST, description="temperature in operation")
     outer_ring_C: float = Field(REFERENCE_C, ge=COLDEST, le=HOTTEST, description="temperature in operation")
-    rollers_C: float | None = Field(None, ge=COLDEST, le=HOTTEST, description="left out: between those of both rings")
+    rollers_C: float | None = Field(
+        None, ge=COLDEST, le=HOTTEST, description="temperature in operation; default: mean of both rings'"
+    )
     shaft_C: float | None = Field(None, ge=COLDEST, le=HOTTEST, description=AT_HAND)
     housing_C: float | None = Field(None, ge=COLDEST, le=HOTTEST, description=AT_HAND)
     ring_expansion_1_K: float = Field(
-        STEEL_EXPANSION, ge=0.0, le=1e-4, description="thermal expansion of the rings; bearing steel"
+        STEEL_EXPANSION, ge=0.0, le=1e-4, description="thermal expansion of the rings; default bearing steel"
     )
     roller_expansion_1_K: float = Field(
-        STEEL_EXPANSION, ge=0.0, le=1e-4, description="of the rollers; silicon nitride 3.2e-6"
+        STEEL_EXPANSION, ge=0.0, le=1e-4, description="thermal expansion of the rollers; silicon nitride 3.2e-6"
     )
-    shaft_expansion_1_K: float = Field(STEEL_EXPANSION, ge=0.0, le=1e-4, description="of the shaft")
+    shaft_expansion_1_K: float = Field(STEEL_EXPANSION, ge=0.0, le=1e-4, description="thermal expansion of the shaft")
     housing_expansion_1_K: float = Field(
-        STEEL_EXPANSION, ge=0.0, le=1e-4, description="of the housing; aluminium 23.8e-6"
+        STEEL_EXPANSION, ge=0.0, le=1e-4, description="thermal expansion of the housing; aluminium 23.8e-6"
     )
 
     def fit(self) -> Fit:

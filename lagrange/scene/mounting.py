@@ -24,42 +24,42 @@ PER_MM3 = 1e9
 
 
 class SupportTable(Table):
-    """What holds the outer ring.
+    """Support of the outer ring.
 
-    The defaults of a housing are a pedestal's.
+    The defaults of a housing are those of a pedestal.
 
     Source: Sawalhi and Randall, Simulating gear and bearing interactions in the presence of faults, part I (2008).
     """
 
     kind: Literal["held", "points", "housing", "bore"] = Field(
         "held",
-        description="all around by the ground; in some arcs of the outside; by a rigid mass on springs; by a bore in "
-        "the ground",
+        description="held: by rigid ground all around; points: on arcs of the outside; housing: in a rigid mass on "
+        "springs; bore: in a bore of the ground",
     )
     angles_deg: list[float] | None = Field(
-        None, min_length=1, max_length=100, description="of points from the load's direction; 0, 120, 240 if left out"
+        None, min_length=1, max_length=100, description="angles of the points from the load (−y); default 0, 120, 240"
     )
     width_mm: float | None = Field(
-        None, gt=0.0, le=1e4, description="of each point along the outside, two nodes at least; 6 if left out"
+        None, gt=0.0, le=1e4, description="width of each point along the outside, at least two nodes; default 6"
     )
     mass_kg: float | None = Field(
-        None, ge=1e-3, le=1e6, description="of a housing without the outer ring; 12.638 if left out"
+        None, ge=1e-3, le=1e6, description="mass of the housing without the outer ring; default 12.638"
     )
     stiffness_N_per_m: float | None = Field(
-        None, ge=1e3, le=1e12, description="of a housing's springs, along either axis; 15.1e6 if left out"
+        None, ge=1e3, le=1e12, description="stiffness of the housing's springs, along x and y; default 15.1e6"
     )
     damping_N_s_m: float | None = Field(
-        None, ge=0.0, le=1e9, description="of the dashpots beside them; 2210.7 if left out"
+        None, ge=0.0, le=1e9, description="damping of the dashpots beside the springs; default 2210.7"
     )
     fit_clearance_um: float | None = Field(
         None,
         ge=-1000.0,
         le=1000.0,
-        description="of the bore's diameter over the outer ring's, below 0 a press fit; left out 0 with a bore, with a "
-        "housing none: it holds the ring all around",
+        description="bore diameter minus outside diameter of the outer ring; negative: press fit; default 0 with a "
+        "bore; a housing without it holds the ring all around",
     )
     bore_stiffness_N_per_mm3: float | None = Field(
-        None, ge=1.0, le=1e5, description="pressure over the deflection of the bore; of a thick wall if left out"
+        None, ge=1.0, le=1e5, description="pressure per deflection of the bore; default: that of a thick wall"
     )
 
     @classmethod
@@ -118,10 +118,10 @@ class SupportTable(Table):
 
 
 class SensorTable(Table):
-    """A resonator on the housing, along y: what an accelerometer shows."""
+    """An accelerometer on the housing, along y: a resonator."""
 
-    frequency_Hz: float = Field(15_000.0, ge=1.0, le=1e7, description="of the resonator, undamped")
-    damping_ratio: float = Field(0.05, ge=0.0, le=0.99, description="of the resonator")
+    frequency_Hz: float = Field(15_000.0, ge=1.0, le=1e7, description="undamped natural frequency of the sensor")
+    damping_ratio: float = Field(0.05, ge=0.0, le=0.99, description="damping ratio of the sensor")
 
     def sensor(self) -> Sensor:
         """The sensor in SI."""

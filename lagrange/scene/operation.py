@@ -28,91 +28,93 @@ ENOUGH = 1e-9  # relative: times and speeds that are the same
 
 
 class OperationTable(Table):
-    """How the bearing is driven and loaded. Texts of its files are put in by whoever reads the scene."""
+    """Speeds and loads of the bearing."""
 
     speed_rpm: float = Field(
-        4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
+        4500.0, ge=-200_000.0, le=200_000.0, description="speed of the inner ring; positive: counter-clockwise"
     )
     outer_ring_speed_rpm: float = Field(
-        0.0, ge=-200_000.0, le=200_000.0, description="of the outer ring, which turns about its fixed centre, likewise"
+        0.0,
+        ge=-200_000.0,
+        le=200_000.0,
+        description="speed of the outer ring about its fixed centre; positive: counter-clockwise",
     )
-    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
+    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="load on the hub, along −y")
     inner_ring_and_shaft_kg: float = Field(
         0.078,
         gt=0.0,
         le=1e6,
-        description="mass of all that moves with the hub, the elastic inner ring included; if left out and the ring "
-        "is heavier, a steel ring and shaft of the given sizes",
+        description="mass that moves with the hub, inner ring included; default 0.078, or if the ring is heavier: a "
+        "steel ring and shaft of the given sizes",
     )
-    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
+    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="gravity, along −y")
     first_roller_deg: float = Field(
-        0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
+        0.0, ge=-360.0, le=360.0, description="angle of roller 0 from the load (−y), counter-clockwise"
     )
     misalignment_mrad: float | None = Field(
         None,
         ge=-50.0,
         le=50.0,
-        description="slope of the shaft in the plane of the load, positive where its +z end is towards it; 0 if left "
-        "out; with [axial]",
+        description="slope of the shaft in the plane of the load; positive: its +z end leans towards the load; "
+        "default 0; with [axial]",
     )
     unbalance_g_mm: float | None = Field(
-        None, ge=0.0, le=1e9, description="of what turns with the inner ring, included in its mass"
+        None, ge=0.0, le=1e9, description="unbalance of the parts that turn with the inner ring; their mass includes it"
     )
     unbalance_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="of the heavy side at t = 0, from −y, counter-clockwise"
+        None, ge=-360.0, le=360.0, description="angle of the heavy side at t = 0, from −y, counter-clockwise"
     )
     rotating_load_N: float | None = Field(
-        None, ge=0.0, le=HEAVIEST, description="at the hub, beside the other loads, turning with a ring"
+        None, ge=0.0, le=HEAVIEST, description="load on the hub that turns with a ring, added to the other loads"
     )
     rotating_load_with: Literal["inner_ring", "outer_ring"] | None = Field(
-        None, description="the ring that it turns with; the inner one if left out"
+        None, description="the ring that the load turns with; default inner_ring"
     )
     rotating_load_deg: float | None = Field(
-        None, ge=-360.0, le=360.0, description="of its direction at t = 0, from −y, counter-clockwise"
+        None, ge=-360.0, le=360.0, description="its direction at t = 0, from −y, counter-clockwise"
     )
     shaft: Literal["rigid", "springs"] | None = Field(
         None,
-        description="what holds the shaft beside the bearing: nothing, of a rigid one (the default), or springs and "
-        "dashpots from the hub to the ground",
+        description="rigid: the bearing alone carries the shaft (default); springs: springs and dashpots from the "
+        "hub to the ground carry it too",
     )
     shaft_stiffness_N_per_m: float | None = Field(
-        None, ge=0.0, le=1e12, description="of a shaft's springs, along either axis; to be given with them"
+        None, ge=0.0, le=1e12, description="stiffness of the shaft's springs, along x and y; required with them"
     )
     shaft_damping_N_s_m: float | None = Field(
-        None, ge=0.0, le=1e9, description="of the dashpots beside them; 0 if left out"
+        None, ge=0.0, le=1e9, description="damping of the dashpots beside the springs; default 0"
     )
     speed_table: FileName | None = Field(
         None,
-        description="file beside the scene, CSV with the columns time_ms, speed_rpm (or time_s, speed_rad/s): in place "
+        description="CSV file beside the scene with the columns time_ms, speed_rpm (or time_s, speed_rad/s), instead "
         "of speed_rpm",
     )
     speed_table_sha256: Digest = None
     speed_table_decimal: DecimalSign = None
     speed_table_shape: Literal["smooth", "linear"] | None = Field(
-        None, description="what joins its points: a smooth curve (the default), or straight lines"
+        None, description="curve through the points: smooth (default) or straight lines"
     )
     speed_table_content: FileText = None
     outer_ring_speed_table: FileName | None = Field(
         None,
-        description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of outer_ring_speed_rpm",
+        description="CSV file beside the scene with the columns time_ms, speed_rpm, instead of outer_ring_speed_rpm",
     )
     outer_ring_speed_table_sha256: Digest = None
     outer_ring_speed_table_decimal: DecimalSign = None
     outer_ring_speed_table_shape: Literal["smooth", "linear"] | None = Field(
-        None, description="what joins its points, as of speed_table"
+        None, description="curve through the points: smooth (default) or straight lines"
     )
     outer_ring_speed_table_content: FileText = None
     load_table: FileName | None = Field(
         None,
-        description="file beside the scene, CSV with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN): in place "
+        description="CSV file beside the scene with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN), instead "
         "of radial_load_N",
     )
     load_table_sha256: Digest = None
     load_table_decimal: DecimalSign = None
     load_table_shape: Shape | None = Field(
         None,
-        description="what joins its points: a smooth curve (the default), straight lines, or steps that hold until the "
-        "next row",
+        description="curve through the points: smooth (default), straight lines, or steps held until the next row",
     )
     load_table_content: FileText = None
 
@@ -136,7 +138,7 @@ class OperationTable(Table):
     def _shaft(self) -> Iterator[str]:
         if self.shaft == "springs":
             if self.shaft_stiffness_N_per_m is None:
-                yield 'shaft = "springs": how stiff? give shaft_stiffness_N_per_m, e.g. 1e7'
+                yield 'shaft = "springs" needs shaft_stiffness_N_per_m, e.g. 1e7'
             return
         for name in ("shaft_stiffness_N_per_m", "shaft_damping_N_s_m"):
             if getattr(self, name) is not None:
@@ -152,15 +154,15 @@ class OperationTable(Table):
     def _angles(self) -> Iterator[str]:
         for of, angle in (("unbalance_g_mm", "unbalance_deg"), ("rotating_load_N", "rotating_load_deg")):
             if getattr(self, angle) is not None and getattr(self, of) is None:
-                yield f"{angle} = {getattr(self, angle):g}: of what? give {of}, or leave it out"
+                yield f"{angle} = {getattr(self, angle):g}: give {of} too, or leave it out"
         if self.rotating_load_with is not None and self.rotating_load_N is None:
-            yield f'rotating_load_with = "{self.rotating_load_with}": what? give rotating_load_N, or leave it out'
+            yield f'rotating_load_with = "{self.rotating_load_with}": give rotating_load_N too, or leave it out'
 
     def _tables(self) -> Iterator[str]:
         for name in TABLES:
             for key in (f"{name}_sha256", f"{name}_decimal", f"{name}_shape"):
                 if getattr(self, key) is not None and getattr(self, name) is None:
-                    yield f"{key}: of what? give {name}, or leave it out"
+                    yield f"{key}: give {name} too, or leave it out"
             try:
                 self.points(name)
             except ValueError as error:
@@ -178,9 +180,7 @@ class OperationTable(Table):
             decimal, shape = getattr(self, f"{name}_decimal") or ".", getattr(self, f"{name}_shape") or "smooth"
             first = _first_speed(content, decimal, shape)
             if abs(first - given) > ENOUGH * max(abs(first), 1.0):
-                yield (
-                    f'{key} = {given:g}: {name} = "{getattr(self, name)}" says {first:g} at the start; leave {key} out'
-                )
+                yield (f'{key} = {given:g}: {name} = "{getattr(self, name)}" starts at {first:g}; leave {key} out')
 
     def points(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
         """Times and values of a table, as they stand there; None: there is none, or it is not at hand. ValueError."""

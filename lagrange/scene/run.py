@@ -21,13 +21,14 @@ class ContactTable(Table):
 
     model: Literal["subgrid", "resolved", "penalty", "faceted"] = Field(
         "subgrid",
-        description="below the mesh's grid; on meshes finer than contacts; springs or polygons, to compare with",
+        description="subgrid: contacts smaller than the mesh; resolved: on meshes finer than the contacts; penalty, "
+        "faceted: springs or polygons, for comparison",
     )
     penalty_stiffness_N_per_m: float | None = Field(
-        None, ge=1e5, le=1e12, description="of each contact of a comparison model; 1e9 if left out"
+        None, ge=1e5, le=1e12, description="stiffness of each contact of a comparison model; default 1e9"
     )
     friction_coefficient: float = Field(
-        0.1, ge=0.0, le=1.0, description="Coulomb's; 0: frictionless, and then it costs nothing"
+        0.1, ge=0.0, le=1.0, description="Coulomb friction coefficient; 0: frictionless (faster)"
     )
 
     @classmethod
@@ -54,20 +55,20 @@ class NumericsTable(Table):
         "equilibrium",
         description="from static equilibrium, rolling; or from rest: centred, undeformed, the load ramped",
     )
-    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6, description='over which the load grows where start = "rest"')
+    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6, description='time over which the load grows if start = "rest"')
     mesh_size_mm: float = Field(
         1.0,
         gt=0.0,
         le=100.0,
-        description="distance of surface nodes; left out: a tenth of a given roller_diameter_mm",
+        description="distance of surface nodes; default: a tenth of a given roller_diameter_mm",
     )
-    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0, description="time step over the critical one")
+    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0, description="time step over the critical time step")
     output_interval_us: float = Field(
         10.0,
         ge=1e-3,
         le=1e6,
-        description="between two samples; if left out 10, or less where the hub or struck rollers vibrate faster or "
-        "faults pass, so that no warning follows",
+        description="time between two samples; default 10, or less if the hub or impacting rollers vibrate faster or "
+        "faults pass",
     )
 
     def checks(self) -> tuple[Check, ...]:
@@ -82,30 +83,31 @@ class NumericsTable(Table):
 
 
 class LagrangeTable(Table):
-    """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
+    """Lagrangian model: its own solution, and the equations that check-residual uses."""
 
     law: str = Field(
         "harris",
-        description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz; power: "
-        "the scene's own",
+        description="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; balls: "
+        "hertz; power: Q = K δⁿ with the keys below",
     )
     contact_stiffness_N_per_m_n: list[Annotated[float, Field(ge=1e3, le=1e25)]] | None = Field(
         None,
         min_length=2,
         max_length=2,
-        description="K of an inner and of an outer contact of the own law Q = K δⁿ, SI",
+        description="K of an inner and of an outer contact in Q = K δⁿ, SI",
     )
-    contact_exponent: float | None = Field(None, ge=1.0, le=3.0, description="n of the own law")
+    contact_exponent: float | None = Field(None, ge=1.0, le=3.0, description="exponent n in Q = K δⁿ")
     law_table: FileName | None = Field(
         None,
-        description="file beside the scene, CSV with the columns force [N], approach [um] of one contact, to which the "
-        "own law is fitted, in place of K and n",
+        description="CSV file beside the scene with the columns force [N], approach [um] of one contact; K and n are "
+        "fitted to it",
     )
     law_table_sha256: Digest = None
     law_table_decimal: DecimalSign = None
     law_table_content: FileText = None
     angles: Literal["kinematic", "free"] = Field(
-        "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
+        "kinematic",
+        description="kinematic: rollers in a cage that rolls without slip; free: free rollers (run-fem only)",
     )
 
     @classmethod
@@ -121,7 +123,7 @@ class LagrangeTable(Table):
         stiffness, exponent = self.contact_stiffness_N_per_m_n, self.contact_exponent
         for key in ("law_table_sha256", "law_table_decimal"):
             if getattr(self, key) is not None and self.law_table is None:
-                yield f"{key}: of what? give law_table, or leave it out"
+                yield f"{key}: give law_table too, or leave it out"
         if self.law_table is not None and (stiffness is not None or exponent is not None):
             yield (
                 f'law_table = "{self.law_table}": K and n are fitted to it; leave it out, or '
@@ -131,8 +133,7 @@ class LagrangeTable(Table):
             yield "contact_stiffness_N_per_m_n and contact_exponent make one law Q = K δⁿ; give both, or neither"
         if self.law == OWN and stiffness is None and self.law_table is None:
             yield (
-                'law = "power": which? give contact_stiffness_N_per_m_n = [inner, outer] and contact_exponent, or '
-                "law_table"
+                'law = "power" needs contact_stiffness_N_per_m_n = [inner, outer] and contact_exponent, or law_table'
             )
         try:
             self.own_law()
@@ -150,13 +151,16 @@ class LagrangeTable(Table):
 
 
 class OutputTable(Table):
-    """What else is stored."""
+    """Fields and accelerations to store."""
 
     fields_every_ms: float = Field(
-        0.0, ge=0.0, le=1e6, description="displacement and stress of all nodes; 0: none, and then it costs nothing"
+        0.0,
+        ge=0.0,
+        le=1e6,
+        description="interval at which displacement and stress of all nodes are stored; 0: none (faster)",
     )
     acceleration_Hz: int = Field(
-        25_600, ge=1, le=100_000_000, description="rate of accelerations that render-fem --export writes"
+        25_600, ge=1, le=100_000_000, description="sampling rate of the accelerations that render-fem --export writes"
     )
 
 
@@ -164,18 +168,23 @@ CONTACT_LAWS = ("contact_N_s_m", "contact_time_us", "hunt_crossley_s_m")
 
 
 class DampingTable(Table):
-    """What takes energy beside friction. Of the contacts' three laws one may be given; none makes a contact pull."""
+    """Damping, apart from friction. At most one of the three contact laws may be given; none makes a contact pull."""
 
-    contact_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every closed contact")
-    contact_time_us: float = Field(0.0, ge=0.0, le=1000.0, description="or a time, times the contact's own stiffness")
+    contact_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="damping coefficient of every closed contact")
+    contact_time_us: float = Field(
+        0.0,
+        ge=0.0,
+        le=1000.0,
+        description="damping time: the coefficient is this time multiplied by the contact's stiffness",
+    )
     hunt_crossley_s_m: float = Field(
         0.0,
         ge=0.0,
         le=1000.0,
-        description="or Hunt and Crossley's α: force times 1 + 3/2 α times the approach's rate",
+        description="Hunt–Crossley coefficient α: F = Q(1 + 3/2 α δ̇)",
     )
     bodies_1_s: float = Field(
-        0.0, ge=0.0, le=1e6, description="mass proportional, of what bodies do beside moving and turning as a whole"
+        0.0, ge=0.0, le=1e6, description="mass-proportional damping of the deformation of the bodies"
     )
 
     def checks(self) -> tuple[Check, ...]:

@@ -30,17 +30,17 @@ STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edg
 
 
 class SurfaceTable(Table):
-    """What holds for one body."""
+    """Deviation of one body's surface."""
 
-    body: Literal["outer_ring", "inner_ring", "roller"] = Field("outer_ring", description="whose surface it is")
-    roller: int | None = Field(None, ge=0, description='which roller, counted from 0, where body = "roller"')
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("outer_ring", description="body with this surface")
+    roller: int | None = Field(None, ge=0, description='number of the roller, counted from 0, if body = "roller"')
 
     def checks(self) -> tuple[Check, ...]:
         return (self._which_roller,)
 
     def _which_roller(self) -> Iterator[str]:
         if self.body == "roller" and self.roller is None:
-            yield 'body = "roller": which one? add roller = 0 for the first'
+            yield 'body = "roller" needs the number of the roller, e.g. roller = 0 for the first'
         if self.body != "roller" and self.roller is not None:
             yield f'roller = {self.roller}: only with body = "roller", not with "{self.body}"; leave it out'
 
@@ -51,23 +51,25 @@ class SurfaceTable(Table):
 
 
 class SpallTable(SurfaceTable):
-    """A flake broken out of a surface."""
+    """A spall: material broken out of a surface."""
 
     angle_deg: float = Field(
         0.0,
         ge=-360.0,
         le=360.0,
-        description="of its middle at t = 0: rings from the load's direction, rollers in their own frame",
+        description="angle of its middle at t = 0; rings: from the load (−y); rollers: in their own frame",
     )
     width_mm: float = Field(
-        1.0, gt=0.0, le=1000.0, description="of the sharp-edged gap into which a roller sinks as deeply"
+        1.0, gt=0.0, le=1000.0, description="width of the spall (of the equivalent sharp-edged gap)"
     )
-    depth_um: float = Field(100.0, gt=0.0, le=1e5, description="below the raceway")
-    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="of its edges")
+    depth_um: float = Field(100.0, gt=0.0, le=1e5, description="depth below the surface")
+    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="radius of its edges")
     length_mm: float | None = Field(
-        None, gt=0.0, le=1000.0, description="along the rollers, with [axial]; left out: all of their length"
+        None, gt=0.0, le=1000.0, description="length along the rollers, with [axial]; default: their whole length"
     )
-    z_mm: float = Field(0.0, ge=-1000.0, le=1000.0, description="of its middle from the rollers', with length_mm")
+    z_mm: float = Field(
+        0.0, ge=-1000.0, le=1000.0, description="offset of its middle along the rollers, with length_mm"
+    )
 
     def checks(self) -> tuple[Check, ...]:
         return (*super().checks(), self._whole)
@@ -95,11 +97,14 @@ class SpallTable(SurfaceTable):
 class WavinessTable(SurfaceTable):
     """A wave of a surface: amplitude · cos(order · angle + phase)."""
 
-    body: Literal["outer_ring", "inner_ring", "roller"] = Field("inner_ring", description="whose surface it is")
-    order: int = Field(12, ge=1, le=10_000, description="waves around the circumference")
-    amplitude_um: float = Field(0.5, gt=0.0, le=1e5, description="half of the height from valley to crest")
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("inner_ring", description="body with this surface")
+    order: int = Field(12, ge=1, le=10_000, description="number of waves around the circumference")
+    amplitude_um: float = Field(0.5, gt=0.0, le=1e5, description="amplitude: half the height from valley to crest")
     phase_deg: float = Field(
-        0.0, ge=-360.0, le=360.0, description="at angle 0: of rings the load's direction, of rollers in their own frame"
+        0.0,
+        ge=-360.0,
+        le=360.0,
+        description="phase at angle 0; rings: the load's direction (−y); rollers: their own frame",
     )
 
     def fault(self) -> Waviness:
@@ -115,8 +120,8 @@ class WavinessTable(SurfaceTable):
 class UnequalRollerTable(Table):
     """A roller of another size."""
 
-    roller: int = Field(0, ge=0, description="which one, counted from 0")
-    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5, description="from the diameter of the others")
+    roller: int = Field(0, ge=0, description="number of the roller, counted from 0")
+    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5, description="its diameter minus that of the others")
 
     def fault(self) -> UnequalRoller:
         return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
@@ -128,9 +133,14 @@ class ProfileTable(SurfaceTable):
     `content` is the file's text, which whoever reads the scene puts in.
     """
 
-    file: FileName = Field(description="beside the scene, CSV with the columns angle_deg, height_um")
+    file: FileName = Field(description="CSV file beside the scene with the columns angle_deg, height_um")
     sha256: Digest = None
-    angle_deg: float = Field(0.0, ge=-360.0, le=360.0, description="of the table's angle 0 at t = 0")
+    angle_deg: float = Field(
+        0.0,
+        ge=-360.0,
+        le=360.0,
+        description="angle of the table's 0 at t = 0, from the load (−y); rollers: in their own frame",
+    )
     decimal: DecimalSign = None
     content: FileText = None
 

@@ -39,10 +39,11 @@ class SceneTables(Table):
         min_length=1,
         max_length=100,
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
-        description="of the scene, and of the files that runs write",
+        description="name of the scene and of its result files",
     )
     model: Literal["fem", "reduced", "lagrange"] = Field(
-        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
+        "fem",
+        description="finite elements; elastic bodies without inertia of their own; rigid bodies on contact springs",
     )
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()

@@ -2,10 +2,11 @@
 
 Each page gets an empty folder: first the files it shows, then its commands from top to bottom, word for word, by the
 shell. A block of text right after a block of commands is what they print; "…" stands for lines, or the part of a line,
-left out. Words are compared as they stand, numbers to a unit of their last digit, because bits differ between
-processors; run times are not compared. In a section with commands each number of a sentence is one of the page's
-blocks, and each sentence in quotation marks is printed. `--write` puts what is printed today into the blocks, and its
-numbers into the sentences. Runs with Python alone: an installation can be tried that has nothing beyond the program.
+left out. Words are compared as they stand, numbers to a unit of the last digit shown. Bits differ between processors: a
+page shows fewer digits than are printed where these differ (NUMBA_CPU_NAME=generic tells). Run times are not compared.
+In a section with commands each number of a sentence is one of the page's blocks, and each sentence in quotation marks
+is printed. `--write` puts what is printed today into the blocks, and its numbers into the sentences. Runs with Python
+alone: an installation can be tried that has nothing beyond the program.
 """
 
 import argparse
@@ -164,11 +165,11 @@ def alike(shown: str, printed: str) -> re.Match | None:
 
 
 def same(shown: str, printed: str) -> bool:
-    """Whether two lines have the same words, and numbers within a unit of their last digit."""
+    """Whether two lines have the same words, and numbers within a unit of the last digit that is shown."""
     found = alike(shown, printed)
     pairs = zip(NUMBER.findall(words(shown)), found.groups(), strict=True) if found else ()
     return found is not None and all(
-        abs(a - b) <= 1.001 * min(digit, other) for (a, digit), (b, other) in (map(value, pair) for pair in pairs)
+        abs(a - b) <= 1.001 * digit for (a, digit), (b, _) in (map(value, pair) for pair in pairs)
     )
 
 
@@ -253,10 +254,31 @@ def rewritten(text: str, printed: dict[str, str]) -> str:
     return new
 
 
+def as_shown(printed: str, shown: str) -> str:
+    """A printed line with the words left out and the decimals that a page shows of it."""
+    if (found := alike(shown, printed)) is None:
+        return printed
+    fresh = iter(found.groups())
+
+    def put(match: re.Match) -> str:
+        return match[0] if match[1] is None else shortened(next(fresh), match[1])  # run times stay
+
+    line = re.sub(f"{RUN_TIME.pattern}|{NUMBER.pattern}", put, shown)
+    return line if LEFT_OUT in shown or NUMBER.findall(words(line)) != list(found.groups()) else printed
+
+
+def shortened(number: str, shown: str) -> str:
+    """A number with as few decimals as another, but no fewer than two digits."""
+    decimals = len(shown.partition(".")[2])
+    rounded = f"{value(number)[0]:.{decimals}f}"
+    fits = "e" not in number + shown and len(number.partition(".")[2]) > decimals
+    return rounded if fits and abs(float(rounded)) >= 10.0 ** (1 - decimals) else number
+
+
 def renewed(shown: list[str], told: list[str]) -> list[str]:
     """What is printed now, with those lines left out that a page leaves out."""
     if LEFT_OUT not in shown:
-        return told
+        return [as_shown(line, nearest(line, shown) or line) for line in told]
     lines, at = [], 0
     for line in shown:
         found = nearest(line, told[at:])
@@ -265,10 +287,7 @@ def renewed(shown: list[str], told: list[str]) -> list[str]:
         else:
             begin, at = at, told.index(found, at) + 1
             lines += told[begin : at - 1] if lines and lines[-1] != LEFT_OUT else []
-            numbers = alike(line, found) if LEFT_OUT in line else None
-            parts = NUMBER.split(line)
-            parts[1::2] = numbers.groups() if numbers else parts[1::2]
-            lines.append("".join(parts) if numbers else found)
+            lines.append(as_shown(found, line))
     return lines + (told[at:] if lines[-1] != LEFT_OUT else [])
 
 

@@ -180,6 +180,13 @@ def test_a_sentence_that_the_output_does_not_bear_is_found(old, new):
     assert len(list(documented.unfounded(SHOWN.replace(old, new)))) == 1
 
 
+def test_a_page_may_show_fewer_digits_than_are_printed():
+    page = SHOWN.replace("232.66 Hz (-1.38", "233 Hz (-1.4")
+    printed = {"check-vibration record.npz": PRINTED.replace("232.66", "235.24").replace("-1.38", "-1.52")}
+    assert len(list(documented.differences(page, printed))) == 1
+    assert "BPFO at 235 Hz (-1.5 % from" in documented.rewritten(page, printed)
+
+
 def test_a_page_is_made_from_what_is_printed():
     printed = {"check-vibration record.npz": PRINTED.replace("232.66", "235.04").replace("-1.38", "0.37")}
     page = documented.rewritten(SHOWN, printed)

@@ -31,7 +31,7 @@ def slices(kind: str, count: int = 21) -> Slices:
 
 
 def table_of(own: Slices) -> ContactTable:
-    return tabulated(own, own.straight_approach(LARGEST), STEEPEST)
+    return tabulated(own, float(own.approach_under(LARGEST, 0.0)), STEEPEST)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_a_table_gives_the_forces_and_moments_of_its_slices(kind):
 def test_a_light_load_on_a_roller_that_may_tilt_far_takes_no_larger_table():
     """By steps of approach as fine as under a heavy load, beside slopes that cannot be, it would have 9000 rows."""
     own, light, steepest = slices("logarithmic"), 20.0, 1e-2  # N, rad
-    table = tabulated(own, own.straight_approach(light), steepest)
+    table = tabulated(own, float(own.approach_under(light, 0.0)), steepest)
     assert table.coefficients.shape[0] < 700 and table.coefficients.shape[1] == 603
     rng = np.random.default_rng(3)
     slope, force = rng.uniform(-steepest, steepest, 2000), rng.uniform(0.0, light, 2000)

@@ -8,6 +8,7 @@ import pytest
 from fem.interface import rating
 from fem.rating.case import Case, Options
 from fem.rating.ross import coefficients
+from lagrange.axial.profile import logarithmic_drop
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import ball_pressure, contact_pairs
@@ -34,7 +35,6 @@ from lagrange.rating.life import (
 from lagrange.rating.reference_life import (
     edge_factor,
     lamina_capacities,
-    profile_drop,
     reference_life,
     rigid_loads,
     shared_out,
@@ -192,7 +192,7 @@ def test_profiles_and_edges():
     assert ends == pytest.approx([2.328, 2.328], abs=1e-3)
     long = Dimensions(rollers=13, diameter=4.0, length=20.0, pitch=46.0)
     x = np.array([0.0, 4.9, 5.1, 9.0])
-    drop = profile_drop(long, x)
+    drop = logarithmic_drop(x, long.length, long.diameter)
     assert drop[:2].tolist() == [0.0, 0.0] and 0.0 < drop[2] < drop[3]
     assert drop[3] == pytest.approx(0.0005 * 4.0 * np.log(1.0 / (1.0 - 0.64)))
 

@@ -156,7 +156,7 @@ def _pushed(bearing: Bearing, slices: Slices, operation: Operation, angle: np.nd
     """The hub where one roller carries the load, and radii of rollers midway."""
     load = np.array([float(operation.side_load), -float(operation.radial_load)])
     size = max(float(np.hypot(*load)), 1e-3)
-    deep = max(slices.straight_approach(0.5 * size), 0.0)
+    deep = max(float(slices.approach_under(0.5 * size, 0.0)), 0.0)
     hub = (max(bearing.radial_clearance, 0.0) + 2.0 * deep) * load / size
     return hub, bearing.pitch_radius + 0.5 * np.column_stack([np.cos(angle), np.sin(angle)]) @ hub
 

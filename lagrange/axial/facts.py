@@ -30,7 +30,7 @@ class Axial:
 
     def centres(self, bearing: Bearing) -> np.ndarray:
         """z of the slices' middles from the roller's middle, (slices,), m."""
-        return centres(bearing, self.slices)
+        return centres(bearing.roller_length, self.slices)
 
     def drops(self, bearing: Bearing) -> np.ndarray:
         """Drop of roller and raceway together at the slices' middles, inner and outer contact, (2, slices), m."""
@@ -53,13 +53,13 @@ class Axial:
         return None
 
 
-def centres(bearing: Bearing, slices: int) -> np.ndarray:
-    """z of the middles of equal slices from a roller's middle, (slices,), m."""
-    return (np.arange(slices) + 0.5 - 0.5 * slices) * bearing.roller_length / slices
+def centres(length: float, slices: int) -> np.ndarray:
+    """z of the middles of equal slices of a length from its middle, (slices,)."""
+    return (np.arange(slices) + 0.5 - 0.5 * slices) * length / slices
 
 
 def slices_over(bearing: Bearing, slices: int, spall: Spall) -> np.ndarray:
     """Which slices of a roller have their middles over a spall, (slices,)."""
-    z, (first, last) = centres(bearing, slices), spall.along or (-np.inf, np.inf)
+    z, (first, last) = centres(bearing.roller_length, slices), spall.along or (-np.inf, np.inf)
     near = ROUND_OFF * bearing.roller_length
     return (z >= first - near) & (z <= last + near)

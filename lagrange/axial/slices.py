@@ -15,7 +15,7 @@ from lagrange.axial.table import TiltedContact
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
 MATRICES = 2**22  # numbers in the matrices of contacts that are solved at once: 34 MB, which some copies share
-FIRST, BISECTIONS = 1e-8, 60  # m, beyond the opening, to begin with
+FIRST = 1e-8  # m, beyond the opening, to begin with
 
 
 class LineLaw(Protocol):
@@ -60,21 +60,22 @@ class Slices:
         """Whether a slope and its opposite have the same energy."""
         return bool(np.allclose(self.drop, self.drop[::-1], rtol=1e-12, atol=0.0))
 
-    def straight_approach(self, force: float) -> float:
-        """Of a contact without slope under a force, N; m."""
-        return float(self.approach_under(force, np.zeros(1))[0])
+    def approach_under(self, force, slope) -> np.ndarray:
+        """Of contacts with slopes, rad, each under a force, N, of shapes that go together; m.
 
-    def approach_under(self, force: float | np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Of contacts with slopes, rad, each under a force, N; m, (n,) as the slopes."""
-        low = self.opening(slope)
-        high = low + FIRST
-        while np.any(short := self.sums(high, slope).force < force):
-            high = np.where(short, low + 2.0 * (high - low), high)
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            short = self.sums(middle, slope).force < force
-            low, high = np.where(short, middle, low), np.where(short, high, middle)
-        return high
+        Newton's method from above: the force is convex in the approach.
+        """
+        force, slope = np.broadcast_arrays(np.asarray(force, dtype=float), slope)
+        place, way = self.opening(slope), FIRST + self.law.approach(force)
+        while np.any(short := self.sums(place, slope).force < force):
+            place, way = np.where(short, place + way, place), 2.0 * way
+        for _ in range(STEPS):
+            here = self.at(place, slope)
+            step = (here.force - force) / np.where(here.stiffness > 0.0, here.stiffness, np.inf)
+            place = place - step
+            if np.all(np.abs(step) <= SETTLED * np.abs(place).max()):
+                break
+        return place
 
     def opening(self, slope) -> np.ndarray:
         """The approach, m, from which on a contact of this slope, rad, is closed."""

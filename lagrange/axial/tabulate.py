@@ -40,7 +40,7 @@ def contact_tables(
     RuntimeError: slices do not settle.
     """
     inner, outer = (
-        spalled(each, tabulated(each, each.straight_approach(MORE * largest_force), largest_slope))
+        spalled(each, tabulated(each, float(each.approach_under(MORE * largest_force, 0.0)), largest_slope))
         for each in contact_slices(bearing, axial, laws, couplings)
     )
     return inner, outer

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.axial.facts import centres
 from lagrange.axial.profile import logarithmic_drop
+from lagrange.axial.slices import Slices
 from lagrange.bearing import Operation
+from lagrange.contact.laws import PowerLaw
 from lagrange.rating.capacity import REDUCTION, Dimensions
 from lagrange.rating.sources import Unavailable
 
@@ -20,19 +23,20 @@ STEPS = 100  # of Newton's method; five are usual
 
 def positions(row: Dimensions, laminae: int = LAMINAE) -> np.ndarray:
     """x_k, (laminae,), mm, of the laminae's middles from the roller's."""
-    return (np.arange(laminae) + 0.5 - 0.5 * laminae) * row.length / laminae
+    return centres(row.length, laminae)
 
 
-def profile_drop(row: Dimensions, x: np.ndarray) -> np.ndarray:
-    """P(x), mm, of the standard's logarithmic profile: (42), of long rollers (43) and (44)."""
-    return logarithmic_drop(x, row.length, row.diameter)
+def laminae_of(row: Dimensions, profile: bool | np.ndarray = True, laminae: int = LAMINAE) -> Slices:
+    """Both contacts of a roller together, N and mm: c_s = 35948 L_we^(8/9)/n_s, (42) to (44).
 
-
-def _drop(row: Dimensions, x: np.ndarray, profile: bool | np.ndarray) -> np.ndarray:
-    """Of both contacts together, mm."""
-    if isinstance(profile, np.ndarray):
-        return profile
-    return 2.0 * profile_drop(row, x) if profile else np.zeros(x.size)
+    `profile` : the standard's; False: straight rollers; or the drops of both contacts together at the laminae, mm
+    """
+    x, law = positions(row, laminae), STIFFNESS * row.length ** (8 / 9)
+    drop = 2.0 * logarithmic_drop(x, row.length, row.diameter) if profile is True else np.zeros(laminae)
+    return Slices(
+        law=PowerLaw(name="iso16281", stiffness=law, exponent=EXPONENT, source="ISO/TS 16281"),
+        place=x, drop=profile if isinstance(profile, np.ndarray) else drop,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,49 +68,30 @@ def rigid_loads(
     Parameters
     ----------
     load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
-    profile : the standard's; False: straight rollers; or the drops of both contacts together at the laminae, mm
+    profile : of `laminae_of`
     first : rad, of roller 0 from the load
 
-    Source: ISO/TS 16281:2008, c_s = 35948 L_we^(8/9)/n_s, δ_jk = δ_j − x_k tan ψ_j − 2 P(x_k).
+    Source: ISO/TS 16281:2008, δ_jk = δ_j − x_k tan ψ_j − 2 P(x_k).
     """
-    x = positions(row, laminae)
-    drop = _drop(row, x, profile)
-    cos = np.cos(first + 2.0 * np.pi * np.arange(row.rollers) / row.rollers)
-    gap = 0.5 * clearance + np.outer(np.tan(tilt) * cos, x) + drop
-    stiff = STIFFNESS * row.length ** (8 / 9) / laminae
-
-    def carried(delta):
-        deep = np.maximum(delta * cos[:, None] - gap, 0.0)
-        return stiff * deep**EXPONENT, stiff * EXPONENT * deep ** (EXPONENT - 1.0) * (deep > 0.0)
-
-    delta = max(clearance, 0.0) + 1e-3 * row.diameter  # the force is convex in δ: Newton's method comes from above
-    while carried(delta)[0].sum(axis=1) @ cos < load:
+    roller, cos = laminae_of(row, profile, laminae), np.cos(first + 2.0 * np.pi * np.arange(row.rollers) / row.rollers)
+    slope, delta = np.tan(tilt) * cos, max(clearance, 0.0) + 1e-3 * row.diameter
+    # the force is convex in δ: Newton's method comes from above
+    while roller.sums(delta * cos - 0.5 * clearance, slope).force @ cos < load:
         delta *= 2.0
     for _ in range(STEPS):
-        force, slope = carried(delta)
-        step = (force.sum(axis=1) @ cos - load) / (slope.sum(axis=1) @ cos**2)
+        here = roller.at(delta * cos - 0.5 * clearance, slope)
+        step = (here.force @ cos - load) / (here.stiffness @ cos**2)
         delta -= step
         if abs(step) <= 1e-14 * row.diameter:
             break
-    force = carried(delta)[0]
-    return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ x)))
+    force = roller.forces(delta * cos - 0.5 * clearance, slope)
+    return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ roller.place)))
 
 
 def shared_out(row: Dimensions, loads: np.ndarray) -> np.ndarray:
     """Loads of LAMINAE, (..., LAMINAE), N, of rollers without tilt under loads, (...), N; the standard's profile."""
-    loads = np.asarray(loads, dtype=float)[..., None]
-    drop = 2.0 * profile_drop(row, positions(row, LAMINAE))
-    stiff = STIFFNESS * row.length ** (8 / 9) / LAMINAE
-    delta = drop.max() + (loads / (stiff * LAMINAE)) ** (1.0 / EXPONENT)  # deeper than it is; convex as above
-    for _ in range(STEPS):
-        deep = np.maximum(delta - drop, 0.0)
-        force = stiff * deep**EXPONENT
-        slope = (stiff * EXPONENT * deep ** (EXPONENT - 1.0) * (deep > 0.0)).sum(axis=-1, keepdims=True)
-        step = (force.sum(axis=-1, keepdims=True) - loads) / np.where(slope > 0.0, slope, np.inf)
-        delta = delta - step
-        if np.all(np.abs(step) <= 1e-14 * row.diameter):
-            break
-    return stiff * np.maximum(delta - drop, 0.0) ** EXPONENT * (loads > 0.0)
+    roller, loads = laminae_of(row), np.asarray(loads, dtype=float)
+    return roller.forces(roller.approach_under(loads, 0.0), np.zeros(loads.shape)) * (loads > 0.0)[..., None]
 
 
 def edge_factor(laminae: int = LAMINAE) -> np.ndarray:

@@ -6,7 +6,7 @@ differentiate, budget           accelerations; error forces of equations (22) an
 fitted_laws, load_zone          laws fitted to a run; passages through the load zone, static equilibria
 spectrum, lines, orders         spectra over time and over the shaft's angle, levels of kinematic lines
 vibration                       vibration of sensor, housing or hub as bearing engineers read it
-roller_motion, fault_finding    spalls found in trajectories alone
+fault_finding                   spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
 tables, vibration_tables, run_comparison, interpretation, formatting   rows and sentences of the numbers
 ratings                         ratings by a run's own loads

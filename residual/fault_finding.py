@@ -1,23 +1,46 @@
 """Spalls found from trajectories alone: which bodies, where, how wide, each with an interval; or none.
 
-`roller_motion` says what rollers do from sample to sample. Sinkage maps, medians of all passages by each body's own
-angle, show how deep rollers find the surface there beyond perfect circles. A spall is deep in every passage at its own
-angle of its own body; by the angle of any other body its passages lie scattered, and the median does not show them;
-waves have no single deepest place. For each suspect place the spall is sought that explains most, the best of them is
-found, what it explains is taken out, and the search goes on until nothing stands out.
+Three samples of a roller depend on the surfaces that it meets between them, by its equation of motion. Sinkage maps,
+medians of all passages by each body's own angle, show how deep rollers find the surface there beyond perfect circles. A
+spall is deep in every passage at its own angle of its own body; by the angle of any other body its passages lie
+scattered, and the median does not show them; waves have no single deepest place. For each suspect place the spall is
+sought that explains most, the best of them is found, what it explains is taken out, and the search goes on until
+nothing stands out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from scipy.ndimage import median
 
+from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.contact.hertz import Side, contact_pairs
+from lagrange.contact.laws import contact_laws
+from lagrange.equations import approaches
+from lagrange.kinematics import turned
+from lagrange.surface.edges import softening
+from lagrange.surface.faults import Spall
+from lagrange.surface.rolling_envelope import Circles
 from residual.errors import InputError
-from residual.record import Record
-from residual.roller_motion import Contact, Place, RollerMotion, Side, Spalled, ThreeSamples, roller_motion, stiffness
+from residual.record import SMALL_LOAD, Record
 
+SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
+SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
+PHASE_STEP = 0.7  # of the roller's vibration between its contacts, rad: leapfrog is off by 2 % of a cycle
+SOFTEST, STIFFEST = 1e-8, 3e-4  # m, overlaps that the contacts' law is tabulated for
+TABULATED = 300
+STIFF = 2e-5  # m, overlap whose stiffness sets the time step
+VELOCITY_STEPS = 2  # secant steps
+FIRST_VELOCITY_STEP, LONGEST_VELOCITY_STEP = 0.01, 0.3  # m/s
+INSENSITIVE = 0.15  # of the time between samples: below, velocities show little in the outer samples and are left
+EDGE_ROUNDING = 0.02  # edge radius over roller radius: 0.1 mm of 5 mm; the width changes by 1 % from 0 to twice it
+SOFT_WAY = 0.04, 200  # of the roller's radius, on either side of an edge; points
+AT_ONCE = 1_000_000  # numbers held of one array
+
+# of maps
 BIN = 5e-5  # m along the surface, a sixth of the narrowest spall looked for
 FEWEST_IN_BIN = 3  # of a bin that counts as seen
 SMOOTHED = 3  # bins
@@ -29,9 +52,8 @@ LEAST = 3e-7  # m: maps of perfect bearings reach 0.2 µm
 MAP_BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
 REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
 FEWEST_REST = 20  # bins
-
-
 MAP_STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
+# of the search
 MOST_SUSPECTS = 4
 MOST_SPALLS = 4
 WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
@@ -50,6 +72,277 @@ NARROWEST = 1.5e-4  # m
 RESAMPLED = 200  # sets of passages drawn with replacement
 SIGMAS = 2.0
 MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond that of passages
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """A body and the raceways at which its surface is met; angles in its frame, as in `lagrange.surface.faults`."""
+
+    body: Literal["outer_ring", "inner_ring", "roller"]
+    roller: int | None
+    radius: float  # m, of its surface
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        return SIDES[self.body]
+
+    @property
+    def rollers(self) -> slice:
+        """Rollers that pass over the body's surface."""
+        return slice(None) if self.roller is None else slice(self.roller, self.roller + 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollerMotion:
+    """All that a search sees of a run, no forces and no surfaces of the scene; overlaps are of perfect circles, m.
+
+    What sinks into a spall overlaps more. Time first.
+    """
+
+    bearing: Bearing  # perfect circles
+    operation: Operation
+    law: Callable[[np.ndarray], np.ndarray]  # force of a contact, N, by its overlap
+    load: tuple[np.ndarray, np.ndarray]  # N, (n_times,), of the hub along x and y, its weight included
+    interval: float  # s
+    rho: np.ndarray  # (n_times, n_rollers), m
+    outer_angle: np.ndarray  # (n_times, n_rollers), rad, of the contacts in fixed axes
+    inner_angle: np.ndarray
+    inner_turn: np.ndarray  # (n_times, 1), rad
+    outer_turn: np.ndarray
+    roller_turn: np.ndarray  # (n_times, n_rollers), rad
+    inner: np.ndarray  # (n_times, n_rollers), m, overlap with the inner raceway
+    outer: np.ndarray
+
+    @cached_property
+    def scale(self) -> float:
+        """Factor of the law's forces by which they carry the hub's load.
+
+        Errors
+        ------
+        One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on the
+        average. 1 where the load is small beside the contacts' forces, as with a preload.
+        """
+        force, load = self.law(self.inner), np.hypot(*self.load)
+        loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))
+        angle, (load_x, load_y) = self.inner_angle, self.load
+        along = np.sum(force * np.cos(angle), axis=1) * load_x + np.sum(force * np.sin(angle), axis=1) * load_y  # N²
+        carried = float(np.median(along[loaded] / load[loaded] ** 2)) if loaded.any() else 0.0  # of the load
+        return float(np.clip(1.0 / carried, *SCALES)) if carried > 0.0 else 1.0
+
+    @cached_property
+    def contact(self) -> "Contact":
+        return Contact(self.bearing, lambda overlap: self.scale * self.law(overlap))
+
+    @property
+    def stride(self) -> int:
+        """Samples that are about half a period of the roller's vibration apart."""
+        return max(1, round(np.pi / (self.contact.fastest * self.interval)))
+
+    def angles(self, place: Place, side: Side) -> np.ndarray:
+        """Where contacts lie on a body, in its own frame, (n_times, n_rollers that pass), rad, unwrapped."""
+        if place.body == "outer_ring":
+            return self.outer_angle - self.outer_turn
+        if place.body == "inner_ring":
+            return self.inner_angle - self.inner_turn
+        direction = self.outer_angle if side == "outer" else self.inner_angle + np.pi
+        return (direction - self.roller_turn)[:, place.rollers]
+
+    def travel(self, place: Place) -> float:
+        """Median way of contacts on a body from sample to sample, m."""
+        return float(np.median(np.abs(np.diff(self.angles(place, place.sides[0]), axis=0)))) * place.radius
+
+    def places(self) -> list[Place]:
+        """Every surface that may have a spall."""
+        b = self.bearing
+        outer = Place(body="outer_ring", roller=None, radius=b.outer_raceway_radius)
+        inner = Place(body="inner_ring", roller=None, radius=b.inner_raceway_radius)
+        return [outer, inner, *(Place(body="roller", roller=j, radius=b.roller_radius) for j in range(b.n_rollers))]
+
+
+def roller_motion(record: Record) -> RollerMotion:
+    """Take a record's trajectories alone: its contact forces and its scene's surfaces stay behind.
+
+    The rollers' rotations are the record's own, or else those of rolling on the outer raceway without slip.
+    """
+    bearing, operation = replace(record.bearing, faults=()), record.operation
+    found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
+    rho = np.hypot(record.roller_x, record.roller_y)
+    theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    way = turned(bearing, operation, record.time[:, None])
+    outer_turn, roller_turn = np.asarray(way.outer_ring), np.asarray(way.roller)
+    turn = record.roller_turn
+    if turn is None:
+        track = bearing.outer_raceway_radius - bearing.roller_radius
+        surface = (outer_turn - outer_turn[0]) * bearing.outer_raceway_radius
+        turn = roller_turn[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
+    return RollerMotion(
+        bearing=bearing, operation=operation, law=contact_laws(record.scene.lagrange.law, bearing).inner.force,
+        load=record.whole_load, interval=record.interval, rho=rho, outer_angle=theta,
+        inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
+        inner_turn=np.asarray(way.shaft), outer_turn=outer_turn, roller_turn=turn,
+        inner=found.inner, outer=found.outer,
+    )  # fmt: skip
+
+
+Spalled = tuple[Place, np.ndarray]  # a body, and spalls of it, (n_spalls, 3): angle of the middle, rad; width, depth, m
+NONE = 0.0  # no edges
+
+
+class Contact:
+    """Force of a contact over its overlap, tabulated; near the edges of spalls it is softer."""
+
+    def __init__(self, bearing: Bearing, law: Callable[[np.ndarray], np.ndarray]):
+        """`law` : force, N, by overlap, m."""
+        deep = np.geomspace(SOFTEST, STIFFEST, TABULATED)
+        self._overlap, self._force = np.append(0.0, deep), np.append(0.0, law(deep))
+        self.mass = bearing.roller_mass
+        self.fastest = float(np.sqrt(2.0 * law(np.array([STIFF]))[0] / STIFF / bearing.roller_mass))  # rad/s
+        r, inside, outside = bearing.roller_radius, *contact_pairs(bearing)[:2]
+        self._way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
+        wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
+        edge, self._soft = wide.half_opening(r) - self._way, {}
+        for side, pair, circles in (
+            ("inner", inside, Circles(bearing.inner_raceway_radius, r, "outside", r)),
+            ("outer", outside, Circles(bearing.outer_raceway_radius, r, "bore", r)),
+        ):
+            self._soft[side] = np.zeros_like(edge)
+            if not isinstance(bearing, BallBearing):
+                self._soft[side] = pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own))
+
+    def softness(self, side: Side, inside: np.ndarray) -> np.ndarray:
+        """Compliance that an edge adds, m/N, by the way that a contact has gone over it, m, negative before it."""
+        return np.interp(inside, self._way, self._soft[side])
+
+    def push(self, overlap: np.ndarray, softness: np.ndarray | float) -> np.ndarray:
+        """Acceleration of the roller, m/s²."""
+        force = np.interp(overlap, self._overlap, self._force)
+        if softness is not NONE:
+            force = force * overlap / np.maximum(overlap + softness * force, SOFTEST)
+        return force / self.mass
+
+
+class ThreeSamples:
+    """Some rollers at some times, with the samples before and after; arrays (n,).
+
+    A roller moves from one sample to the next two by its equation of motion between two contacts that only push. The
+    middle sample is the start, forwards and backwards in time; the velocity there is the one that fits the difference
+    of the outer two, whose sum then follows from the equation. So the roller's state before need not be known: whether
+    it rests, flies or rattles, three samples depend on the surfaces met between them.
+    """
+
+    def __init__(self, motion: RollerMotion, middle: np.ndarray, roller: np.ndarray):
+        """`middle` : numbers of the middle samples; `roller` : of the rollers."""
+        self.motion, self.middle, self.roller = motion, middle, roller
+        self.lapse = motion.stride * motion.interval
+        self.steps = int(np.ceil(self.lapse * motion.contact.fastest / PHASE_STEP))
+        self._before, self._now, self._after = (motion.rho[middle + k * motion.stride, roller] for k in (-1, 0, 1))
+        angle = self._through(motion.outer_angle, roller)
+        rate = angle[1] / self.lapse
+        self._pull = motion.bearing.pitch_radius * rate**2 - motion.operation.gravity * np.sin(angle[0])
+        self._inside = self._through(motion.inner + motion.rho, roller)  # place at which the inner contact opens
+        self._outside = self._through(motion.rho - motion.outer, roller)
+        # velocities at the middle over the first surfaces asked for, from which others are a step away, and the change
+        # of the outer samples' difference by them
+        self._settled: tuple[np.ndarray, np.ndarray] | None = None
+
+    def _through(self, of: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Coefficients of the parabola through three samples, over time from −1 to 1."""
+        before, now, after = (of[self.middle + k * self.motion.stride, column] for k in (-1, 0, 1))
+        return now, 0.5 * (after - before), 0.5 * (after + before) - now
+
+    def angle(self, place: Place, side: Side) -> np.ndarray:
+        """Angles of the contacts at the middle samples in the place's own frame, (n,), rad; of a roller, its own."""
+        return self.motion.angles(place, side)[self.middle, self.roller if place.roller is None else 0]
+
+    def _ends(self, spalled: Sequence[Spalled], more: tuple[float, float]) -> Callable[[np.ndarray, int], np.ndarray]:
+        """Places at the samples after (1) and before (−1), by the velocity at the middle one and that sign."""
+        b, contact, n, step, met = self.motion.bearing, self.motion.contact, self.steps, self.lapse / self.steps, []
+        for place, spalls in spalled:
+            column, own = self.roller, 1.0
+            if place.roller is not None:
+                column, own = np.zeros_like(self.roller), (self.roller == place.roller).astype(float)
+            angle, width, depth = (spalls[:, k, None] for k in range(3))
+            half = np.where(width > 0.0, 0.5 * width * np.sqrt(1.0 + EDGE_ROUNDING), -b.roller_radius)
+            for side in place.sides:
+                path = self._through(self.motion.angles(place, side), column)
+                met.append((side, path, angle, place.radius, half, depth, own))
+        raceways = {"outer": (b.outer_raceway_radius, -1.0), "inner": (b.inner_raceway_radius, 1.0)}
+        surfaces = []  # low and high at each step, and what edges add to their compliance
+        for t in np.arange(-n, n + 1) / n:
+            sunk: dict[str, tuple] = {"inner": (more[0], NONE), "outer": (more[1], NONE)}
+            for side, path, angle, radius, half, depth, own in met:
+                inside = half - np.abs(np.mod(_at(path, t) - angle + np.pi, 2.0 * np.pi) - np.pi) * radius
+                fallen = edge_sinkage(np.maximum(inside, 0.0), b.roller_radius, *raceways[side])
+                deep, soft = sunk[side]
+                sunk[side] = deep + own * np.minimum(fallen, depth), soft + own * contact.softness(side, inside)
+            (low, soft_low), (high, soft_high) = sunk["inner"], sunk["outer"]
+            surfaces.append((_at(self._inside, t) - low, soft_low, _at(self._outside, t) + high, soft_high))
+
+        def rate(place, k):
+            low, soft_low, high, soft_high = surfaces[n + k]
+            return contact.push(low - place, soft_low) - contact.push(place - high, soft_high) + self._pull
+
+        first = rate(self._now, 0)
+
+        def outer(velocity, sign):
+            place, speed = self._now, sign * velocity + 0.5 * step * first
+            for k in range(1, n):
+                place = place + step * speed
+                speed = speed + step * rate(place, sign * k)
+            return place + step * speed
+
+        return outer
+
+    def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+        """Excess of the outer samples' sum over that of the equation of motion, (n_spalls, n), m.
+
+        Parameters
+        ----------
+        spalled : each place with as many spalls, or with one
+        more : m, that the inner and the outer surface lie deeper than that everywhere
+        """
+        apart = self._after - self._before
+        if self._settled is None:
+            outer = self._ends([(place, spalls[:1]) for place, spalls in spalled], more)
+            last = 0.5 * apart / self.lapse
+            new, moved = last + FIRST_VELOCITY_STEP, outer(last, 1) - outer(last, -1)
+            for _ in range(VELOCITY_STEPS):
+                change, before = new - last, moved
+                moved = outer(new, 1) - outer(new, -1)
+                slope = (moved - before) / np.where(change == 0.0, 1.0, change)
+                last, new = new, new + _move(apart - moved, slope, self.lapse)
+            self._settled = new, slope
+        settled, slope = self._settled
+        each, parts = max(1, AT_ONCE // max(1, self.middle.size)), []
+        for k in range(0, max((len(spalls) for _, spalls in spalled), default=1), each):
+            outer = self._ends([(at, s if len(s) == 1 else s[k : k + each]) for at, s in spalled], more)
+            velocity = settled + _move(apart - (outer(settled, 1) - outer(settled, -1)), slope, self.lapse)
+            parts.append(np.atleast_2d(self._after + self._before - outer(velocity, 1) - outer(velocity, -1)))
+        return np.concatenate(parts)
+
+
+def _move(short: np.ndarray, slope: np.ndarray, lapse: float) -> np.ndarray:
+    """Change of the velocities for a difference of the outer samples, m/s."""
+    move = short * slope / (slope**2 + (INSENSITIVE * lapse) ** 2)
+    return np.clip(move, -LONGEST_VELOCITY_STEP, LONGEST_VELOCITY_STEP)
+
+
+def _at(coefficients: tuple[np.ndarray, ...], time: float) -> np.ndarray:
+    level, slope, curve = coefficients
+    return level + (slope + curve * time) * time
+
+
+def edge_sinkage(inside: np.ndarray, roller_radius: float, raceway_radius: float, sign: float) -> np.ndarray:
+    """How far a roller sinks that has gone a way over an edge, m; `sign` is 1 on the inner raceway, −1 in the outer.
+
+    Errors
+    ------
+    The edge's rounding is `EDGE_ROUNDING` whatever it is; ways beyond 0.95 of the roller's radius count as that.
+    """
+    turned = roller_radius * (1.0 + EDGE_ROUNDING)
+    way = np.minimum(inside, 0.95 * roller_radius)
+    fallen = turned - np.sqrt(turned**2 - way**2)
+    return fallen + sign * (raceway_radius - np.sqrt(raceway_radius**2 - way**2))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,47 +376,37 @@ class SinkageMap:
         return float(self.angle[k]), float(self.height[k] / max(np.quantile(rest, REST), LEAST))
 
 
-def sinkage_maps(motion: RollerMotion, contact: Contact, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
+def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
     """Maps of every body: rings, then rollers; what `known` spalls explain is taken out, and their places are."""
-    stride, (n_times, n_rollers) = contact.stride(motion.interval), motion.rho.shape
-    thinned = max(1, int(0.5 * BIN / max(motion.travel(motion.places()[0]), 1e-9)))
+    stride, (n_times, n_rollers), places = motion.stride, motion.rho.shape, motion.places()
+    thinned = max(1, int(0.5 * BIN / max(motion.travel(places[0]), 1e-9)))
     times = np.arange(stride, n_times - stride, thinned)
     middle, roller = (index.ravel() for index in np.meshgrid(times, np.arange(n_rollers), indexing="ij"))
-    every = ThreeSamples(motion, contact, middle, roller)
-    sunk = {side: _explaining(every, side, known) for side in ("outer", "inner")}
+    every, sunk = ThreeSamples(motion, middle, roller), {}
+    missed = every.over(known)[0]
+    for side, overlap, deeper, sign in (
+        ("outer", motion.outer, (0.0, PROBE), 1.0),
+        ("inner", motion.inner, (PROBE, 0.0), -1.0),
+    ):
+        gain = (missed - every.over(known, deeper)[0]) / PROBE
+        gain = np.where(np.abs(gain) < LEAST_GAIN, sign * LEAST_GAIN, gain)
+        touches = overlap[middle, roller] > -OFF_RACEWAY
+        sunk[side] = np.where(touches, np.clip(missed / gain, -MOST, MOST), np.nan)  # m, that explains three samples
     maps = []
-    for place in motion.places():
+    for place in places:
         travel = thinned * motion.travel(place)
         if travel == 0.0:
             continue
         own = slice(None) if place.roller is None else roller == place.roller
         angle = np.concatenate([every.angle(place, side)[own] for side in place.sides])
-        height = _height(
-            angle, np.concatenate([sunk[side][own] for side in place.sides]),
-            2.0 * np.pi * place.radius / max(BIN, travel),
-        )  # fmt: skip
-        found = SinkageMap(place=place, height=height)
+        depth = np.concatenate([sunk[side][own] for side in place.sides])
+        found = SinkageMap(place=place, height=_height(angle, depth, 2.0 * np.pi * place.radius / max(BIN, travel)))
         for at, spalls in known:
             if at == place:
-                found.height[_beside(found, spalls[0])] = np.nan
+                away = np.abs(np.mod(found.angle - spalls[0, 0] + np.pi, 2.0 * np.pi) - np.pi) * place.radius
+                found.height[away < spalls[0, 1] + MAP_BESIDE[1]] = np.nan
         maps.append(found)
     return maps
-
-
-def _beside(each: SinkageMap, spall: np.ndarray) -> np.ndarray:
-    """Bins of a map on a spall or near it."""
-    away = np.abs(np.mod(each.angle - spall[0] + np.pi, 2.0 * np.pi) - np.pi) * each.place.radius
-    return away < spall[1] + MAP_BESIDE[1]
-
-
-def _explaining(every: ThreeSamples, side: Side, known: Sequence[Spalled]) -> np.ndarray:
-    """Sinkage under the contacts of a side that explains three samples each, (n,), m; NaN where rollers are off."""
-    missed = every.over(known)[0]
-    deeper = (0.0, PROBE) if side == "outer" else (PROBE, 0.0)
-    gain = (missed - every.over(known, deeper)[0]) / PROBE
-    gain = np.where(np.abs(gain) < LEAST_GAIN, LEAST_GAIN if side == "outer" else -LEAST_GAIN, gain)
-    overlap = (every.motion.outer if side == "outer" else every.motion.inner)[every.middle, every.roller]
-    return np.where(overlap > -OFF_RACEWAY, np.clip(missed / gain, -MOST, MOST), np.nan)
 
 
 def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:
@@ -174,7 +457,6 @@ class FaultSearch:
     """Spalls found by a search, the clearest first, and the maps of all bodies."""
 
     motion: RollerMotion
-    contact: Contact
     maps: list[SinkageMap]  # on perfect circles
     left: list[SinkageMap]  # once all that was found is taken out
     found: tuple[FoundSpall, ...]
@@ -194,20 +476,6 @@ def find_faults(record: Record) -> FaultSearch:
     A spall that no roller presses on in the run is not seen; the maps show which parts of a body are.
     """
     motion = roller_motion(record)
-    _check_sampling(record, motion)
-    contact = Contact(motion.bearing, stiffness(motion, record.scene.lagrange.law))
-    maps = left = sinkage_maps(motion, contact)
-    found: list[FoundSpall] = []
-    while len(found) < MOST_SPALLS and (spall := _clearest(motion, contact, left, found)) is not None:
-        found.append(spall)
-        left = sinkage_maps(motion, contact, [each.spalled for each in found])
-    if len(found) > 1:
-        found = [_again(motion, contact, found, k) for k in range(len(found))]
-    return FaultSearch(motion=motion, contact=contact, maps=maps, left=left, found=tuple(found))
-
-
-def _check_sampling(record: Record, motion: RollerMotion) -> None:
-    """Refuse a record whose contacts do not move, or leap over spalls."""
     travel = motion.travel(motion.places()[1])
     if motion.operation.fastest == 0.0 or travel == 0.0:
         raise InputError(f"{record.source}: --find-faults: the bearing stands, so rollers pass over nothing")
@@ -216,22 +484,30 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
             f"{record.source}: --find-faults: contacts move {1e3 * travel:.3g} mm from sample to sample, at most "
             f"{1e3 * FARTHEST:g} mm can be distinguished from a spall; store more often (numerics.output_interval_us)"
         )
-
-
-def _clearest(motion: RollerMotion, contact: Contact, maps: list[SinkageMap], known: Sequence[FoundSpall]):
-    """The spall that explains most of what stands out; None where nothing does."""
-    suspects = sorted((m for m in maps if m.deepest[1] >= MAP_STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
-    rest = [each.spalled for each in known]
-    judged = [match for m in suspects if (match := _match(motion, contact, m, rest)) is not None]
-    return max(judged, key=lambda match: match[0], default=(0.0, None))[1]
+    maps = left = sinkage_maps(motion)
+    found: list[FoundSpall] = []
+    while len(found) < MOST_SPALLS:
+        known = [each.spalled for each in found]
+        suspects = sorted((m for m in left if m.deepest[1] >= MAP_STANDS_OUT), key=lambda m: -m.deepest[1])
+        matches = [match for m in suspects[:MOST_SUSPECTS] if (match := _match(motion, m, known)) is not None]
+        if not matches:
+            break
+        found.append(max(matches, key=lambda match: match[0])[1])
+        left = sinkage_maps(motion, [each.spalled for each in found])
+    again = []  # each made finer with the others known
+    for mine in found if len(found) > 1 else ():
+        fit = _refined(motion, mine.place, mine.spall, [each.spalled for each in found if each is not mine])
+        spall, angle_error, width_error = fit or (mine.spall, mine.angle_error, mine.width_error)
+        again.append(replace(mine, spall=spall, angle_error=angle_error, width_error=width_error))
+    return FaultSearch(motion=motion, maps=maps, left=left, found=tuple(again or found))
 
 
 class Near:
     """Three samples near a place of a body, by passages, and what is between them and spalls there."""
 
-    def __init__(self, motion: RollerMotion, contact: Contact, place: Place, angle: float, half: float, rest):
+    def __init__(self, motion: RollerMotion, place: Place, angle: float, half: float, rest):
         """As far as `half`, m, on either side of an angle, rad; `rest` : other spalls of the bearing."""
-        stride, found = contact.stride(motion.interval), []
+        stride, found = motion.stride, []
         for side in place.sides:
             turns = (motion.angles(place, side)[stride:-stride] - angle) / (2.0 * np.pi)
             number = np.round(turns)
@@ -246,7 +522,7 @@ class Near:
         _, self.passage = np.unique(every[:, 1:], axis=0, return_inverse=True)
         self.passages = int(self.passage.max(initial=-1)) + 1
         self.place, self.rest = place, rest
-        self.samples = ThreeSamples(motion, contact, every[:, 0], every[:, 1])
+        self.samples = ThreeSamples(motion, every[:, 0], every[:, 1])
 
     def misfit(self, spalls: np.ndarray) -> np.ndarray:
         """Misfit with spalls, (n_spalls, n_passages), 0 for a perfect fit.
@@ -258,91 +534,64 @@ class Near:
         return np.stack([np.bincount(self.passage, each, self.passages) for each in cost])
 
 
-def _match(motion: RollerMotion, contact: Contact, suspect: SinkageMap, rest) -> tuple[float, FoundSpall] | None:
+def _match(motion: RollerMotion, suspect: SinkageMap, rest: Sequence[Spalled]) -> tuple[float, FoundSpall] | None:
     """The spall that fits a suspect best, and how much of the misfit without it it takes away."""
     place, (angle, ratio) = suspect.place, suspect.deepest
-    starts = _starts(motion, contact, place, angle, rest)
-    fits = [fit for start in starts if (fit := _refined(motion, contact, place, start, rest)) is not None]
+    near = Near(motion, place, angle, 1.2 * WIDTHS[-1], rest)
+    if not near.passages:
+        return None
+    tried = np.array([[(angle + aside * w / place.radius, w, DEEP) for aside in ASIDE] for w in WIDTHS])
+    misfit = near.misfit(tried.reshape(-1, 3)).sum(axis=1).reshape(tried.shape[:2])
+    starts = tried[np.arange(WIDTHS.size), misfit.argmin(axis=1)][np.argsort(misfit.min(axis=1))[:STARTS]]
+    fits = [fit for start in starts if (fit := _refined(motion, place, start, rest)) is not None]
     if not fits:
         return None
     half = max(0.5 * spall[1] + BESIDE + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
-    near = Near(motion, contact, place, angle, half, rest)
+    near = Near(motion, place, angle, half, rest)
     misfit = near.misfit(np.array([*(fit[0] for fit in fits), (angle, 0.0, 0.0)])).sum(axis=1)
     best = int(np.argmin(misfit[:-1]))
     gain = float(misfit[-1] - misfit[best])
     if gain <= 0.0:
         return None
-    spall, tried = fits[best]
-    angle_error, width_error = _intervals(place, spall, tried)
+    spall, angle_error, width_error = fits[best]
     return gain, FoundSpall(
         place=place, spall=spall, angle_error=angle_error, width_error=width_error, stands_out=ratio,
         explained=gain / float(misfit[-1]), passages=near.passages, seen=suspect,
     )  # fmt: skip
 
 
-def _again(motion: RollerMotion, contact: Contact, found: Sequence[FoundSpall], k: int) -> FoundSpall:
-    """A spall made finer with the others known."""
-    mine, rest = found[k], [each.spalled for i, each in enumerate(found) if i != k]
-    fit = _refined(motion, contact, mine.place, mine.spall, rest)
-    if fit is None:
-        return mine
-    angle_error, width_error = _intervals(mine.place, *fit)
-    return replace(mine, spall=fit[0], angle_error=angle_error, width_error=width_error)
+def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, rest) -> tuple[np.ndarray, float, float] | None:
+    """A spall's edges and depth made finer step by step; half intervals (95 %) of its angle, rad, and width, m.
 
-
-def _starts(motion: RollerMotion, contact: Contact, place: Place, angle: float, rest) -> list[np.ndarray]:
-    """The best widths and places beside a map's deepest one, the best of each width, by what misfit they leave."""
-    near = Near(motion, contact, place, angle, 1.2 * WIDTHS[-1], rest)
-    tried = np.array([(angle + aside * width / place.radius, width, DEEP) for width in WIDTHS for aside in ASIDE])
-    if not near.passages:
-        return []
-    misfit = near.misfit(tried).sum(axis=1).reshape(WIDTHS.size, ASIDE.size)
-    best = tried.reshape(WIDTHS.size, ASIDE.size, 3)[np.arange(WIDTHS.size), misfit.argmin(axis=1)]
-    return list(best[np.argsort(misfit.min(axis=1))[:STARTS]])
-
-
-def _refined(motion: RollerMotion, contact: Contact, place: Place, spall: np.ndarray, rest):
-    """A spall's edges and depth made finer step by step; with spalls of other first and of other second edges.
-
-    The mismatch of three samples depends on the surface between them: one edge at a time. None without passages.
+    The mismatch of three samples depends on the surface between them: one edge at a time. The intervals are by other
+    draws of the passages, and the model's own scatter. None without passages.
     """
-    step, fit = FIRST_STEP * spall[1], None
+    step, edges = FIRST_STEP * spall[1], list[tuple[np.ndarray, np.ndarray]]()
+    moves = np.array(sorted(range(-MOVED, MOVED + 1), key=abs))
     for ratio in DEPTH_RATIOS:
-        near = Near(motion, contact, place, spall[0], 0.5 * spall[1] + MOVED * step + BESIDE, rest)
+        near = Near(motion, place, spall[0], 0.5 * spall[1] + MOVED * step + BESIDE, rest)
         if not near.passages:
             break
-        tried = []
-        for edge in (-0.5, 0.5):
-            grid = _moved(spall, edge, step, place.radius)
+        edges = []  # spalls with one edge moved, the given one first, and their misfits
+        for sign in (-1.0, 1.0):
+            widths = np.maximum(spall[1] + sign * step * moves, NARROWEST)
+            angles = spall[0] + 0.5 * (moves * step) / place.radius
+            grid = np.column_stack([angles, widths, np.full(moves.size, spall[2])])
             misfit = near.misfit(grid)
             spall = grid[np.argmin(misfit.sum(axis=1))]
-            tried.append((grid, misfit))
+            edges.append((grid, misfit))
         if spall[1] > DEPTH_TELLS:
             deeper = spall * np.array([(1.0, 1.0, 1.0), (1.0, 1.0, ratio), (1.0, 1.0, 1.0 / ratio)])
             spall = deeper[np.argmin(near.misfit(deeper).sum(axis=1))]
-        fit = spall, tried
         step *= FINER
-    return fit
-
-
-def _moved(spall: np.ndarray, edge: float, step: float, radius: float) -> np.ndarray:
-    """Spalls with one edge moved, (n_spalls, 3); the given one first. `edge` : −½ the first, ½ the second."""
-    angle, width, depth = spall
-    moves = np.array(sorted(range(-MOVED, MOVED + 1), key=abs)) * step
-    widths = np.maximum(width + np.sign(edge) * moves, NARROWEST)
-    return np.column_stack([angle + 0.5 * moves / radius, widths, np.full(moves.size, depth)])
-
-
-def _intervals(place: Place, spall: np.ndarray, tried: list) -> tuple[float, float]:
-    """Half intervals (95 %) of angle, rad, and width, m: other draws of the passages, and the model's own scatter."""
-    edges = []  # scatter of either, m
-    for grid, misfit in tried:
+    if not edges:
+        return None
+    scatter = []  # of either edge, m
+    for grid, misfit in edges:
         n = misfit.shape[1]
         draws = np.random.default_rng(0).multinomial(n, np.full(n, 1.0 / n), size=RESAMPLED)
         away = grid[:, 1] - grid[np.argmin(misfit.sum(axis=1)), 1]
-        edges.append(np.sqrt(np.mean(away[np.argmin(draws @ misfit.T, axis=1)] ** 2)))
-    apart, aside = np.hypot(*edges), np.hypot(MODEL_PLACE, 0.5 * MODEL_WIDTH * spall[1])
-    return (
-        float(SIGMAS * np.hypot(0.5 * apart, aside) / place.radius),
-        float(SIGMAS * np.sqrt(apart**2 + (MODEL_WIDTH * spall[1]) ** 2 + MODEL_PLACE**2)),
-    )
+        scatter.append(np.sqrt(np.mean(away[np.argmin(draws @ misfit.T, axis=1)] ** 2)))
+    apart, of_width = np.hypot(*scatter), MODEL_WIDTH * spall[1]
+    angle = SIGMAS * np.hypot(0.5 * apart, np.hypot(MODEL_PLACE, 0.5 * of_width)) / place.radius
+    return spall, float(angle), float(SIGMAS * np.sqrt(apart**2 + of_width**2 + MODEL_PLACE**2))

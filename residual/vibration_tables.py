@@ -7,9 +7,8 @@ import numpy as np
 from lagrange.messages import G, shown
 from lagrange.surface.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.evaluation import Evaluation
-from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, FoundSpall, SinkageMap
+from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, FoundSpall, Place, SinkageMap
 from residual.formatting import text
-from residual.roller_motion import Place
 from residual.tables import marked, yes_no
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, BandLevel, FaultLine, Vibration
 

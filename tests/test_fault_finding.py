@@ -15,9 +15,16 @@ from lagrange.surface.faults import Spall
 from lagrange.surface.rolling_envelope import Circles, sinkage
 from residual.cli import main
 from residual.errors import InputError
-from residual.fault_finding import SinkageMap, find_faults
+from residual.fault_finding import (
+    Place,
+    RollerMotion,
+    SinkageMap,
+    ThreeSamples,
+    edge_sinkage,
+    find_faults,
+    roller_motion,
+)
 from residual.record import Record
-from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
 from residual.vibration_tables import reported_angle, search_sentences, unseen, unseen_in_words
 from tests.reference.whole_run import whole_run
 
@@ -50,17 +57,12 @@ def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, width):
     np.testing.assert_allclose(found, expected, rtol=0.03, atol=0.01 * expected.max())
 
 
-def stiff(_):
-    """A linear contact, N/m."""
-    return np.full_like(_, 4e8)
-
-
 def flat_motion(rho, inner, outer, interval=1e-5):
     """One roller's motion along circles at rest: given distances and overlaps, (n_times,), m; no pull."""
     n, none = rho.size, np.zeros((rho.size, 1))
     return RollerMotion(
         bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0),
-        load=(np.zeros(n), np.zeros(n)), interval=interval, rho=rho[:, None],
+        law=lambda overlap: 4e8 * overlap, load=(np.zeros(n), np.zeros(n)), interval=interval, rho=rho[:, None],
         outer_angle=none, inner_angle=none, inner_turn=none, outer_turn=none, roller_turn=none, inner=inner[:, None],
         outer=outer[:, None],
     )  # fmt: skip
@@ -81,9 +83,8 @@ def test_three_samples_tell_how_deep_a_surface_lies_under_a_roller_that_rattles(
     Up to 0.1 of the amplitude: leapfrog's vibration is 2 % too fast, over two half periods.
     """
     motion = vibrating(2e-6, amplitude)
-    contact = Contact(motion.bearing, stiff)
-    samples = ThreeSamples(motion, contact, np.arange(1, 59), np.zeros(58, dtype=int))
-    assert samples.stride == 1
+    samples = ThreeSamples(motion, np.arange(1, 59), np.zeros(58, dtype=int))
+    assert motion.stride == 1
     assert np.abs(samples.over([], (0.0, 2e-6))).max() < 0.1 * amplitude + 1e-12
     circles = samples.over([])[0]
     share = 2.0 * (1.0 - np.cos(np.sqrt(8e8 / motion.bearing.roller_mass) * 1e-5))
@@ -94,7 +95,7 @@ def test_a_roller_in_flight_misses_nothing():
     """Between both contacts, without a pull, it goes straight on."""
     aside = 1e-6 * np.linspace(-1.0, 1.0, 20)
     motion = flat_motion(Scene().ideal_bearing().pitch_radius + aside, -5e-6 - aside, -5e-6 + aside)
-    samples = ThreeSamples(motion, Contact(motion.bearing, stiff), np.arange(1, 19), np.zeros(18, dtype=int))
+    samples = ThreeSamples(motion, np.arange(1, 19), np.zeros(18, dtype=int))
     assert np.abs(samples.over([])).max() < 1e-15
 
 

@@ -181,7 +181,7 @@ def _draw_passages(axis, search: FaultSearch, k: int) -> None:
     axis.axvspan(-1e3 * half, 1e3 * half, color=RED, alpha=0.12, linewidth=0)
     for edge in (-half, half):
         axis.axvspan(1e3 * (edge - aside), 1e3 * (edge + aside), color=RED, alpha=0.2, linewidth=0)
-    near = Near(search.motion, search.contact, each.place, each.angle, half + BESIDE, rest)
+    near = Near(search.motion, each.place, each.angle, half + BESIDE, rest)
     without, with_it = near.samples.over([(each.place, np.array([each.spall * (1.0, 0.0, 1.0), each.spall])), *rest])
     for missed, colour, label in ((without, ORANGE, "perfect circles"), (with_it, BLUE, "with the spall found")):
         axis.plot(1e3 * near.beyond, MICRO * missed, ".", color=colour, markersize=3.0, label=label)

@@ -152,7 +152,7 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
         tilts=Tilts(
-            tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,
+            tilt=now.tilt, tilt_rate=rates[4 + n :],
             slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
         ),
     )  # fmt: skip

@@ -147,7 +147,7 @@ def contact_state(
         outer_damper = damper_force(outer_force, outer_closing, outer_rate)
         inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
     if tilted is not None:
-        found = tilted.turned(found, inner_force, outer_force, state.rho)
+        found = tilted.turned(found, inner_force)
     along_x, along_y = found.tangential * sin - found.radial * cos, -found.tangential * cos - found.radial * sin
     return ContactState(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,

@@ -47,7 +47,7 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
         found["energy_kinetic"] = found["energy_kinetic"] + tilt_energy(bearing, hub_axis, tilts, state.theta_rate)
         found["energy_contact"] = found["energy_contact"] + shaft_tilt_energy(hub_axis, tilts)
         found |= dict(
-            roller_tilt=tilts.tilt, roller_skew=per_roller + tilts.skew, inner_moment=tilted.inner_moment,
+            roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=tilted.inner_moment,
             outer_moment=tilted.outer_moment, inner_slope_x=zero + tilts.slope_x, inner_slope_y=zero + tilts.slope_y,
         )  # fmt: skip
         if problem.damping.acts:

@@ -1,7 +1,7 @@
-"""Tilt and skew of rollers and the slope of the hub: kinematics, moments of contacts, equations of motion.
+"""Tilt of rollers and the slope of the hub: kinematics, moments of contacts, equations of motion.
 
 A body's axis at the height z over the plane section is at its place there plus z times its slope: of a roller
-a = τ e_r − σ e_t (the tilt τ moves the +z end outwards, the skew σ moves it backwards), of the hub b. Slopes are small.
+a = τ e_r (the tilt τ moves the +z end outwards; guides keep it from skewing), of the hub b. Slopes are small.
 A contact closes by δ − P(z) − ψ z, with ψ = (a − b)·n at the inner raceway, −a·e_r at the outer one; its energy U(δ, ψ)
 gives the force Q = ∂U/∂δ and the moment M = −∂U/∂ψ = ∫ q z dz. Where the slopes have a part across the normal n, a
 moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without which no energy would be conserved.
@@ -40,9 +40,7 @@ class Tilts:
     """Slopes of the bodies' axes and their rates; rad, rad/s."""
 
     tilt: np.ndarray  # (..., n_rollers), τ
-    skew: np.ndarray | float  # σ
     tilt_rate: np.ndarray
-    skew_rate: np.ndarray | float
     slope_x: np.ndarray | float  # (...,), of the hub, b
     slope_y: np.ndarray | float
     slope_x_rate: np.ndarray | float = 0.0
@@ -69,12 +67,8 @@ class HubTilt:
 
 def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
     """The hub's slope, b = −misalignment along y: its +z end goes towards the load."""
-    return HubTilt(
-        slope_x=0.0,
-        slope_y=-operation.misalignment,
-        inertia=axial.hub_tilt_inertia or 0.0,
-        stiffness=axial.shaft_tilt_stiffness,
-    )
+    inertia, stiffness = axial.hub_tilt_inertia or 0.0, axial.shaft_tilt_stiffness
+    return HubTilt(slope_x=0.0, slope_y=-operation.misalignment, inertia=inertia, stiffness=stiffness)
 
 
 def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
@@ -84,36 +78,11 @@ def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws
 
 
 class Misalignments(NamedTuple):
-    """How contacts are misaligned: ψ, rad, and the slopes' part across the normal, u·t, rad; (..., n_rollers)."""
+    """How contacts are misaligned: ψ, rad, and the inner slopes' part across the normal, u·t, rad; (..., n_rollers)."""
 
     inner: np.ndarray
     outer: np.ndarray
-    inner_across: np.ndarray
-    outer_across: np.ndarray
-
-
-@dataclass(frozen=True, kw_only=True)
-class TiltSamples:
-    """Tilt of a motion, by the result file's columns; (n_times, n_rollers), of the hub (n_times,)."""
-
-    roller_tilt: np.ndarray  # rad
-    roller_skew: np.ndarray
-    inner_moment: np.ndarray  # N m
-    outer_moment: np.ndarray
-    inner_slope_x: np.ndarray  # rad
-    inner_slope_y: np.ndarray
-    inner_damping_moment: np.ndarray  # N m, part of the moments
-    outer_damping_moment: np.ndarray
-
-    @classmethod
-    def of(cls, tilts: Tilts, contacts: "TiltedContacts") -> "TiltSamples":
-        nothing = np.zeros_like(tilts.tilt)
-        return cls(
-            roller_tilt=tilts.tilt, roller_skew=nothing + tilts.skew, inner_moment=contacts.inner_moment,
-            outer_moment=contacts.outer_moment, inner_slope_x=nothing[:, 0] + tilts.slope_x,
-            inner_slope_y=nothing[:, 0] + tilts.slope_y, inner_damping_moment=nothing + contacts.dampers[0],
-            outer_damping_moment=nothing + contacts.dampers[1],
-        )  # fmt: skip
+    across: np.ndarray
 
 
 def roller_inertias(bearing: Bearing) -> tuple[float, float]:
@@ -141,13 +110,9 @@ def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
 def misalignments(found: PolarOverlaps, tilts: Tilts, cos, sin) -> Misalignments:
     """ψ and u·t of contacts whose normals are those of `found`; `cos`, `sin` of the rollers' angles."""
     bx, by = np.asarray(tilts.slope_x)[..., None], np.asarray(tilts.slope_y)[..., None]
-    out, around = tilts.tilt - (bx * cos + by * sin), -tilts.skew - (by * cos - bx * sin)
-    return Misalignments(
-        inner=out * found.radial + around * found.tangential,
-        outer=-tilts.tilt,
-        inner_across=around * found.radial - out * found.tangential,
-        outer_across=-tilts.skew + np.zeros_like(tilts.tilt),
-    )
+    out, around = tilts.tilt - (bx * cos + by * sin), bx * sin - by * cos
+    across = around * found.radial - out * found.tangential
+    return Misalignments(out * found.radial + around * found.tangential, -tilts.tilt, across)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,31 +134,24 @@ class TiltedContacts:
 
         `closing`, `turning` : rates of approaches, m/s, and misalignments, rad/s, of both; `length` : m, of rollers
         """
-        (inner, inner_moment), (outer, outer_moment) = (
-            tilted_damper(met, damping, closes, turns, length)
-            for met, closes, turns in zip(self.met, closing, turning, strict=True)
+        forces, moments = zip(
+            *(tilted_damper(*each, length) for each in zip(self.met, 2 * [damping], closing, turning, strict=True)),
+            strict=True,
         )
-        found = self.with_moments(inner_moment, outer_moment)
-        return replace(found, lost=-(inner_moment * turning[0] + outer_moment * turning[1])), inner, outer
+        lost = -(moments[0] * turning[0] + moments[1] * turning[1])
+        return replace(self.with_moments(*moments), lost=lost), *forces
 
     def with_moments(self, inner, outer) -> "TiltedContacts":
         """The contacts with these moments of their dampers, N m."""
-        return replace(
-            self,
-            inner_moment=self.inner_moment + inner,
-            outer_moment=self.outer_moment + outer,
-            dampers=(inner, outer),
-        )
+        moments = self.inner_moment + inner, self.outer_moment + outer
+        return replace(self, inner_moment=moments[0], outer_moment=moments[1], dampers=(inner, outer))
 
-    def turned(self, found: PolarOverlaps, inner_force, outer_force, rho) -> PolarOverlaps:
-        """Overlaps with the directions that moments give contacts' forces, N."""
-        aside = _turned(self.inner_moment * self.at.inner_across / found.distance, inner_force)
-        return replace(
-            found,
-            radial=found.radial - aside * self.normal[1],
-            tangential=found.tangential + aside * self.normal[0],
-            outer_slope=found.outer_slope - _turned(self.outer_moment * self.at.outer_across / rho, outer_force),
-        )
+    def turned(self, found: PolarOverlaps, inner_force) -> PolarOverlaps:
+        """Overlaps with the directions that moments give inner contacts' forces, N."""
+        push, closed = self.inner_moment * self.at.across / found.distance, inner_force > 0.0
+        aside = np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0)
+        radial, tangential = found.radial - aside * self.normal[1], found.tangential + aside * self.normal[0]
+        return replace(found, radial=radial, tangential=tangential)
 
     @property
     def outwards(self) -> np.ndarray:
@@ -219,10 +177,7 @@ def tilted_contacts(
     `surfaces` : that the inner and the outer contacts meet; None: perfect circles
     """
     at = misalignments(found, tilts, cos, sin)
-    inner, outer = (
-        met(laws.inner, found.inner, at.inner, surfaces[0]),
-        met(laws.outer, found.outer, at.outer, surfaces[1]),
-    )
+    inner, outer = (met(*each) for each in zip(laws, (found.inner, found.outer), at, surfaces, strict=False))
     more = TiltedContacts(
         inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
         normal=(found.radial, found.tangential), met=(inner, outer),
@@ -242,11 +197,10 @@ def turning_speeds(
     cos, sin : of the rollers' angles
     """
     vx, vy = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
-    out = tilts.tilt_rate + theta_rate * tilts.skew - (vx * cos + vy * sin)
-    around = theta_rate * tilts.tilt - tilts.skew_rate - (vy * cos - vx * sin)
+    out, around = tilts.tilt_rate - (vx * cos + vy * sin), theta_rate * tilts.tilt - (vy * cos - vx * sin)
     radial, tangential = contacts.normal
     passing = (apart[1] * radial - apart[0] * tangential) / distance
-    return out * radial + around * tangential + contacts.at.inner_across * passing, -tilts.tilt_rate
+    return out * radial + around * tangential + contacts.at.across * passing, -tilts.tilt_rate
 
 
 def met(law: TiltedLaw, approach, slope, surface: SurfaceDeviation | None):
@@ -266,30 +220,22 @@ def falls(of, surface: SurfaceDeviation | None) -> Falls:
     return Falls(over * of.part, over * of.edges, over * of.part_edges)
 
 
-def _turned(push, force) -> np.ndarray:
-    """Angle, rad, by which a push across, N, turns a contact's force, N."""
-    closed = force > 0.0
-    return np.where(closed, push / np.where(closed, force, 1.0), 0.0)
-
-
 def tilt_equations(
-    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, skew_acc, theta_acc
+    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, theta_acc
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Left sides of the τ and of the σ equations, N m, (..., n_rollers): the moments that something else must give.
+    """Left sides of the equations of tilt and of skew, N m, (..., n_rollers): moments that something else must give.
 
-    τ: I_t (τ̈ + 2θ̇σ̇ + θ̈σ − θ̇²τ) − I_a w (σ̇ − θ̇τ) − M_in n·e_r + M_out
-    σ: I_t (σ̈ − 2θ̇τ̇ − θ̈τ − θ̇²σ) + I_a w (τ̇ + θ̇σ) + M_in n·e_t
+    tilt: I_t (τ̈ − θ̇²τ) + I_a w θ̇τ − M_in n·e_r + M_out
+    skew: −I_t (2θ̇τ̇ + θ̈τ) + I_a w τ̇ + M_in n·e_t
 
     The second is the moment of the guides on a roller, which rolls without slip at the spin w.
     """
     across, along = roller_inertias(bearing)
     t, omega = state.tilts, state.theta_rate
     turning = along * np.asarray(kinematics(bearing, *operation.ring_speeds).roller)[..., None]
-    of_tilt = tilt_acc + 2.0 * omega * t.skew_rate + theta_acc * t.skew - omega**2 * t.tilt
-    of_skew = skew_acc - 2.0 * omega * t.tilt_rate - theta_acc * t.tilt - omega**2 * t.skew
     return (
-        across * of_tilt - turning * (t.skew_rate - omega * t.tilt) - contacts.tilted.outwards,
-        across * of_skew + turning * (t.tilt_rate + omega * t.skew) - contacts.tilted.backwards,
+        across * (tilt_acc - omega**2 * t.tilt) + turning * omega * t.tilt - contacts.tilted.outwards,
+        turning * t.tilt_rate - across * (2.0 * omega * t.tilt_rate + theta_acc * t.tilt) - contacts.tilted.backwards,
     )
 
 
@@ -308,8 +254,7 @@ def hub_slope_equations(bearing: Bearing, operation: Operation, hub: HubTilt, st
 def tilt_energy(bearing: Bearing, hub: HubTilt, tilts: Tilts, theta_rate) -> np.ndarray:
     """½ I_t |ȧ|² of the rollers and ½ I_h |ḃ|² of the hub, J, (...,)."""
     across, _ = roller_inertias(bearing)
-    out, around = tilts.tilt_rate + theta_rate * tilts.skew, tilts.skew_rate - theta_rate * tilts.tilt
-    rollers = 0.5 * across * np.sum(out**2 + around**2, axis=-1)
+    rollers = 0.5 * across * np.sum(tilts.tilt_rate**2 + (theta_rate * tilts.tilt) ** 2, axis=-1)
     return rollers + 0.5 * hub.inertia * (np.asarray(tilts.slope_x_rate) ** 2 + np.asarray(tilts.slope_y_rate) ** 2)
 
 

@@ -206,15 +206,13 @@ class _System:
         n, (x, y, bx, by), cos, sin = self.n, moved[:4], self.cos, self.sin
         rho, tilt = moved[4 : 4 + n], moved[4 + n :]
         found = polar_overlaps(self.bearing, rho, x * cos + y * sin, y * cos - x * sin)
-        at = misalignments(
-            found, Tilts(tilt=tilt, skew=0.0, tilt_rate=tilt, skew_rate=0.0, slope_x=bx, slope_y=by), cos, sin
-        )
+        at = misalignments(found, Tilts(tilt=tilt, tilt_rate=tilt, slope_x=bx, slope_y=by), cos, sin)
         deviations = None
         if self.surfaces is not None:
             found, inner, outer = polar_deviated(self.surfaces, found, self.turns, self.theta)
             deviations = inner, outer
         nx, ny = found.radial * cos - found.tangential * sin, found.radial * sin + found.tangential * cos
-        across, j = at.inner_across / found.distance, np.arange(n)
+        across, j = at.across / found.distance, np.arange(n)
         ways = np.zeros((4 * n, 4 + 2 * n))
         ways[j, 0], ways[j, 1], ways[j, 4 + j] = nx, ny, -found.radial
         ways[n + j, 4 + j] = 1.0

@@ -125,9 +125,9 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
 def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
     """ψ of the inner contacts, and the slopes' part across their normals, rad, (n_times, n_rollers) each."""
     angle = np.arctan2(record.roller_y, record.roller_x)
-    tilt, skew = np.asarray(record.roller_tilt), np.asarray(record.roller_skew)
-    x = tilt * np.cos(angle) + skew * np.sin(angle) - np.asarray(record.inner_slope_x)[:, None]
-    y = tilt * np.sin(angle) - skew * np.cos(angle) - np.asarray(record.inner_slope_y)[:, None]
+    tilt = np.asarray(record.roller_tilt)
+    x = tilt * np.cos(angle) - np.asarray(record.inner_slope_x)[:, None]
+    y = tilt * np.sin(angle) - np.asarray(record.inner_slope_y)[:, None]
     nx, ny = contacts.normal
     return x * nx + y * ny, y * nx - x * ny
 
@@ -167,7 +167,7 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     outer = sliced(record, laws.outer, outer=True).moment(contacts.outer)
     theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
     columns = {
-        "tilt": np.asarray(record.roller_tilt), "skew": np.asarray(record.roller_skew),
+        "tilt": np.asarray(record.roller_tilt),
         "slope_x": np.asarray(record.inner_slope_x), "slope_y": np.asarray(record.inner_slope_y),
     }  # fmt: skip
     rates = {f"{name}_rate": derivative(value, interval, 1, order) for name, value in columns.items()}
@@ -181,12 +181,12 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     cos, sin = np.cos(theta), np.sin(theta)
     nx, ny = contacts.normal
     normal = nx * cos + ny * sin, ny * cos - nx * sin
-    at = Misalignments(*misaligned(record, contacts)[:1], *(3 * (np.zeros_like(theta),)))
+    at = Misalignments(*misaligned(record, contacts)[:1], *(2 * (np.zeros_like(theta),)))
 
     def left(moments):
         more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at, normal=normal)
         around, touch = derivative(theta, interval, 2, order), SimpleNamespace(tilted=more)
-        found = tilt_equations(bearing, record.acting, state, touch, gains["tilt"], gains["skew"], around)
+        found = tilt_equations(bearing, record.acting, state, touch, gains["tilt"], around)
         axial = record.scene.ideal_axial()
         hub = hub_tilt(record.operation, axial) if axial is not None else None
         slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])

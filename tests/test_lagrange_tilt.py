@@ -64,8 +64,8 @@ def random_state(rng):
         x_rate=rng.uniform(-1.0, 1.0), y_rate=rng.uniform(-1.0, 1.0), rho_rate=rng.uniform(-1.0, 1.0, N),
         theta_rate=rng.uniform(-400.0, 400.0, N),
         tilts=Tilts(
-            tilt=rng.uniform(-5e-3, 5e-3, N), skew=rng.uniform(-5e-3, 5e-3, N),
-            tilt_rate=rng.uniform(-200.0, 200.0, N), skew_rate=rng.uniform(-200.0, 200.0, N),
+            tilt=rng.uniform(-5e-3, 5e-3, N),
+            tilt_rate=rng.uniform(-200.0, 200.0, N),
             slope_x=rng.uniform(-3e-3, 3e-3), slope_y=rng.uniform(-3e-3, 3e-3),
             slope_x_rate=rng.uniform(-100.0, 100.0), slope_y_rate=rng.uniform(-100.0, 100.0),
         ),
@@ -87,23 +87,23 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
     for _ in range(25):
         state = random_state(rng)
         t, acc = state.tilts, rng.uniform(-1.0, 1.0, 4 * N + 4)
-        acc *= np.repeat([1e5, 1e5, 1e6, 1e8, 1e8, 1e8], [2, N, N, N, N, 2])
+        acc *= np.repeat([1e5, 1e5, 1e6, 1e8, 0.0, 1e8], [2, N, N, N, N, 2])  # guides let no roller skew
         ax, ay, *more = np.split(acc, [1, 2, 2 + N, 2 + 2 * N, 2 + 3 * N, 2 + 4 * N])
-        rho_acc, theta_acc, tilt_acc, skew_acc, b_acc = more
+        rho_acc, theta_acc, tilt_acc, _, b_acc = more
         expected = np.array(derive(
             parameters,
-            [state.x, state.y, *state.rho, *state.theta, *t.tilt, *t.skew, t.slope_x, t.slope_y],
-            [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate, *t.tilt_rate, *t.skew_rate,
+            [state.x, state.y, *state.rho, *state.theta, *t.tilt, *np.zeros(N), t.slope_x, t.slope_y],
+            [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate, *t.tilt_rate, *np.zeros(N),
              t.slope_x_rate, t.slope_y_rate],
             acc,
         ))  # fmt: skip
         touch = contact_state(b, LAWS, state)
-        of_tilt, of_skew = tilt_equations(b, o, state, touch, tilt_acc, skew_acc, theta_acc)
+        of_tilt, of_skew = tilt_equations(b, o, state, touch, tilt_acc, theta_acc)
         of_theta = angular_equations(b, o, state, touch, theta_acc)
         found = np.concatenate([
             np.ravel(hub_equations(o, state, touch, ax, ay)), radial_equations(b, o, state, touch, rho_acc),
-            # tilt and skew turn with θ, and so act on it
-            of_theta + t.skew * of_tilt - t.tilt * of_skew, of_tilt, of_skew,
+            # the axis turns with θ, and so the guides' moment acts on it
+            of_theta - t.tilt * of_skew, of_tilt, of_skew,
             hub_slope_equations(b, o, hub, state, touch, *b_acc),
         ])  # fmt: skip
         forces = touch.inner_force + touch.outer_force + b.roller_mass * np.abs(rho_acc)
@@ -150,7 +150,7 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
 
     def at(x):
         rho, angle, tilt = np.split(x[2:], 3)
-        tilts = Tilts(tilt=tilt, skew=zero, tilt_rate=zero, skew_rate=zero, slope_x=1e-4, slope_y=-1e-3)
+        tilts = Tilts(tilt=tilt, tilt_rate=zero, slope_x=1e-4, slope_y=-1e-3)
         state = State(
             x=x[0], y=x[1], rho=rho, theta=angle, x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero, tilts=tilts
         )
@@ -158,7 +158,7 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
 
     state, touch = at(moved)
     weightless = replace(operation, gravity=0.0, radial_load=0.0)
-    of_tilt, of_skew = tilt_equations(bearing, weightless, state, touch, zero, zero, zero)
+    of_tilt, of_skew = tilt_equations(bearing, weightless, state, touch, zero, zero)
     pushes = -np.concatenate([
         hub_equations(weightless, state, touch, 0.0, 0.0), radial_equations(bearing, weightless, state, touch, zero),
         angular_equations(bearing, weightless, state, touch, zero) - state.tilts.tilt * of_skew, of_tilt,
@@ -186,7 +186,7 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     hub = hub_tilt(operation, found.ideal_axial())
     still = tilted_equilibrium(bearing, operation, contacts, hub, Placement(theta), start)
     zero = np.zeros(bearing.n_rollers)
-    tilts = Tilts(tilt=still.tilt, skew=zero, tilt_rate=zero, skew_rate=zero, slope_x=0.0, slope_y=0.0)
+    tilts = Tilts(tilt=still.tilt, tilt_rate=zero, slope_x=0.0, slope_y=0.0)
     state = State(
         x=still.place[0], y=still.place[1], rho=still.rho, theta=theta, x_rate=0.0, y_rate=0.0, rho_rate=zero,
         theta_rate=zero, tilts=tilts,

@@ -185,6 +185,6 @@ def _tilts(problem: Problem, samples: Samples) -> Tilts | None:
         return None
     tilt, nothing = samples["roller_tilt"], np.zeros(samples["roller_tilt"].shape)
     return Tilts(
-        tilt=tilt, skew=samples["roller_skew"], tilt_rate=nothing, skew_rate=nothing,
+        tilt=tilt, tilt_rate=nothing,
         slope_x=samples["inner_slope_x"], slope_y=samples["inner_slope_y"],
     )  # fmt: skip

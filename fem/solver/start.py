@@ -136,10 +136,10 @@ def _tilts(axes: TiltedStatics | None, rate: np.ndarray | None = None) -> Tilts 
     """Slopes and their rates by the rates of all places, (4 + 2 n_rollers,); None: at rest."""
     if axes is None:
         return None
-    n, zero = axes.tilt.size, np.zeros(axes.tilt.size)
+    n = axes.tilt.size
     moving = np.zeros(4 + 2 * n) if rate is None else rate
     return Tilts(
-        tilt=axes.tilt, skew=zero, tilt_rate=moving[4 + n :], skew_rate=zero,
+        tilt=axes.tilt, tilt_rate=moving[4 + n :],
         slope_x=axes.place[2], slope_y=axes.place[3], slope_x_rate=moving[2], slope_y_rate=moving[3],
     )  # fmt: skip
 

@@ -67,14 +67,13 @@ def tilted_start(
             ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)
             found = places_moving(balanced(-ahead), now, balanced(ahead), ahead)
             rates, warning = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
-    zero = np.zeros(n)
     return replace(
         plane,
         hub=now.place[:2], rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
         inner_force=now.inner_force, outer_force=now.outer_force, warning=warning,
         inner_moment=now.inner_moment, outer_moment=now.outer_moment,
         tilts=Tilts(
-            tilt=now.tilt, skew=zero, tilt_rate=rates[4 + n :], skew_rate=zero,
+            tilt=now.tilt, tilt_rate=rates[4 + n :],
             slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
         ),
     )  # fmt: skip

@@ -63,10 +63,10 @@ class Motion:
     def _tilts(self, unknowns: np.ndarray) -> Tilts | None:
         if self.problem.axial is None:
             return None
-        n, nothing = self.n, np.zeros_like(unknowns[: self.n]).T
+        n = self.n
         tilt, (bx, by), rate, (vx, vy) = np.split(unknowns[8 + 4 * n : 12 + 6 * n], [n, n + 2, 2 * n + 2])
         return Tilts(
-            tilt=tilt.T, skew=nothing, tilt_rate=rate.T, skew_rate=nothing,
+            tilt=tilt.T, tilt_rate=rate.T,
             slope_x=bx, slope_y=by, slope_x_rate=vx, slope_y_rate=vy,
         )  # fmt: skip
 
@@ -129,13 +129,13 @@ class Motion:
 
 def tilt_accelerations(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
     """τ̈ of rollers that are guided against skew, rad/s²."""
-    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)
+    left, _ = tilt_equations(bearing, operation, state, contacts, 0.0, theta_acc)
     return -left / roller_inertias(bearing)[0]
 
 
 def guide_moment(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:
     """Moment that keeps rollers from skewing, N m: > 0 pushes their +z end backwards."""
-    return tilt_equations(bearing, operation, state, contacts, 0.0, 0.0, theta_acc)[1]
+    return tilt_equations(bearing, operation, state, contacts, 0.0, theta_acc)[1]
 
 
 def guided_theta(bearing: Bearing, operation: Operation, state: Any, contacts: Any, theta_acc) -> np.ndarray:

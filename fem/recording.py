@@ -3,7 +3,7 @@
 import shutil
 import tempfile
 from collections import ChainMap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,14 +23,13 @@ from lagrange import mounting
 from lagrange.columns import ENERGIES
 from lagrange.kinematics import mean_kinematics
 from lagrange.rating.contact_stress import hertz_columns
-from lagrange.scene.scene import Scene, parse_stored_scene
+from lagrange.scene.scene import Scene
 from lagrange.surface.passages import SpallEvent, spalls
 
 if TYPE_CHECKING:
     import xarray
 
     from fem.interface import Evaluation
-    from fem.pictures.stored_values import StoredValues
     from fem.solver.frames import Frame
 
 PICTURE_WIDTH = 1600  # pixels
@@ -82,31 +81,6 @@ class Memory(Mapping[str, np.ndarray]):
 
     def __len__(self) -> int:
         return len(self._parts)
-
-
-class Stored(Mapping[str, np.ndarray]):
-    """A result file's samples; a column is read when it is asked for."""
-
-    def __init__(self, values: "StoredValues", names: Iterable[str]):
-        self._values, self._names = values, tuple(names)
-        self._columns: dict[str, np.ndarray] = {}
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """All samples of a column, by the result file's names."""
-        if name not in self._names:
-            raise KeyError(name)
-        if name not in self._columns:
-            self._columns[name] = self._values.samples(name)
-        return self._columns[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -289,20 +263,17 @@ def open_result(path: str | Path) -> Result:
     ------
     UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used.
     """
-    from fem.pictures.stored_values import StoredValues
+    from fem.result.run_file import RunFile
 
-    path = Path(path)
-    stored = StoredValues(path)
-    scene = parse_stored_scene(stored.scene_text, f"{path}: its scene", stored.scene_files)
-    stored.check(scene.ideal_bearing(), scene.cage is not None)
-    about = stored.attributes
+    run = RunFile(Path(path))
+    about = run.attributes
     return Result(
-        values=Stored(stored, (name for name in variables_of(scene) if name in stored.names)),
+        values=run,
         status=str(about["status"]),
         warnings=tuple(str(about["warnings"]).splitlines()),
         setup_seconds=float(about["setup_seconds"]),
         wall_seconds=float(about["wall_seconds"]),
-        scene=scene,
+        scene=run.scene,
         outcome_attributes=about,
-        path=path,
+        path=run.path,
     )

@@ -17,7 +17,6 @@ from lagrange.files.hdf5 import (
     read_numbers,
     read_scene_files,
     read_scene_text,
-    refusal_in_child,
 )
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
@@ -26,8 +25,6 @@ from residual.errors import InputError
 from residual.record import COLUMNS, FEWEST_SAMPLES, CageMotion, Record, StatedError, checked, relative
 
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
-READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
-READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
@@ -54,16 +51,6 @@ def read_result(path: str | Path) -> Record:
     """
     path = Path(path)
     check_readable(path)
-    size = path.stat().st_size
-    refusal = refusal_in_child(
-        lambda: _read(path), str(path), READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
-    )
-    if refusal is not None:
-        raise InputError(refusal)
-    return _read(path)
-
-
-def _read(path: Path) -> Record:
     import h5py
 
     try:

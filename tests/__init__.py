@@ -9,7 +9,7 @@ verification   the solver's pieces against analytic solutions, published values,
 accuracy       observed orders of convergence; contacts from below the grid to resolved
 paper          the paper's figures against ours, and the runs that explain the difference
 stability      random scenes from the whole range of bearings: none may end silently wrong
-fuzz           every reader against changed files, guided by coverage
+fuzz           readers of text and of records against changed files
 
 Speed is measured in `benchmarks`.
 """

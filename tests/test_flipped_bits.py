@@ -36,21 +36,16 @@ def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("flips", [40, pytest.param(1000, marks=pytest.mark.slow)])
-def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch):
-    """Either the file is refused, or all that is read from it is what was written."""
-    monkeypatch.setattr("residual.sources.READ_SECONDS", 0.3)  # some bits send HDF5 round in circles
+def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path):
+    """Of its samples: the file is refused, or what is read from it is what was written."""
     path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.5")
     plan = make_plan(read_scene(None, scene))
     assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
     good, sound = path.read_bytes(), read_result(path)
     with h5py.File(path) as file:
         blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in columns_of("")]
-    inside = np.zeros(len(good), dtype=bool)
-    for start, size in blocks:
-        inside[start : start + size] = True
     numbers = np.random.default_rng(7)
-    structure, data = np.flatnonzero(~inside), np.flatnonzero(inside)
-    places = np.concatenate([numbers.choice(structure, 3 * flips // 4), numbers.choice(data, flips // 4)])
+    places = numbers.choice(np.concatenate([np.arange(start, start + size) for start, size in blocks]), flips)
     refused = 0
     for place in places:
         spoilt = bytearray(good)

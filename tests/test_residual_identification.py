@@ -40,7 +40,6 @@ def test_a_law_is_found_again():
     assert found.scatter < 1e-6
 
 
-
 def closing_speed(n_times=1200, seed=4):
     """Made-up closing speeds, m/s, of the size of a vibrating roller's."""
     return 1e-3 * np.random.default_rng(seed).standard_normal((n_times, 13))
@@ -93,7 +92,6 @@ def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
     law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
     found = force_of(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
     np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
-
 
 
 def test_intervals_cover_the_truth_though_samples_of_a_passage_are_correlated():

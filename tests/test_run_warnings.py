@@ -1,17 +1,12 @@
 """What a run warns of when it is over: contacts that a shock has pressed wider than at rest."""
 
-from contextlib import nullcontext
-from pathlib import Path
-
 import h5py
 import numpy as np
 import pytest
 from scipy.special import elliprd
 
 from fem.commands.run_fem import run_main
-from fem.errors import UsageError
 from fem.interface import simulate
-from fem.pictures.stored_values import OF_CAGE, PER_ROLLER, PER_TIME, StoredValues
 from fem.solver.guards import n_in_place, run_warnings
 from fem.solver.lagrangian_judge import Judge
 from fem.solver.simulate import make_plan, run
@@ -133,18 +128,6 @@ def test_the_checker_reads_whatever_a_run_goes_on_with():
     samples = Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1))
     assert n_in_place(bearing, give, samples) == 1
     assert 0.2 * bearing.pitch_radius < off < farthest_place(bearing)
-
-
-def test_pictures_take_a_cage_that_lies_loosely_between_the_rings():
-    bearing = read_scene().ideal_bearing()
-    values, zeros = StoredValues.__new__(StoredValues), np.zeros((2, bearing.n_rollers))
-    values._path, values.times = Path("run.nc"), np.array([0.0, 1e-6])
-    values._columns = dict.fromkeys(PER_ROLLER, zeros) | dict.fromkeys((*PER_TIME, *OF_CAGE), np.zeros(2))
-    values._columns["roller_x"] = np.full_like(zeros, bearing.pitch_radius)
-    for share, sound in ((0.5, True), (1.1, False)):
-        values._columns["cage_y"] = np.full(2, share * bearing.pitch_radius)
-        with nullcontext() if sound else pytest.raises(UsageError, match="damaged"):
-            values.check(bearing, has_cage=True)
 
 
 def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_told_where_nothing_else_is():

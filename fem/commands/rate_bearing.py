@@ -122,15 +122,12 @@ def _rate(
 
 def _run(path: Path):
     """Scene and loads of a result file."""
-    from fem.pictures.stored_values import StoredValues
+    from fem.result.run_file import RunFile
     from lagrange.rating.run_loads import COLUMNS, run_loads
-    from lagrange.scene.scene import parse_stored_scene
 
-    values = StoredValues(path)
-    scene = parse_stored_scene(values.scene_text, str(path), values.scene_files)
-    bearing = scene.perfect_bearing()
-    values.check(bearing, scene.cage is not None)
-    return scene, run_loads(bearing, scene.ideal_operation(), {name: values.column(name) for name in COLUMNS})
+    run = RunFile(path)
+    columns = {name: run.from_housing(name) for name in COLUMNS}
+    return run.scene, run_loads(run.scene.perfect_bearing(), run.scene.ideal_operation(), columns)
 
 
 def _cycle(path: Path, decimal: str):

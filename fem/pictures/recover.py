@@ -18,14 +18,20 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER, ROLLER
-from fem.pictures.stored_values import FORCES, OF_CAGE, PER_ROLLER, PER_TIME, StoredValues
+from fem.result.run_file import RunFile
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.kinematics import turned
 from lagrange.messages import shown
-from lagrange.scene.scene import Scene, parse_stored_scene
+from lagrange.scene.scene import Scene
 
+FORCES = ("inner_force", "outer_force", "roller_roller_force")
+OF_CAGE = ("cage_x", "cage_y", "cage_angle")
+OF_INSTANT = (
+    "inner_x", "inner_y", "energy_elastic", "roller_x", "roller_y", "roller_spin", "inner_traction", "outer_traction",
+    *FORCES,
+)  # fmt: skip
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
 
 
@@ -85,11 +91,9 @@ class StoredRun:
 
     def __init__(self, path: Path):
         self.path = Path(path)
-        self._values = StoredValues(self.path)
-        self.times = self._values.times
-        scene = parse_stored_scene(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
-        self.scene: Scene = scene.model_copy(update={"name": shown(self.path.stem)})  # titles are those of the run
-        self._values.check(self.scene.ideal_bearing(), self.scene.cage is not None)
+        self._values = RunFile(self.path)
+        self.times = self._values["time"]
+        self.scene: Scene = self._values.scene.model_copy(update={"name": shown(self.path.stem)})
         self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 
     @cached_property
@@ -101,7 +105,7 @@ class StoredRun:
 
     def column(self, name: str) -> np.ndarray:
         """A variable at all samples, by its name in the result file; places from that of the housing."""
-        return self._values.column(name)
+        return self._values.from_housing(name)
 
     @property
     def stored_samples(self) -> np.ndarray:
@@ -111,7 +115,7 @@ class StoredRun:
     @cached_property
     def orbit(self) -> np.ndarray:
         """The hub's positions at all samples, (n_times, 2), m."""
-        return np.column_stack([self._values.column("inner_x"), self._values.column("inner_y")])
+        return np.column_stack([self.column("inner_x"), self.column("inner_y")])
 
     @cached_property
     def load_zone(self) -> tuple[float, float] | None:
@@ -119,7 +123,7 @@ class StoredRun:
 
         From the first to the second counter-clockwise; None where no roller ever is.
         """
-        column = self._values.column
+        column = self.column
         loaded = np.minimum(column("inner_force"), column("outer_force")) > self._least_force
         angle = np.sort(np.mod(np.arctan2(column("roller_y")[loaded], column("roller_x")[loaded]), 2.0 * pi))
         if angle.size == 0:
@@ -130,12 +134,12 @@ class StoredRun:
 
     def contact_forces(self, samples) -> np.ndarray:
         """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
-        found = [self._values.column(name)[samples] for name in FORCES]
+        found = [self.column(name)[samples] for name in FORCES]
         return self._closed(np.stack(found, axis=1))
 
     @cached_property
     def _least_force(self) -> float:
-        return ROUND_OFF * max(float(self._values.column(name).max()) for name in FORCES)
+        return ROUND_OFF * max(float(self.column(name).max()) for name in FORCES)
 
     def _closed(self, force: np.ndarray) -> np.ndarray:
         """Forces, N, without what is round-off of an open contact."""
@@ -144,7 +148,7 @@ class StoredRun:
     @cached_property
     def _turns(self) -> np.ndarray:
         """Spin summed up by the trapezoidal rule, (n_times, n_rollers), rad."""
-        return cumulative_trapezoid(self._values.column("roller_spin"), self.times, axis=0, initial=0.0)
+        return cumulative_trapezoid(self.column("roller_spin"), self.times, axis=0, initial=0.0)
 
     def nearest(self, time: float | None = None) -> int:
         """The sample nearest to a time, s; None: the last one. UsageError: the time lies outside the run."""
@@ -161,7 +165,7 @@ class StoredRun:
 
     def instant(self, sample: int) -> Instant:
         """A sample with its fields, the run's own where the file has them. UsageError: damaged."""
-        values = {name: self._values.column(name)[sample] for name in (*PER_TIME, *PER_ROLLER)}
+        values = {name: self.column(name)[sample] for name in OF_INSTANT}
         time = float(self.times[sample])
         values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
@@ -170,7 +174,7 @@ class StoredRun:
             frame = self._values.frame(self._frames[sample], model, (float(way.shaft), float(way.outer_ring)))
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
-        cage = None if self.scene.cage is None else np.array([self._values.column(name)[sample] for name in OF_CAGE])
+        cage = None if self.scene.cage is None else np.array([self.column(name)[sample] for name in OF_CAGE])
         same = ("inner_force", "outer_force", "inner_traction", "outer_traction")
         return Instant(
             **vars(frame),

@@ -7,11 +7,9 @@ import h5py
 
 from fem.errors import UsageError
 from fem.result.durable import is_in_use
-from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
+from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 
-READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
-READ_MEMORY = 2**29  # bytes
 MOST_CHANGES = 3  # named of another scene
 
 
@@ -60,16 +58,12 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
     """
     if not path.is_file():
         return
-
-    def read() -> Scene | None:
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                complete = file.attrs.get("status") == "complete"
-                return parse_stored_scene(read_scene_text(file), str(path)) if complete else None
-        except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
-            return None
-
-    if refusal_in_child(read, str(path), READ_SECONDS, READ_MEMORY) is not None or (before := read()) is None:
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("status") != "complete":
+                return
+            before = parse_stored_scene(read_scene_text(file), str(path))
+    except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
         return
     if changed := differences(scene_keys(before), scene_keys(scene)):
         more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
@@ -100,27 +94,16 @@ def check_earlier(path: Path, names: tuple[str, ...], samples: int, frames: int)
     """
     if not path.is_file():
         raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if int(file.attrs["committed_samples"]) < samples:
+                raise Damaged(f"its checkpoint counts {samples} samples, it holds fewer")
+            for name in names:
+                check_array(file, name, samples)
+            if frames:
+                from fem.result.fields import stored_samples
 
-    def read() -> None:
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                _check(file, names, samples, frames)
-        except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-            raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None
-
-    refusal = refusal_in_child(read, str(path), READ_SECONDS + path.stat().st_size / READ_RATE, READ_MEMORY)
-    if refusal is not None:
-        raise UsageError(refusal)
-    read()
-
-
-def _check(file: h5py.File, names: tuple[str, ...], samples: int, frames: int) -> None:
-    if int(file.attrs["committed_samples"]) < samples:
-        raise Damaged(f"its checkpoint counts {samples} samples, it holds fewer")
-    for name in names:
-        check_array(file, name, samples)
-    if frames:
-        from fem.result.fields import stored_samples
-
-        if len(stored_samples(file, samples)) != frames:
-            raise Damaged(f"its checkpoint counts {frames} frames of fields, it holds others")
+                if len(stored_samples(file, samples)) != frames:
+                    raise Damaged(f"its checkpoint counts {frames} frames of fields, it holds others")
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+        raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None

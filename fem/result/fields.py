@@ -6,7 +6,6 @@ single precision: 1e-7 of a micrometre's displacement is far below any wave. Roo
 """
 
 import zlib
-from math import prod
 from typing import NamedTuple
 
 import h5py
@@ -49,8 +48,6 @@ FRAME = {
         for field, component, unit in (("displacement", "component", "m"), ("stress", "stress_component", "Pa"))
     },
 }  # fmt: skip
-LARGEST = 1e18  # SI: far above any stress and turn; squares are still numbers
-LARGEST_FRAME = 10_000_000  # numbers: more than there are in meshes of a million nodes
 
 
 def lay_out(file: h5py.File, model: Model, capacity: int) -> list[str]:
@@ -123,18 +120,9 @@ def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
     count = int(np.argmin(there)) if not there.all() else len(there)
     if np.any(np.diff(samples[:count]) <= 0):
         raise Damaged(f"{name} does not rise")
-    for field in FRAME:
-        _check_field(file, field, count, None)
+    for field, about in FRAME.items():
+        check_array(file, f"{GROUP}/{field}", count, kinds=about.dtype[1], dimensions=(1 + len(about.dimensions),))
     return samples[:count]
-
-
-def read_values(file: h5py.File, model: Model | None, index: int) -> dict[str, np.ndarray]:
-    """The numbers of a stored frame, by the names in FRAME; `model` as in `_check_field`. Damaged: see there."""
-    found = {}
-    for name in FRAME:
-        _check_field(file, name, index + 1, model)
-        found[name] = np.asarray(file[f"{GROUP}/{name}"][index])
-    return found
 
 
 def read_frame(file: h5py.File, model: Model, index: int, turns: tuple[float, float]) -> Frame:
@@ -144,18 +132,19 @@ def read_frame(file: h5py.File, model: Model, index: int, turns: tuple[float, fl
     ------
     Damaged, KeyError, ValueError: the group is damaged or of another mesh.
     """
-    values = read_values(file, model, index)
+    sizes = COMPONENTS | {"roller": model.bearing.n_rollers}
+    sizes |= {f"{body}_node": len(getattr(model, body).points) for body in BODIES}
+    values = {}
+    for name, about in FRAME.items():
+        found, wanted = file[f"{GROUP}/{name}"], tuple(sizes[dimension] for dimension in about.dimensions)
+        if found.shape[1:] != wanted:
+            raise Damaged(f"{GROUP}/{name} has {found.shape[1:]} numbers in a frame, its mesh has {wanted}")
+        values[name] = np.asarray(found[index])
     written, sample = int(values.pop(CHECKSUM)), int(values["sample"])
     if written != _checksum(values):
         raise Damaged(f"the fields of sample {sample} are not what was written: their checksum differs")
-    for name, value in values.items():
-        if not np.all(np.abs(value.astype(float)) <= LARGEST):
-            raise Damaged(f"{GROUP}/{name} of sample {sample} holds what is no number, or more than {LARGEST:g}")
     turn = values["roller_turn"]
     vectors = {name: values[f"{name}_displacement"].astype(float) for name in BODIES}
-    for name, vector in vectors.items():
-        if np.abs(vector).max(initial=0.0) > model.bearing.outside_radius:
-            raise Damaged(f"{GROUP}/{name}_displacement of sample {sample} is larger than the bearing")
     return Frame(
         sample=sample,
         time=float(values["time"]),
@@ -166,25 +155,3 @@ def read_frame(file: h5py.File, model: Model, index: int, turns: tuple[float, fl
         inner_ring=model.inner_ring.polar(vectors["inner_ring"], turns[0]),
         outer_ring=model.outer_ring.polar(vectors["outer_ring"], turns[1]),
     )
-
-
-def _check_field(file: h5py.File, name: str, count: int, model: Model | None) -> None:
-    """Refuse a variable of a frame before it is read; without a model, of whose mesh it must be, if it is far too big.
-
-    Errors
-    ------
-    Damaged.
-    """
-    path, dimensions = f"{GROUP}/{name}", FRAME[name].dimensions
-    check_array(file, path, count, kinds=FRAME[name].dtype[1], dimensions=(1 + len(dimensions),))
-    shape = file[path].shape[1:]
-    if model is None:
-        wanted = tuple(COMPONENTS.get(dimension, size) for dimension, size in zip(dimensions, shape, strict=True))
-        if prod(shape) > LARGEST_FRAME:
-            raise Damaged(f"{path} has shape {file[path].shape}, more than any mesh has nodes")
-    else:
-        sizes = COMPONENTS | {"roller": model.bearing.n_rollers}
-        sizes |= {f"{body}_node": len(getattr(model, body).points) for body in BODIES}
-        wanted = tuple(sizes[dimension] for dimension in dimensions)
-    if shape != wanted:
-        raise Damaged(f"{path} has {shape} numbers in a frame, the mesh of the file's scene has {wanted}")

@@ -4,18 +4,15 @@ HDF5 2.0 keeps what it could not write and crashes on it later, at the latest wh
 learns of a failure: the first one is kept, nothing more is written, and it is raised once HDF5 has closed the file.
 Variables with dimension scales, a unit and a meaning make such a file valid NetCDF-4.
 
-A file that is read may be damaged, or made to mislead or to harm. The HDF5 library itself may crash or never return, so
-`refusal_in_child` makes the first attempt in a child process. `read_numbers` takes nothing but plain arrays of the file
-at hand: no links into other files, no filters that the library would load code for, no chunks or shapes far beyond the
-data there are. Solver and checker both read result files and don't know each other.
+A file that is read may be damaged or foreign. `read_numbers` takes nothing but plain arrays of the file at hand: no
+links into other files, no filters that the library would load code for, no chunks or shapes far beyond the data there
+are.
+Solver and checker both read result files and don't know each other.
 """
 
-import faulthandler
 import io
-import os
-import signal
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import prod
 from pathlib import Path
@@ -118,79 +115,10 @@ MOST_COMPRESSION = 1100  # deflate can't do better than 1032 to 1
 SCENE_FILE = "scene_file_{}"  # variable: bytes of a file that the scene names
 MOST_SCENE_FILES = 200
 WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
-STARVED = 3  # exit code of the child
 
 
 class Damaged(ValueError):
     """What a file holds can't be used; the text says what is wrong, without the file's name."""
-
-
-def refusal_in_child(read: Callable[[], object], name: str, seconds: float, memory: int) -> str | None:
-    """Why a file can't be read, or None where `read` may be called here.
-
-    `read` is called in a child process, with a limit of processor time and of memory, bytes on top of what is used
-    now. Its ValueErrors come back as their text; a crash, a hang or too much memory as a sentence about `name`. Always
-    None on systems that can't fork.
-    """
-    if not hasattr(os, "fork"):
-        return None
-    receiver, tell = os.pipe()
-    child = os.fork()
-    if child == 0:
-        _attempt(read, tell, seconds, memory)
-    os.close(tell)
-    with open(receiver, "rb") as pipe:
-        text = pipe.read().decode("utf-8", errors="replace")
-    status = os.waitpid(child, 0)[1]
-    if os.WIFSIGNALED(status):
-        number = os.WTERMSIG(status)
-        what = (
-            f"does not end in {seconds:g} s"
-            if number == signal.SIGPROF
-            else f"crashes the HDF5 library ({signal.Signals(number).name})"
-        )
-        return f"{name}: damaged: reading it {what}"
-    code = os.WEXITSTATUS(status)
-    if code == STARVED:
-        return f"{name}: reading it takes more than {memory / 2**30:.1f} GiB of memory; is it damaged?"
-    if code != 0:
-        return f"{name}: damaged: reading it ends the process (exit code {code})"
-    return text or None
-
-
-def _attempt(read: Callable[[], object], tell: int, seconds: float, memory: int) -> None:
-    """The child's part; does not return."""
-    code = 0
-    try:
-        _limit(seconds, memory)
-        read()
-    except MemoryError:
-        code = STARVED
-    except ValueError as error:
-        os.write(tell, str(error).encode("utf-8", errors="replace")[:4096])
-    except BaseException:  # not the file's fault: the parent meets it again
-        pass
-    finally:
-        os._exit(code)
-
-
-def _limit(seconds: float, memory: int) -> None:
-    """Die quietly of too much time; get no more memory."""
-    import resource
-
-    faulthandler.disable()
-    crashes = signal.SIGSEGV, signal.SIGBUS, signal.SIGABRT, signal.SIGFPE, signal.SIGILL
-    for number in (signal.SIGPROF, *crashes):  # handlers of the parent's might end it in another way
-        signal.signal(number, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    used = Path("/proc/self/statm")
-    if used.exists():  # elsewhere the memory in use is not found in the same way
-        pages = int(used.read_text(encoding="ascii").split()[0])
-        most = pages * os.sysconf("SC_PAGE_SIZE") + memory
-        set_before = [limit for limit in resource.getrlimit(resource.RLIMIT_AS) if limit != resource.RLIM_INFINITY]
-        most = min(most, *set_before) if set_before else most
-        resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def read_numbers(file, name: str, count: int) -> np.ndarray:

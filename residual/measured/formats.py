@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, refusal_in_child
+from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array
 from lagrange.files.input import read_plain
 from lagrange.files.tables import MOST_NUMBERS, TextTable, decoded
 
 LARGEST = 1 << 29  # bytes of a file, and of what is packed in it
 MOST_CHANNELS = 256
 DEEPEST = 6  # structs in structs
-SECONDS, MEMORY = 20.0, 2 << 30  # that a library may take to read a file
 RATE_NAMES = ("rate", "fs", "sr", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency")
 UNIVERSAL = re.compile(rb"\s*-1[ \t\r]*\n[ \t]*58b?\s")
 TIME_RESPONSE, TIME_AXIS = 1, 17  # UFF58's numbers of a function and of its abscissa
@@ -78,12 +77,7 @@ def read_channels(path: Path) -> Channels:
         kinds = [("a MATLAB file", _matlab)]
     if not kinds:
         return _text(data)
-    kind, read = kinds[0]
-    if read not in (_wav, _numpy, _archive):  # by a library that may crash, never end or ask for all memory
-        refusal = refusal_in_child(lambda: _guarded(kind, read, data, path), "it", SECONDS, MEMORY)
-        if refusal is not None:
-            raise ValueError(refusal.replace("the HDF5 library", "the library that reads such files"))
-    return _guarded(kind, read, data, path)
+    return _guarded(*kinds[0], data, path)
 
 
 def _text(data: bytes) -> Channels:
@@ -125,7 +119,7 @@ def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, pa
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a library finds odd but reads
             found = read(data, path)
-    except (MemoryError, _Refused, Damaged):
+    except (_Refused, Damaged):
         raise
     except Exception as error:  # of any kind: libraries raise what happens to go wrong
         said = f"{type(error).__name__}: {error}".splitlines()[0][:200]

@@ -4,11 +4,8 @@ A scene's values, a table's cells, a file's bytes, an archive's arrays are chang
 and a random.Random, and gives another content. Bytes alone would hardly ever get past the parsers.
 """
 
-import io
 import json
-import zipfile
 from collections.abc import Callable
-from hashlib import sha256
 from random import Random
 
 NUMBERS = (
@@ -112,39 +109,6 @@ def facts(data: bytes, random: Random) -> bytes:
     return json.dumps(whole if key != "" else place[""]).encode()
 
 
-def archive(data: bytes, random: Random) -> bytes:
-    """Change arrays of a checkpoint, or the words about them, half of the time with checksums that hold."""
-    if random.random() < 0.5:
-        return damaged(data, random)
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as file:
-            members = {name: file.read(name) for name in file.namelist()}
-    except Exception:  # damaged before
-        return damaged(data, random)
-    for _ in range(random.choice((1, 2, 4))):
-        name = random.choice(list(members)) if members else "meta.npy"
-        kind = random.randrange(4)
-        if kind == 0:
-            members.pop(name, None)
-        elif kind == 1 and "meta.npy" in members:
-            members["meta.npy"] = _other_meta(members["meta.npy"], random)
-        else:
-            members[name] = damaged(members.get(name, b""), random)
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w") as file:
-        for name, content in members.items():
-            file.writestr(name, content)
-    return out.getvalue()
-
-
-def resealed(data: bytes, random: Random) -> bytes:
-    """Change a kept archive, half of the time with a seal that holds."""
-    if random.random() < 0.5:
-        return damaged(data, random)
-    archived = archive(data[: -sha256().digest_size], random)
-    return archived + sha256(archived).digest()
-
-
 MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "scene": scene,
     "heights": table,
@@ -153,14 +117,9 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "study": scene,
     "folder": facts,
     "table": table,
-    "result": damaged,
-    "fields": damaged,
-    "matrices": resealed,
-    "checkpoint": archive,
     "record_text": table,
     "record_wav": damaged,
     "record_numpy": damaged,
-    "record_matlab": damaged,
 }
 
 
@@ -187,16 +146,3 @@ def _scale(rows: list[list[str]], column: int, factor: float) -> None:
             row[column] = repr(float(row[column]) * factor)
         except (ValueError, IndexError):
             continue
-
-
-def _other_meta(data: bytes, random: Random) -> bytes:
-    """Exchange one value in the JSON of a checkpoint; its array's header holds the length."""
-    start = data.find(b"{", data.find(b"\n"))
-    try:
-        meta = json.loads(data[start:])
-        key = random.choice(list(meta))
-    except (ValueError, TypeError, IndexError):
-        return damaged(data, random)
-    meta[key] = random.choice(PLAIN)
-    text = json.dumps(meta).encode()
-    return data[:start] + text.ljust(len(data) - start) if len(text) <= len(data) - start else data[:start] + text

@@ -2,14 +2,11 @@
 
 import io
 import tempfile
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 
 DURATION = ["--duration", "0.4"]
-ELEMENTS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4")
-SETTINGS = [word for setting in ELEMENTS for word in ("--set", setting)]
 FEW_ROLLERS = """[bearing]
 rollers = 3
 inner_raceway_diameter_mm = 36.0
@@ -69,8 +66,6 @@ def seeds(name: str) -> list[bytes]:
             b"time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n100,-300,-2000\n",
             b"y_N\ttime_ms\tx_N\n-1\t0\t9\n-3\t99\t8\n",
         ]
-    if name == "matrices":
-        return [_sealed({"a": np.arange(20.0), "b": np.array([[1, 2]])}), _sealed({})]
     if name.startswith("record_"):
         return _records(name.removeprefix("record_"))
     if name == "study":
@@ -79,23 +74,15 @@ def seeds(name: str) -> list[bytes]:
         if name == "folder":
             return [_study_facts(Path(folder), text) for text in STUDIES[:2]]
         path = Path(folder) / "seed.nc"
-        if name == "checkpoint":
-            _run([*SETTINGS, "--output", str(path)])
-            return [path.with_name("seed.nc.checkpoint").read_bytes()]
-        if name == "fields":
-            _run([*SETTINGS, "--set", "output.fields_every_ms=0.2", "--output", str(path)])
-            return [path.read_bytes(), _unchecked(path)]
         scene = Path(folder) / "few.toml"
         scene.write_text(FEW_ROLLERS)
         _run([str(scene), "--model", "lagrange", *DURATION, "--output", str(path)])
-        if name == "table":
-            return [_table(path, ",", True), _table(path, "\t", False)]
-        return [path.read_bytes(), _unchecked(path)]
+        return [_table(path, ",", True), _table(path, "\t", False)]
 
 
 def _records(kind: str) -> list[bytes]:
     """A record of 0.26 s in files of a kind."""
-    from scipy.io import savemat, wavfile
+    from scipy.io import wavfile
 
     rate, rng = 8000, np.random.default_rng(1)
     time = np.arange(2100) / rate
@@ -117,14 +104,6 @@ def _records(kind: str) -> list[bytes]:
         return [written(wavfile.write, rate, values) for values in (wave.astype("f4"), (9e3 * wave).astype("i2"))]
     if kind == "numpy":
         return [written(np.savez, acc=wave, fs=8e3), written(np.savez, time=time, acc=wave)]
-    new = io.BytesIO()
-    import h5py
-
-    with h5py.File(new, "w", userblock_size=512) as file:
-        file["time"], file["run/acc"] = time, wave
-    return [written(savemat, {"fs": 8e3, "run": {"acc": wave, "unit": "g"}}),
-            written(savemat, {"time": time, "acc": wave}, do_compression=True),
-            b"MATLAB 7.3 MAT-file".ljust(512) + new.getvalue()[512:]]  # fmt: skip
 
 
 def _study_facts(place: Path, text: str) -> bytes:
@@ -140,30 +119,11 @@ def _study_facts(place: Path, text: str) -> bytes:
     return (place / "study.json").read_bytes()
 
 
-def _sealed(arrays: dict[str, np.ndarray]) -> bytes:
-    archive = io.BytesIO()
-    np.savez(archive, **arrays)
-    return archive.getvalue() + sha256(archive.getvalue()).digest()
-
-
 def _run(arguments: list[str]) -> None:
     from fem.commands.run_fem import run_main
 
     if run_main([*arguments, "--quiet"]) != 0:
         raise RuntimeError("the run that makes the first input failed")
-
-
-def _unchecked(path: Path) -> bytes:
-    """Read a result file without its checksums, which would stop most changes."""
-    import h5py
-
-    from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM
-
-    with h5py.File(path, "r+") as file:
-        for variable in file.values():
-            variable.attrs.pop(CHECKSUM, None)
-        file.attrs.pop(SCENE_CHECKSUM)
-    return path.read_bytes()
 
 
 def _table(path: Path, delimiter: str, forces: bool) -> bytes:

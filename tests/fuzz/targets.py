@@ -1,7 +1,4 @@
-"""The readers, each as a function of a file's content.
-
-Readers are imported where they are used: the search loads them anew to count their branches.
-"""
+"""The readers, each as a function of a file's content."""
 
 import io
 import json
@@ -11,11 +8,10 @@ from contextlib import redirect_stderr, redirect_stdout
 from math import isfinite, pi
 from pathlib import Path
 
-from tests.fuzz.sound import ELEMENTS, FEW_ROLLERS
+from tests.fuzz.sound import FEW_ROLLERS
 
 LONGEST_MESSAGE = 10_000  # characters: 21 lines
 MOST_POINTS = 200  # of a study that the whole command sees
-MOST_INSTANTS = 4  # of a result with fields
 
 
 class Targets:
@@ -123,13 +119,6 @@ class Targets:
         """The same from an NPY or NPZ file."""
         return self._judged("fuzzed-record.npz", data)
 
-    def record_matlab(self, data: bytes) -> bool:
-        """The same from a MATLAB file of version 5, or of 7.3 with its HDF5; read in a child first, as always."""
-        from residual.measured import formats
-
-        formats.SECONDS = 0.5
-        return self._judged("fuzzed-record.mat", data)
-
     def _judged(self, name: str, data: bytes) -> bool:
         import numpy as np
 
@@ -153,83 +142,6 @@ class Targets:
             assert all(np.isfinite([each.clear, each.depth, each.p]).all() for each in found.findings)
         return True
 
-    def result(self, data: bytes) -> bool:
-        """Read a result file first in a child, as always; then here, so that the search sees which way it took."""
-        from residual import sources
-        from residual.errors import InputError
-
-        sources.READ_SECONDS = 0.2  # of an input that sends HDF5 round in circles
-        path = self._file("fuzzed.nc", data)
-        try:
-            sources.read_result(path)
-        except InputError as error:
-            if "reading it" in str(error):
-                return _refused(error)
-        try:
-            sources._read(path)
-        except InputError as error:
-            return _refused(error)
-        return True
-
-    def fields(self, data: bytes) -> bool:
-        """Stored fields as render-fem reads them, on the mesh of the sound file."""
-        import numpy as np
-
-        from fem.errors import UsageError
-        from fem.pictures import stored_values
-        from fem.pictures.recover import StoredRun
-        from lagrange.scene.scene import SceneError
-
-        stored_values.READ_SECONDS = 0.2
-        sound = _plan()
-        try:
-            run = StoredRun(self._file("fuzzed-fields.nc", data))
-            mesh = run.scene.bearing, run.scene.numerics.mesh_size_mm
-            if mesh != (sound.scene.bearing, sound.scene.numerics.mesh_size_mm):
-                return True  # another mesh would have to be made
-            run.model = sound.model
-            instants = [run.instant(sample) for sample in run.stored_samples[:MOST_INSTANTS]]
-        except (UsageError, SceneError) as error:
-            return _refused(error)
-        bodies = [body for one in instants for body in (one.inner_ring, one.outer_ring, one.rollers)]
-        assert all(np.isfinite(body).all() for body in bodies)
-        return True
-
-    def matrices(self, data: bytes) -> bool:
-        """Arrays kept by an earlier start: those, or the same made anew. Whether they were taken."""
-        from unittest.mock import patch
-
-        import numpy as np
-
-        from fem.elastic.cache import kept
-
-        made = []
-
-        def make():
-            made.append(True)
-            return {"whole": np.arange(3.0)}
-
-        with patch("meshes.cache.cache_folder", lambda: self._folder / "meshes"):
-            kept("fuzzed", "key", make)
-            (path,) = (self._folder / "kept").iterdir()
-            path.write_bytes(data)
-            made.clear()
-            found = kept("fuzzed", "key", make)
-        assert all(type(array) is np.ndarray and not array.dtype.hasobject for array in found.values())
-        return not made
-
-    def checkpoint(self, data: bytes) -> bool:
-        """Read the state of a run."""
-        from fem.errors import UsageError
-        from fem.result.checkpoint import load_checkpoint
-
-        self._file("fuzzed.nc.checkpoint", data)
-        try:
-            load_checkpoint(self._folder / "fuzzed.nc", _plan())
-        except UsageError as error:
-            return _refused(error)
-        return True
-
     def _file(self, name: str, data: bytes) -> Path:
         path = self._folder / name
         path.write_bytes(data)
@@ -237,8 +149,7 @@ class Targets:
 
 
 NAMES = (
-    "scene", "heights", "speeds", "loads", "study", "folder", "table", "result", "fields", "matrices", "checkpoint",
-    "record_text", "record_wav", "record_numpy", "record_matlab",
+    "scene", "heights", "speeds", "loads", "study", "folder", "table", "record_text", "record_wav", "record_numpy",
 )  # fmt: skip
 
 
@@ -263,15 +174,3 @@ def _evaluated(trajectory) -> None:
     from residual.summary import ReportOptions, summarise
 
     json.dumps(summarise(evaluate(trajectory), ReportOptions(), "0"), allow_nan=False)
-
-
-_PLANS: list = []
-
-
-def _plan():
-    from fem.solver.simulate import make_plan
-    from lagrange.scene.scene import read_scene
-
-    if not _PLANS:
-        _PLANS.append(make_plan(read_scene(None, ELEMENTS)))
-    return _PLANS[0]

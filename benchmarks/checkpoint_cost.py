@@ -18,7 +18,7 @@ from fem.commands.start_up import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.runner import Checkpoints, RunOptions, simulate
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 
 NEVER = float("inf")
 

@@ -16,7 +16,7 @@ from rich.table import Table
 
 from benchmarks.measuring import new_table, timed
 from fem.commands.run_fem import run_main
-from fem.solver.lagrangian import LagrangianPlan, make_plan
+from fem.solver.rigid.lagrangian import LagrangianPlan, make_plan
 from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result

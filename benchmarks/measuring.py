@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from rich.table import Table
 
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
 

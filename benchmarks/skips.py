@@ -14,7 +14,7 @@ import numpy as np
 from rich.table import Table
 
 from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
@@ -35,7 +35,7 @@ class Skip:
     reach: float | None = None
 
     def forced(self) -> AbstractContextManager:
-        return mock.patch("fem.solver.contact_arrays.REACH", self.reach) if self.reach else nullcontext()
+        return mock.patch("fem.solver.elements.arrays.REACH", self.reach) if self.reach else nullcontext()
 
 
 def _with(key: str, value: float) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from cyclopts import App
 
 from benchmarks.measuring import in_turns, paper_plan, spread, timed
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import run
 from tests.measurements import markdown_table, publish
 

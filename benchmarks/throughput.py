@@ -16,7 +16,7 @@ from rich.table import Table
 from benchmarks import footprint, machine, phases
 from benchmarks.measuring import new_table, paper_plan, timed
 from benchmarks.skips import skip_table
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from tests.measurements import publish
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)

@@ -30,7 +30,7 @@ from lagrange.messages import said_if_long, say, telling
 from lagrange.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.solver.error_estimate import ErrorEstimate
+    from fem.solver.errors import ErrorEstimate
 
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless given: a slow disk gets checkpoints less often
@@ -71,7 +71,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     if options.resume:
         refuse_nothing_to_resume(path)
     if options.estimate_error and scene.model == "fem":
-        from fem.solver.error_estimate import coarser_scene
+        from fem.solver.errors import coarser_scene
 
         coarser_scene(scene)
     plan = _planned(scene, None if options.quiet else say)
@@ -188,7 +188,7 @@ class Checkpoints:
 
 def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     """Run the coarser plan beside a finished run and write what its result may be off by."""
-    from fem.solver.error_estimate import NEEDED
+    from fem.solver.errors import NEEDED
 
     with stop_signals() as stopped:
         try:

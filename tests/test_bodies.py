@@ -9,7 +9,7 @@ from fem.elastic.assembly import assemble
 from fem.elastic.bodies import rigid_modes
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
-from fem.solver.arrays import disc_nodes
+from fem.solver.elements.arrays import disc_nodes
 from meshes import Mesh
 from tests.reference import compiled
 from tests.reference.bearings import LENGTH, STEEL, disc, ring

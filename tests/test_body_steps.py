@@ -10,7 +10,7 @@ from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
-from fem.solver.arrays import disc_nodes
+from fem.solver.elements.arrays import disc_nodes
 from lagrange import Bearing
 from tests.reference import compiled
 from tests.reference.bearings import (

@@ -5,7 +5,7 @@ import pytest
 
 from fem.errors import UsageError
 from fem.solver.cage_arrays import cage_seat
-from fem.solver.reduced import make_plan
+from fem.solver.rigid.reduced import make_plan
 from lagrange.bearing import Cage
 from lagrange.scene.scene import parse_scene
 

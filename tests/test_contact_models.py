@@ -11,7 +11,7 @@ from fem.contacts.resolved import ResolvedModel, SpreadModel
 from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.contacts.subgrid import SubgridModel
 from fem.kernels.state import INNER, OUTER, ROLLER
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 from fem.statics import exact_statics as expected_forces
 from lagrange.scene.run import ContactTable

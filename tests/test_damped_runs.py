@@ -9,12 +9,13 @@ from scipy.optimize import curve_fit
 from fem.result.checkpoint import load_checkpoint, save_checkpoint
 from fem.result.layout import variables_of
 from fem.result.store import Stored
-from fem.solver import finite_elements, reduced
+from fem.solver.elements import plan as elements
+from fem.solver.rigid import reduced
 from fem.statics.equilibrium import static_equilibrium
 from lagrange.scene.scene import parse_scene, read_scene
 
 pytestmark = pytest.mark.slow
-PLANS = {"fem": finite_elements.make_plan, "reduced": reduced.make_plan}
+PLANS = {"fem": elements.make_plan, "reduced": reduced.make_plan}
 ROLLING = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1", "numerics.output_interval_us=5")
 STILL = (
     "numerics.mesh_size_mm=2", "numerics.duration_ms=0.6", "numerics.output_interval_us=1", "operation.speed_rpm=0",

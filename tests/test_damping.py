@@ -47,7 +47,7 @@ def test_damping_that_a_model_can_t_have_is_refused_by_name(settings, words):
 
 def test_dampers_of_elastic_bodies_keep_lumped_masses():
     """Their forces are implicit in velocities of nodes that have masses of their own; slowed modes have none."""
-    from fem.solver.finite_elements import LUMPED, make_plan
+    from fem.solver.elements.plan import LUMPED, make_plan
 
     coarse = ("numerics.mesh_size_mm=3", "numerics.duration_ms=1")
     assert make_plan(read_scene(None, coarse)).mass is not LUMPED

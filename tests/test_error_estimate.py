@@ -10,7 +10,7 @@ import xarray
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.quantities import Quantity, moving_quantities
-from fem.solver.error_estimate import SAFETY, coarser_scene, estimates
+from fem.solver.errors import SAFETY, coarser_scene, estimates
 from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import read_scene

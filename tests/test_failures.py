@@ -11,7 +11,7 @@ from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.errors import RunFailed
 from fem.kernels.ring_kernels import HALO
-from fem.solver.finite_elements import LONGEST_UNWATCHED
+from fem.solver.elements.plan import LONGEST_UNWATCHED
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import make_plan, run
 from lagrange.scene.scene import read_scene
@@ -63,9 +63,7 @@ def test_a_value_that_is_not_a_number_is_noticed_within_100_steps(body, plan):
 
 def test_a_failed_run_keeps_its_good_samples_and_says_what_to_do(tmp_path, monkeypatch, capsys):
     path = tmp_path / "run.nc"
-    monkeypatch.setattr(
-        "fem.solver.finite_elements.critical_time_step", lambda *given: 1.2 * critical_time_step(*given)
-    )
+    monkeypatch.setattr("fem.solver.elements.plan.critical_time_step", lambda *given: 1.2 * critical_time_step(*given))
     options = ["--mesh-size", "2", "--duration", "5", "--output", str(path), "--checkpoint", "0"]
     assert run_main(options) == 1
     error = capsys.readouterr().err

@@ -24,7 +24,7 @@ from fem.interface import (
 )
 from fem.quantities import OF_RUN, Quantity
 from fem.result.layout import variables_of
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 
 SHORT = {"numerics.duration_ms": 1.0}

@@ -4,7 +4,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
-from fem.solver.mesh_convergence import mesh_table
+from fem.solver.errors import mesh_table
 from lagrange.scene.scene import read_scene
 
 

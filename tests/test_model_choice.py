@@ -3,7 +3,7 @@
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.solver.model_choice import Choice, model_choices, suggestion
+from fem.solver.errors import Choice, model_choices, suggestion
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
 

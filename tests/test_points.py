@@ -7,7 +7,7 @@ from fem.commands.run_fem import run_main
 from fem.contacts.patch import patch
 from fem.elastic.outer_support import FEWEST, supported_ring
 from fem.errors import UsageError
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 from lagrange.mounting import Points
 from lagrange.scene.scene import parse_scene, parse_scene_text

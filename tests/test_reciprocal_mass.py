@@ -45,7 +45,7 @@ def test_steps_are_long_where_nothing_strikes_and_it_pays(tables, long_steps):
 @pytest.mark.parametrize("friction", [0.1, 0.5])
 def test_contacts_that_roll_feed_no_waves(friction, mass, monkeypatch):
     """Springs that follow momenta instead of places gained 2e-4 in 10 ms with the third degree, and grew on."""
-    monkeypatch.setattr("fem.solver.finite_elements.LONG", (mass,))
+    monkeypatch.setattr("fem.solver.elements.plan.LONG", (mass,))
     tables = {"contact": {"friction_coefficient": friction}, "numerics": {"mesh_size_mm": 2.0, "duration_ms": 15.0}}
     plan = make_plan(parse_scene(tables, "scene"))
     assert plan.mass is mass

@@ -11,8 +11,8 @@ from fem.contacts.patch import patch
 from fem.errors import UsageError
 from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
+from fem.solver.elements.start import rolling_motion
 from fem.solver.frames import rotated
-from fem.solver.start import rolling_motion
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.scene import SceneError

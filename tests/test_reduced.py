@@ -11,8 +11,8 @@ from fem.elastic.continuum import ring_sections, roller_section
 from fem.elastic.tangential import stick_approach
 from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
-from fem.solver.reduced import ReducedPlan
 from fem.solver.reduced_state import slowest_vibration
+from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from fem.statics.reduced_bearing import tangential_compliance

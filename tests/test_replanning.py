@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.contacts.critical_step import critical_time_step, next_rung
-from fem.solver import discretise
+from fem.solver.elements import plan as elements
 from fem.solver.simulate import make_plan
 from fem.statics import reduced_bearing
 from lagrange.scene.scene import Scene, read_scene
@@ -32,7 +32,7 @@ def start_of(scene: Scene) -> Iterator[np.ndarray]:
 
 def forget() -> None:
     """Empty what planning keeps, as in a process that has just begun."""
-    for kept in (discretise._built, reduced_bearing._kept_series, profile.profiles, edges._table):
+    for kept in (elements._built, reduced_bearing._kept_series, profile.profiles, edges._table):
         kept.cache_clear()
 
 
@@ -57,6 +57,6 @@ def test_forces_of_one_octave_share_few_critical_steps_on_the_safe_side():
     rungs = np.array([next_rung(force) for force in forces])
     assert np.all(rungs >= forces) and np.all(rungs < 1.1 * forces)
     assert len(set(rungs.tolist())) <= 9
-    model = discretise.model_of(read_scene(None, ("numerics.mesh_size_mm=2",)))
+    model = elements.model_of(read_scene(None, ("numerics.mesh_size_mm=2",)))
     exact, shared = critical_time_step(model, 330.0), critical_time_step(model, next_rung(330.0))
     assert 0.99 * exact < shared <= exact

@@ -8,7 +8,7 @@ from scipy.special import elliprd
 from fem.commands.run_fem import run_main
 from fem.interface import simulate
 from fem.solver.guards import n_in_place, run_warnings
-from fem.solver.lagrangian_judge import Judge
+from fem.solver.rigid.lagrangian import Judge
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_ellipse, contact_pairs, raceway_curvature

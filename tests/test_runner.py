@@ -46,7 +46,7 @@ MODELS = ("finite elements", "reduced", "Lagrangian", "toy")
 @pytest.fixture(autouse=True)
 def strict(monkeypatch):
     """A run restarts for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
-    monkeypatch.setattr("fem.solver.lagrangian_judge.ENERGY_TOLERANCE", 3e-4)
+    monkeypatch.setattr("fem.solver.rigid.lagrangian.ENERGY_TOLERANCE", 3e-4)
 
 
 @pytest.fixture
@@ -210,7 +210,7 @@ def test_checkpoints_of_another_model_or_scene_are_refused_by_the_difference(cas
 def test_the_lagrangian_model_refuses_a_state_of_another_numpy(tmp_path, monkeypatch, capsys):
     case, path = CASES["Lagrangian"], tmp_path / "run.nc"
     assert run(case, path, "--quiet") == 0
-    monkeypatch.setattr("fem.solver.lagrangian.np.__version__", "0.9")
+    monkeypatch.setattr("fem.solver.rigid.lagrangian.np.__version__", "0.9")
     assert run(case, path, "--resume") == 2
     assert " (numpy was " in capsys.readouterr().err
 
@@ -297,7 +297,7 @@ def test_a_start_that_fails_or_is_interrupted_writes_nothing(tmp_path, monkeypat
         raise KeyboardInterrupt
 
     monkeypatch.setattr("lagrange.first_state.static_equilibrium", fail)
-    monkeypatch.setattr("fem.solver.lagrangian.static_equilibrium", fail)
+    monkeypatch.setattr("fem.solver.rigid.lagrangian.static_equilibrium", fail)
     for option in ("--quiet", "--dry-run"):
         assert run(CASES["Lagrangian"], tmp_path / "run.nc", option) == 1
         assert "error: no static equilibrium after 200 steps\nnothing was written" in capsys.readouterr().err

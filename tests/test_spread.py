@@ -15,15 +15,16 @@ from fem.kernels.jit import kernel
 from fem.kernels.points import spread_forces
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
-from fem.statics.equilibrium import contact_pressures, equilibrium
+from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import parse_scene
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
 from tests.reference.compiled import press_contacts
+from tests.reference.contact_pressures import contact_pressures
 from tests.reference.whole_run import whole_run
 
 ON_A_ROLLER = -0.5 * np.pi

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem.interface import simulate
-from fem.solver.reduced import make_plan as reduced_plan
-from fem.solver.reduced_start import equilibrium_start
+from fem.solver.rigid.reduced import make_plan as reduced_plan
+from fem.solver.rigid.start import equilibrium_start
 from fem.statics.contact_balance import hub_stiffness
 from lagrange.first_state import Problem, followed
 from lagrange.kinematics import kinematics

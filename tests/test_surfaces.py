@@ -8,7 +8,7 @@ import pytest
 
 from fem.contacts.model import standing
 from fem.errors import UsageError
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads, geometry
 from fem.statics.equilibrium import equilibrium, static_error

@@ -6,8 +6,10 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
-from fem.solver import finite_elements, rigid_state, tilted_start
+from fem.solver import rigid_state
+from fem.solver.elements import plan as elements
 from fem.solver.lagrangian_arrays import tables_of
+from fem.solver.rigid import start as rigid_start
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures
@@ -165,7 +167,7 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
 @pytest.mark.parametrize("model", ["reduced", "fem"])
 def test_slices_are_refused_before_contacts_are_tabulated_or_bodies_meshed(model, monkeypatch):
     """Which for 41 slices took nearly two minutes, and statics of 201 four: their equilibrium is not unique."""
-    for module, name in ((tilted_start, "tilted_tables"), (finite_elements, "model_of")):
+    for module, name in ((rigid_start, "tilted_tables"), (elements, "model_of")):
         monkeypatch.setattr(module, name, lambda *given: pytest.fail("computed"))
     for slices, load in ((41, 4000.0), (201, 2000.0)):
         found = scene(model, {"slices": slices, "roller_profile": "logarithmic"}, operation__radial_load_N=load)

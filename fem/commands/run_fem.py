@@ -101,7 +101,7 @@ def _run(
 
 def _show_meshes(scene, name: str) -> int:
     from fem.commands.summary import print_meshes
-    from fem.solver.mesh_convergence import mesh_table
+    from fem.solver.errors import mesh_table
     from lagrange.messages import telling
 
     found = mesh_table(scene)

@@ -24,8 +24,7 @@ from lagrange.scene.scene import Scene
 from lagrange.section import is_plain, section_words
 
 if TYPE_CHECKING:
-    from fem.solver.error_estimate import Estimate
-    from fem.solver.mesh_convergence import MeshTable
+    from fem.solver.errors import Estimate, MeshTable
 
 LARGE_RESULT = 200.0  # MB, of which a run warns
 LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
@@ -144,7 +143,7 @@ def _print_choices(console: Console, plan: Plan, seconds: float | None) -> None:
 
     `seconds` : that the plan's own takes, as far as it has been tried
     """
-    from fem.solver.model_choice import model_choices, suggestion  # only a dry run needs what these import
+    from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
 
     choices = [
         each if seconds is None or each.model != plan.scene.model else replace(each, seconds=seconds)

@@ -54,11 +54,6 @@ class ResolvedLaw(PointLaw):
         """See `PointLaw.local_compliance`: the layer's, each point for itself."""
         return np.eye(n_points) / self.point_stiffness
 
-    def layer_approach(self, force: float) -> float:
-        """What the layer adds to the approach, m: the mean of its deflection weighted with Hertz's pressure."""
-        pair = self.pair
-        return 8.0 / (3.0 * pi) * 2.0 * force / (pi * pair.half_width(force) * pair.length) / self.layer
-
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedModel(PointModel):

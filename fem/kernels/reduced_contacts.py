@@ -9,7 +9,7 @@ Those forces are extrapolated from the last steps (predictor), the law gives for
 correct them (corrector): the error left is the square of a few hundredths of the predictor's. In rings of soft material
 with many rollers a neighbour's compliance is as large as a contact's own, and whole load zones would gain and lose
 force alternately: there the increments that neighbours use are multiplied by a relaxation factor
-(`fem.solver.reduced.relaxation_factor`).
+(`fem.solver.rigid.reduced.relaxation_factor`).
 
 Equation (1) of docs/reduced.md.
 """

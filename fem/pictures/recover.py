@@ -19,7 +19,7 @@ from fem.elastic.bodies import RingBody
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.kinematics import turned

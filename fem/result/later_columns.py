@@ -18,7 +18,7 @@ from lagrange.scene.scene import Scene
 from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls, surfaces_met
 
 if TYPE_CHECKING:
-    from fem.solver.error_estimate import Estimate
+    from fem.solver.errors import Estimate
 
 ESTIMATE = {  # meaning, and value of an `Estimate`
     "quantity": ("name of a quantity of interest", lambda each: each.quantity.name),

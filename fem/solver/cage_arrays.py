@@ -72,7 +72,7 @@ def cage_seat(
 
 
 if TYPE_CHECKING:  # needs the finite elements' libraries
-    from fem.solver.start import Start
+    from fem.solver.elements.start import Start
 
 GUIDE_SIDES = {"inner_ring": -1.0, "outer_ring": 1.0}  # of the cage, where it meets that ring
 

@@ -12,7 +12,7 @@ from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
-    from fem.solver.finite_elements import ElementPlan
+    from fem.solver.elements.plan import ElementPlan
 
 
 class EnergyAccount:

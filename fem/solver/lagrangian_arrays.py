@@ -27,7 +27,7 @@ from lagrange.step_size import expected_force
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
-    from fem.solver.lagrangian import LagrangianPlan
+    from fem.solver.rigid.lagrangian import LagrangianPlan
 
 
 def bodies_of(plan: "LagrangianPlan") -> RigidBodies:

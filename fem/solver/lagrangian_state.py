@@ -7,7 +7,7 @@ import numpy as np
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.solver.guards import n_in_place, through_trouble
 from fem.solver.lagrangian_arrays import bodies_of, contact_forces, contact_laws_of
-from fem.solver.lagrangian_judge import ENERGY_TOLERANCE, Judge, Verdict
+from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, Verdict
 from fem.solver.rigid_arrays import outer_drive
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import Block, Numbers, Samples
@@ -20,7 +20,7 @@ from lagrange.surface.deviation import Turns
 from lagrange.tilt import Tilts
 
 if TYPE_CHECKING:
-    from fem.solver.lagrangian import LagrangianPlan
+    from fem.solver.rigid.lagrangian import LagrangianPlan
 
 MOST_HALVINGS = 3  # of the step, before a warning instead
 

@@ -29,7 +29,7 @@ from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
-    from fem.solver.reduced import ReducedPlan
+    from fem.solver.rigid.reduced import ReducedPlan
 
 
 def bodies_of(plan: "ReducedPlan") -> RigidBodies:

@@ -11,7 +11,7 @@ from fem.solver.validity import add_samples, law_warning, no_sums, vibration_war
 from lagrange import Bearing
 
 if TYPE_CHECKING:
-    from fem.solver.reduced import ReducedPlan
+    from fem.solver.rigid.reduced import ReducedPlan
 
 
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by

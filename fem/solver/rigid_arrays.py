@@ -11,8 +11,8 @@ from fem.kernels.reduced_paces import INSIDE, ON_INNER_RING, ON_OUTER_RING, OUTS
 from fem.kernels.reduced_state import ReducedDrive, RigidBodies
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.part_arrays import history_arrays, housing_of, springs_on
+from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.samples import row_width
-from fem.solver.sections import RigidPlan, spalls_met
 from lagrange import Bearing, Operation, kinematics
 from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics_met

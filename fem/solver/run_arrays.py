@@ -34,8 +34,8 @@ class Arrays:
 
     @property
     def nbytes(self) -> int:
-        """Of all arrays that outlive a step."""
-        return sum(array.nbytes for array, _ in self._all().values())
+        """Of the arrays that a run changes, and of those that each step fills."""
+        return sum(getattr(array, "nbytes", 0) for array in (*self.named().values(), *self.scratch))
 
     def _all(self) -> dict[str, tuple[np.ndarray, bool]]:
         """Every array that outlives a step, and whether the model determines it."""

@@ -13,9 +13,9 @@ if TYPE_CHECKING:  # the command asks for the names of models long before anythi
 
 T = TypeVar("T")
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
-    "fem": "fem.solver.finite_elements",
-    "reduced": "fem.solver.reduced",
-    "lagrange": "fem.solver.lagrangian",
+    "fem": "fem.solver.elements.plan",
+    "reduced": "fem.solver.rigid.reduced",
+    "lagrange": "fem.solver.rigid.lagrangian",
 }
 BLOCK_SECONDS = 0.2  # wall time between two looks at the samples
 LARGEST_BLOCK = 4096  # samples, whatever the clock says

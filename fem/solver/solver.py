@@ -19,7 +19,7 @@ from lagrange.scene.scene import Scene
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fem.solver.error_estimate import ErrorEstimate
+    from fem.solver.errors import ErrorEstimate
     from fem.solver.frames import Frame
 
 ROUND_OFF = 1e-9  # of the kinetic energy, no imbalance: a bearing without load exchanges next to nothing

@@ -4,6 +4,7 @@ The contact model reduces the bodies to points of the contacts; `contact_balance
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from fem.statics.contact_balance import (
     first_guess,
     hub_spring,
 )
-from fem.statics.exact_statics import LEAST_LOAD, exact_contacts, exact_statics
+from fem.statics.exact_statics import exact_contacts, exact_statics
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Operation
 from lagrange.tilt import HubTilt, TiltedLaws
@@ -63,14 +64,6 @@ class TiltedBalance:
             raise NotFound(str(error)) from None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pressures:
-    """Pressures of one contact, along the tangent."""
-
-    across: np.ndarray  # (n_points,), m, from the line of centres
-    pressure: np.ndarray  # (n_points,), Pa
-
-
 def equilibrium(
     model: Model,
     motion: Motion,
@@ -100,17 +93,6 @@ def equilibrium(
         hub=place[:2].copy(), rho=place[2:].copy(), inner_force=inner_force.copy(), outer_force=outer_force.copy(),
         inner_ring=inner_ring, outer_ring=outer_ring, rollers=rollers, axes=axes,
     )  # fmt: skip
-
-
-def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:
-    """Pressures at the points of all contacts under a load, N, weightless: inner ones by roller, then outer ones."""
-    points, _, forces, _ = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
-    found = []
-    for contact in range(2 * model.bearing.n_rollers):
-        law = model.laws[contact // model.bearing.n_rollers]
-        mine = points.contact == contact
-        found.append(Pressures(across=points.across[mine], pressure=forces[mine] / (law.spacing * law.pair.length)))
-    return found
 
 
 def _solved(
@@ -191,26 +173,18 @@ def static_quantities(model: Model, operation: Operation, tilted: TiltedBalance 
     ]
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiscretisationError:
+class StaticError(NamedTuple):
     """The mesh against the series, standing, weightless and frictionless."""
 
     hub: float  # relative error of the hub's displacement
     largest_force: float  # largest error of a roller's load over the largest load
 
 
-def static_error(model: Model, operation: Operation) -> DiscretisationError:
-    """How far the finite elements of a scene are from exact elasticity under its load.
-
-    Errors
-    ------
-    ValueError: without load there is nothing to compare. NotFound: no equilibrium.
-    """
-    if operation.radial_load < LEAST_LOAD:
-        raise ValueError("without a radial load there is no static displacement to compare")
+def static_error(model: Model, operation: Operation) -> StaticError:
+    """How far the finite elements of a scene are from exact elasticity under its load. NotFound: no equilibrium."""
     exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
     found = static_equilibrium(model, operation)
-    return DiscretisationError(
+    return StaticError(
         hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
         largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
     )

@@ -18,7 +18,7 @@ from cyclopts import App
 
 from fem.quantities import moving_quantities
 from fem.result.store import ResultFile
-from fem.solver.error_estimate import NEEDED
+from fem.solver.errors import NEEDED
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics

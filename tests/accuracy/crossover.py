@@ -14,12 +14,13 @@ from fem.contacts.model import Model, Motion, standing
 from fem.contacts.resolved import ResolvedModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
 from fem.statics.contact_balance import Loads
-from fem.statics.equilibrium import contact_pressures, equilibrium
+from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
 from tests.measurements import DOCS, markdown_table, publish
+from tests.reference.contact_pressures import contact_pressures, layer_approach
 
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
@@ -81,7 +82,7 @@ def _below(model: Model, still: Motion, load: float, force: float) -> float:
 
 
 def _in_layers(model: Model, force: float) -> float:
-    return model.inner_law.layer_approach(force) + model.outer_law.layer_approach(force)
+    return layer_approach(model.inner_law, force) + layer_approach(model.outer_law, force)
 
 
 HEADINGS = (

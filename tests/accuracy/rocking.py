@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.statics.reduced_bearing import tangential_compliance
 from lagrange import Bearing
 from tests.measurements import markdown_table, publish

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contacts.model import standing
-from fem.solver.discretise import model_of
+from fem.solver.elements.plan import model_of
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.scene import Scene, read_scene

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sections
-from fem.solver.reduced import ReducedPlan
+from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from fem.statics.exact_statics import HALF_WIDTH

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fem.errors import RunFailed, UsageError
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import SceneError, parse_scene

@@ -25,7 +25,7 @@ ENTRIES = {
 }
 
 USUAL = (  # modules of what the commands do in tests
-    "fem.runner", "fem.solver.finite_elements", "fem.solver.lagrangian", "fem.pictures.recover",
+    "fem.runner", "fem.solver.elements.plan", "fem.solver.rigid.lagrangian", "fem.pictures.recover",
     "fem.commands.render_fem",     "meshes.export", "residual.cli",
 )  # fmt: skip
 

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.errors import RunFailed
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import Scene, parse_scene

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fem.kernels.state import INNER
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from lagrange import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.line_contact import carter_creep, half_width

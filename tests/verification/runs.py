@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
 from tests.reference.whole_run import whole_run

@@ -1,10 +1,10 @@
 """Rollers that tilt in runs of the finite elements: tables of contacts' energy below the grid, axes, laws with both."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.contacts.model import Model
 from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
 from fem.errors import UsageError
@@ -12,26 +12,23 @@ from fem.kernels.fields import at_line, filled
 from fem.kernels.state import INNER, Raceway, RingProfile, RollerProfiles
 from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
 from fem.kernels.tilted_surfaces import PartProfiles, SpalledRest
-from fem.solver import reduced_start, tilted_start
+from fem.solver.elements.start import Start, Tilting
 from fem.solver.part_arrays import part_profiles
-from fem.solver.start import Start, Tilting
+from fem.solver.rigid import start as rigid_start
+from fem.solver.rigid.start import MOVING, narrow_slices
+from fem.solver.run_arrays import Arrays
 from fem.solver.tilted_arrays import axes_at, beyond_tables, laws_of
-from fem.solver.tilted_start import MOVING, narrow_slices
+from fem.statics.equilibrium import Equilibrium
 from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
 from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import Axial
 from lagrange.axial.tabulate import MORE, steepest_slope
+from lagrange.bearing import Cage
 from lagrange.surface.deviation import profiles
-from lagrange.tilt import hub_tilt
-
-if TYPE_CHECKING:
-    from fem.contacts.model import Model
-    from fem.solver.finite_elements import ElementPlan
-    from fem.solver.run_arrays import Arrays
-    from fem.statics.equilibrium import Equilibrium
+from lagrange.tilt import Tilts, hub_tilt
 
 
-def tilting_of(model: "Model", operation: Operation, axial: Axial, force: float, near: "Equilibrium") -> Tilting:
+def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, near: Equilibrium) -> Tilting:
     """Contacts for forces at rest of so many N, near the equilibrium of parallel axes.
 
     Of a contact's plane compliance A (B − ½ ln Q) its mesh has what the law below the grid leaves, a constant.
@@ -64,10 +61,10 @@ def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) 
     if operation.mounting.points is not None or operation.mounting.bore is not None:
         return
     model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), gravity=operation.gravity)
-    tilted_start.check_slices(model, operation, axial, reduced_start.equilibrium_start(model, operation))
+    rigid_start.check_slices(model, operation, axial, rigid_start.equilibrium_start(model, operation))
 
 
-def check_slices(model: "Model", axial: Axial, start: Start) -> None:
+def check_slices(model: Model, axial: Axial, start: Start) -> None:
     """Refuse coupled slices that are too narrow for the forces of a start. UsageError."""
     contacts, _ = kept_contacts(model.bearing)
     laws, axes = (contacts.inner_law, contacts.outer_law), start.equilibrium.axes
@@ -75,19 +72,24 @@ def check_slices(model: "Model", axial: Axial, start: Start) -> None:
         raise UsageError(reason)
 
 
-def beyond_axes(arrays: "Arrays") -> str | None:
+def beyond_axes(arrays: Arrays) -> str | None:
     """`beyond_tables` of a run's arrays."""
     laws = [pair.law for group in arrays.groups for pair in group if isinstance(pair, Raceway)]
     sliced = [law for law in laws if isinstance(law, SlicedLaw)]
     return beyond_tables(sliced[0].axes.tilts, tuple(law.table for law in sliced)) if sliced else None
 
 
-def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilting) -> "Arrays":
-    """Arrays of a plan with axes that tilt."""
-    bearing, rollers, start = plan.model.bearing, arrays.bodies.rollers, plan.start
-    if start.tilts is None:
-        raise ValueError("a start of parallel axes")
-    cage, (laws, rests) = plan.scene.ideal_cage(), laws_of(tuple(each.table for each in tilting.laws))
+def with_axes(
+    arrays: Arrays,
+    bearing: Bearing,
+    operation: Operation,
+    axial: Axial,
+    cage: Cage | None,
+    tilting: Tilting,
+    start: Tilts,
+) -> Arrays:
+    """Arrays with axes that tilt from a start on."""
+    rollers, (laws, rests) = arrays.bodies.rollers, laws_of(tuple(each.table for each in tilting.laws))
     part = None if rests[INNER] is None else part_profiles(bearing, rollers.columns)
     uneven = profiles(bearing) is not None
     absent = {} if uneven else {"edges": None}
@@ -95,7 +97,7 @@ def with_axes(arrays: "Arrays", plan: "ElementPlan", axial: Axial, tilting: Tilt
     axes = filled(
         Axes,
         {"columns": rollers.columns},
-        tilts=axes_at(bearing, plan.operation, axial, cage, start.tilts, rollers.columns),
+        tilts=axes_at(bearing, operation, axial, cage, start, rollers.columns),
         tilted=filled(PatchMoments, {"columns": rollers.columns}, **absent),
         n=rollers.n,
     )

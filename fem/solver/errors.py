@@ -1,20 +1,24 @@
-"""How far a run is from the continuum: the same scene on a mesh half as fine, extrapolated."""
+"""How far a run is from exact elasticity: a coarser mesh, three meshes at rest, the other models."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
 from fem.errors import UsageError
 from fem.quantities import Quantity, moving_quantities
-from fem.solver.finite_elements import ElementPlan, make_plan
-from fem.solver.finite_elements import make_plan as element_plan
-from fem.solver.simulate import run
+from fem.solver.elements import plan as elements
+from fem.solver.elements.plan import ElementPlan
+from fem.solver.simulate import SOLVERS, make_plan, run
 from fem.solver.solver import Plan, Progress, Samples
+from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import static_quantities
+from fem.statics.exact_statics import LEAST_LOAD, exact_statics
+from lagrange.contact.hertz import contact_pairs
+from lagrange.mounting import HELD
 from lagrange.scene.run import COMPARISONS
-from lagrange.scene.scene import Scene
+from lagrange.scene.scene import Scene, SceneError
 
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
@@ -132,7 +136,7 @@ class ErrorEstimate(SecondRun):
 
 def error_estimate(plan: ElementPlan) -> ErrorEstimate:
     """What to run beside a plan. UsageError: see `coarser_scene`."""
-    return ErrorEstimate(fine=plan, coarse=make_plan(coarser_scene(plan.scene)))
+    return ErrorEstimate(fine=plan, coarse=elements.make_plan(coarser_scene(plan.scene)))
 
 
 STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
@@ -181,4 +185,130 @@ def reduced_estimate(plan: Plan) -> ReducedEstimate:
             "--estimate-error: a standing bearing of the reduced model is the exact series itself; leave it out"
         )
     shorter = numerics.model_copy(update={"duration_ms": min(STRETCH_MS, numerics.duration_ms)})
-    return ReducedEstimate(coarse=element_plan(plan.scene.model_copy(update={"model": "fem", "numerics": shorter})))
+    return ReducedEstimate(
+        coarse=elements.make_plan(plan.scene.model_copy(update={"model": "fem", "numerics": shorter}))
+    )
+
+
+MESHES = 2.0, sqrt(2.0), 1.0  # mesh sizes over the finest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """The bearing at rest on one mesh."""
+
+    size: float  # mm, between surface nodes
+    nodes: int
+    quantities: tuple[Quantity, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshTable:
+    """Meshes from coarse to fine."""
+
+    meshes: tuple[Mesh, ...]
+    exact: tuple[float | None, ...]  # by the quantities, of the series; None: it has no such solution
+
+    @property
+    def extrapolated(self) -> tuple[float, ...]:
+        """f = f_fine + (f_fine − f_coarse)/(r² − 1), r the mesh sizes' ratio, by the quantities.
+
+        Source: Roache, Perspective: a method for uniform reporting of grid refinement studies (1994); order 2.
+        """
+        coarse, fine = self.meshes[0], self.meshes[-1]
+        grown = (coarse.size / fine.size) ** ORDER - 1.0
+        pairs = zip(coarse.quantities, fine.quantities, strict=True)
+        return tuple(f.value + (f.value - c.value) / grown for c, f in pairs)
+
+
+def mesh_table(scene: Scene) -> MeshTable:
+    """Hub, largest roller load and Hertz pressure at rest, on the scene's mesh and two others.
+
+    The scene's mesh is the finest; where meshes twice as coarse are too coarse for the rollers it is the coarsest.
+
+    Errors
+    ------
+    UsageError: balls, a contact model without an order of convergence, or no equilibrium.
+    """
+    if scene.contact.model in COMPARISONS:
+        raise UsageError(
+            f"--converge: contact.model = '{scene.contact.model}' is there for comparison only and has no order of "
+            "convergence; leave one of them out"
+        )
+    if scene.axial is not None:
+        raise UsageError("--converge: compares plane sections at rest; leave [axial] out")
+    size = scene.numerics.mesh_size_mm
+    finest = size if MESHES[0] * size <= 0.1 * pi * scene.bearing.roller_diameter_mm else size / MESHES[0]
+    pair = contact_pairs(scene.perfect_bearing())[0]
+    meshes = []
+    for each in (finest * factor for factor in MESHES):
+        plan = elements.make_plan(scene.varied({"model": "fem", "numerics.mesh_size_mm": each}))
+        found = {quantity.name: quantity for quantity in static_quantities(plan.model, scene.ideal_operation())}
+        force = found["static_largest_force"]
+        pressure = Quantity("static_peak_pressure", "Pa", "largest Hertz pressure, inner raceway, at rest",
+                            pair.peak_pressure(force.value))  # fmt: skip
+        meshes.append(Mesh(size=each, nodes=plan.mesh_nodes, quantities=(found["static_hub_y"], force, pressure)))
+    return MeshTable(meshes=tuple(meshes), exact=_exact(scene))
+
+
+def _exact(scene: Scene) -> tuple[float | None, ...]:
+    """By the series, rollers without weight; None where they do not hold."""
+    bearing, operation = scene.perfect_bearing(), scene.ideal_operation()
+    rigid = any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
+    if scene.has_faults or rigid or operation.mounting != HELD or operation.side_load or scene.lubricant is not None:
+        return None, None, None
+    load = float(operation.radial_load) + operation.inner_mass * operation.gravity
+    found = exact_statics(bearing, load, operation.first_roller_angle)
+    force = float(found.inner_force.max())
+    return float(found.hub[1]), force, contact_pairs(bearing)[0].peak_pressure(force)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """A model for a scene."""
+
+    model: str  # the scene's name of it
+    lacks: str  # what it leaves out, or why it can't take the scene
+    seconds: float | None = None  # to expect of the time loop; None: it can't take the scene
+    hub_error: float | None = None  # of the hub's static displacement, relative; None: no load, or no exact answer
+
+
+def model_choices(plan: Plan) -> list[Choice]:
+    """Every model for the scene of a plan; finite elements on the scene's mesh."""
+    exact = _exact_hub(plan.scene)
+    return [_choice(plan, name, exact) for name in SOLVERS]
+
+
+def suggestion(choices: list[Choice]) -> str | None:
+    """What to begin with; None where there is no choice."""
+    able = {each.model: each for each in choices if each.seconds is not None}
+    if len(able) < 2:
+        return None
+    if "reduced" not in able:
+        return 'model = "fem" for elastic bodies, "lagrange" for a quick look' if "fem" in able else None
+    later = ' where elastic waves matter, of which it warns, take "fem"' if "fem" in able else " it warns of shocks"
+    return f'begin with model = "reduced";{later}'
+
+
+def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
+    try:
+        mine = plan if plan.scene.model == name else make_plan(_with_model(plan.scene, name))
+        error = None if exact is None else float(np.linalg.norm(mine.static_hub() - exact) / np.linalg.norm(exact))
+    except (SceneError, UsageError, RuntimeError) as refused:
+        return Choice(model=name, lacks=f"not for this scene: {refused}")
+    return Choice(model=name, lacks=mine.lacks, seconds=mine.expected_seconds, hub_error=error)
+
+
+def _with_model(scene: Scene, name: str) -> Scene:
+    return scene.varied({"model": name})
+
+
+def _exact_hub(scene: Scene) -> np.ndarray | None:
+    """Hub of exact elastic bodies under the load alone, (2,), m."""
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    if scene.bearing.type == "ball" or operation.radial_load < LEAST_LOAD:
+        return None
+    try:
+        return exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub
+    except NotFound:
+        return None

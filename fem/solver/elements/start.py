@@ -1,11 +1,10 @@
 """The state a run starts from: static equilibrium in rolling motion, or undeformed and centred."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contacts.model import Motion
+from fem.contacts.model import Model, Motion
 from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import BoredRing
 from fem.statics.contact_balance import ROUND_OFF, Loads, NotFound, hub_spring, hub_stiffness, standing_ring
@@ -18,9 +17,6 @@ from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import HubTilt, Tilts
 from lagrange.tilted_statics import TiltedStatics
-
-if TYPE_CHECKING:
-    from fem.contacts.model import Model
 
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
 
@@ -43,7 +39,7 @@ class Start:
     warning: str | None = None  # on velocities that it starts without
 
 
-def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
+def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Motion, Kinematics]:
     """Angles at a time if everything rolls without slip."""
     ideal = kinematics(model.bearing, *operation.at(time).ring_speeds)
     way = turned(model.bearing, operation, time)
@@ -75,7 +71,7 @@ class Tilting:
         return TiltedBalance(operation=acting, laws=self.laws, hub=self.hub, ring=ring)
 
 
-def equilibrium_start(model: "Model", operation: Operation, tilting: Tilting | None = None) -> Start:
+def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
     """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
 
     Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
@@ -144,7 +140,7 @@ def _tilts(axes: TiltedStatics | None, rate: np.ndarray | None = None) -> Tilts 
     )  # fmt: skip
 
 
-def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
+def _follows(model: Model, operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
     """Whether the hub follows its equilibrium along all directions, by the exact compliances of elastic bodies."""
     if middle.axes is not None:
         return followed(middle.axes.radial_stiffness, model.bearing, operation)[0].size == 2
@@ -155,7 +151,7 @@ def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: 
     return followed(stiffness, model.bearing, operation)[0].size == 2
 
 
-def rest_start(model: "Model", operation: Operation, tilting: Tilting | None = None) -> Start:
+def rest_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
     """Centred and undeformed, in rolling motion; with preload, by crests or a press fit, at rest without load.
 
     So are rollers that tilt.
@@ -183,7 +179,7 @@ def rest_start(model: "Model", operation: Operation, tilting: Tilting | None = N
     return replace(_still(model, operation, undeformed, motion), steady=False)
 
 
-def housing_place(model: "Model", operation: Operation, motion: Motion, found: Equilibrium) -> np.ndarray:
+def housing_place(model: Model, operation: Operation, motion: Motion, found: Equilibrium) -> np.ndarray:
     """Where a housing stands on its springs under the contact forces on the outer ring and both weights, (2,), m."""
     force, housing = found.outer_force @ motion.radial, operation.mounting.housing
     if housing is None:
@@ -191,13 +187,13 @@ def housing_place(model: "Model", operation: Operation, motion: Motion, found: E
     return (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
 
 
-def _weight_on_springs(model: "Model", operation: Operation) -> float:
+def _weight_on_springs(model: Model, operation: Operation) -> float:
     """Of housing and outer ring, N."""
     housing = operation.mounting.housing
     return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
-def _still(model: "Model", operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
+def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
     """A start whose deformation does not change in the bodies' frames."""
     ideal = kinematics(model.bearing, *operation.ring_speeds)
     return Start(

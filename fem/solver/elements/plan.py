@@ -1,38 +1,114 @@
-"""The finite elements as a solver: everything decided before the first step, and the state that the steps change."""
+"""The finite elements as a solver: discrete model, everything decided before the first step, what --dry-run tells."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib import import_module
 from math import ceil, sqrt
 
 import numpy as np
+from rich.table import Table
 
+from fem.contacts import MODELS, ONE_PATCH
 from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
-from fem.elastic.outer_support import BoredRing
+from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.kernels import time_loop
-from fem.solver.arrays import hub_mass, make_arrays
+from fem.run_summary import largest_loads
 from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
 from fem.solver.compiling import CompiledPlan
-from fem.solver.description import expected_seconds, mesh_table, plan_rows
-from fem.solver.discretise import expected_forces, model_of
+from fem.solver.elements.arrays import hub_mass, make_arrays
+from fem.solver.elements.start import Start, Tilting, equilibrium_start, rest_start
+from fem.solver.elements.tilted import beyond_axes, check_slices, check_slices_unmeshed, tilting_of, with_axes
 from fem.solver.frames import frame_of
-from fem.solver.limits import check_contacts, check_speed, check_widths
+from fem.solver.limits import (
+    check_contact_model,
+    check_contacts,
+    check_mesh_size,
+    check_meshes,
+    check_outer_ring,
+    check_rollers,
+    check_speed,
+    check_widths,
+)
+from fem.solver.pace import in_words, pace
 from fem.solver.part_arrays import time_along_a_knot, with_damping
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import Block, sample_count
-from fem.solver.start import Start, Tilting, equilibrium_start, rest_start
 from fem.solver.tilted_arrays import LESS
-from fem.solver.tilted_elements import beyond_axes, check_slices, check_slices_unmeshed, tilting_of, with_axes
 from fem.solver.validity import may_strike
 from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
-from fem.statics.equilibrium import TiltedBalance, static_equilibrium
-from lagrange import Operation
+from fem.statics.equilibrium import TiltedBalance, static_equilibrium, static_error
+from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces
+from lagrange import Bearing, Operation
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
+from meshes import Mesh, quality
 
+
+def expected_forces(scene: Scene) -> ExpectedForces:
+    """The contact forces to expect of a scene."""
+    return ExpectedForces(scene.ideal_bearing(), scene.ideal_operation())
+
+
+def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
+    """The discrete model of a scene; `expected`: its forces, where they are needed elsewhere too.
+
+    Errors
+    ------
+    RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
+    coarse to resolve the contacts or for a ring, or has too many nodes.
+    """
+    check_rollers(scene)
+    expected = expected_forces(scene) if expected is None else expected
+    bearing, mesh_size = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm
+    kind = contact_model(scene.contact.model, mesh_size, expected)
+    check_mesh_size(bearing, mesh_size, kind.shapes)
+    check_contact_model(kind, scene, expected)
+    check_outer_ring(kind, scene)
+    if not kind.is_of_mesh_alone:
+        model = kind.build(bearing, mesh_size, expected, scene.contact)
+        check_meshes(model)
+        return model
+    sound = replace(bearing, faults=())
+    model, mounting = replace(_built(kind, sound, mesh_size), bearing=bearing), scene.mounting()
+    # calibrated held all around: what a mesh lacks at a contact is the same wherever the ring is held
+    if mounting.points is not None:
+        return replace(model, outer_ring=supported_ring(model.outer_ring, mounting.points))
+    if mounting.bore is not None:
+        return replace(model, outer_ring=bored_ring(model.outer_ring, mounting.bore, bearing.roller_length))
+    return model
+
+
+@lru_cache(maxsize=1)
+def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
+    """The model of a bearing without faults, the last one kept: scenes that follow differ in speed, load or faults."""
+    found = kind.build(bearing, mesh_size)
+    check_meshes(found)
+    return found
+
+
+def contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:
+    """The contact model of a scene's name: on a mesh, m, that is fine enough for it."""
+    *finer, usual = MODELS[name]
+    pairs = contact_pairs(expected.bearing)[:2]
+
+    def is_fine(force: float) -> bool:
+        return mesh_size < ONE_PATCH * max(pair.half_width(force) for pair in pairs)
+
+    # the bound, far above what a roller carries, mostly spares solving the statics
+    module, chosen = finer[0] if finer and is_fine(expected.bound) and is_fine(expected.largest) else usual
+    return getattr(import_module(module), chosen)
+
+
+# one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
+SECONDS_PER_DOF = {LUMPED: 0.9e-9, SECOND: 1.4e-9, THIRD: 1.9e-9}
+SECONDS_PER_ROLLER = 0.35e-6
+BYTES_PER_NODE = 20  # of a stored frame: displacement and stress in single precision
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
 
@@ -90,7 +166,6 @@ class ElementPlan(CompiledPlan):
 
     model_name = MODEL_NAMES["fem"]
     lacks = "waves shorter than its mesh"
-    table, rows, expected_seconds = mesh_table, plan_rows, property(expected_seconds)
 
     @property
     def interval(self) -> float:
@@ -121,6 +196,66 @@ class ElementPlan(CompiledPlan):
         ring = self.model.outer_ring
         return ring.pressed_energy if isinstance(ring, BoredRing) else 0.0
 
+    @property
+    def expected_seconds(self) -> float:
+        a_step = SECONDS_PER_DOF[self.mass] * self.model.degrees_of_freedom
+        a_step += SECONDS_PER_ROLLER * self.model.bearing.n_rollers
+        return pace("fem") * a_step * self.steps
+
+    def table(self) -> Table:
+        """Size and shape of each body's mesh."""
+        table = Table()
+        for heading in ("mesh", "nodes", "cells", "edges, mm", "angles, deg"):
+            table.add_column(heading, justify="left" if heading == "mesh" else "right")
+        for name in ("roller", "inner_ring", "outer_ring"):
+            body = getattr(self.model, name)
+            q = quality(Mesh(points=body.points, cells=body.cells))
+            table.add_row(
+                name.replace("_", " ") + (", rigid: only drawn" if body.material.rigid else ""),
+                str(q.nodes),
+                str(q.cells),
+                f"{1e3 * q.smallest_edge:.3f} - {1e3 * q.largest_edge:.3f}",
+                f"{q.smallest_angle:.0f} - {q.largest_angle:.0f}",
+            )
+        return table
+
+    def rows(self) -> dict[str, str]:
+        """Steps, memory, the time to expect and the mesh's static error."""
+        model, start, ring, intervals = self.model, self.start.equilibrium, self.model.outer_ring, self.n_samples - 1
+        slowed = ", with the fastest waves slowed" if self.mass.share else ""
+        rows = {
+            "degrees of freedom": f"{self.degrees_of_freedom}",
+            "time step": f"{1e9 * self.time_step:.2f} ns ({self.time_step / self.critical_time_step:.2f} of the "
+            f"critical {1e9 * self.critical_time_step:.2f} ns{slowed})",
+            "steps": f"{self.steps} for {1e3 * intervals * self.interval:g} ms",
+            "samples": f"{self.n_samples}, one each {self.stride} steps",
+        }
+        damping = self.scene.damping
+        if damping.contacts.acts:
+            rows["damping of a contact"] = damping.contacts.words
+        if damping.bodies_1_s > 0.0:
+            rows["damping of the bodies"] = f"{damping.bodies_1_s:g} 1/s"
+        rows |= self.operation.mounting.rows
+        if isinstance(ring, SupportedRing):
+            rows["points that hold the outer ring"] = ring.words
+        if self.frame_stride:  # before compression
+            frames, every = 1 + intervals // self.frame_stride, 1e3 * self.frame_stride * self.interval
+            size = 1e-6 * frames * model.n_nodes * BYTES_PER_NODE
+            rows["fields"] = f"{frames}, one each {every:g} ms, {size:.3g} MB"
+        rows |= {
+            "memory of the arrays": f"{1e-6 * self.arrays().nbytes:.1f} MB",
+            "expected time": in_words("fem", self.expected_seconds),
+            "largest static forces": largest_loads(
+                model.bearing, start.inner_force.max(), start.outer_force.max(), tilts=self.tilting is not None
+            ),
+        }
+        if self.operation.radial_load >= LEAST_LOAD and not isinstance(ring, LooseRing):
+            hub, force = static_error(model, self.operation)
+            rows["static error of the mesh"] = (
+                f"hub displacement {100 * hub:.2g} %, loads {100 * force:.2g} % (against exact series)"
+            )
+        return rows
+
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
         numerics = self.scene.numerics
@@ -129,10 +264,10 @@ class ElementPlan(CompiledPlan):
         how = self.time_step, friction, ramp, self.largest_force, self.mass
         arrays = make_arrays(self.model, self.operation, self.start, *how)
         arrays = with_damping(arrays, self.model, self.scene.damping)
-        axial = self.scene.ideal_axial()
-        if axial is not None and self.tilting is not None:
-            arrays = with_axes(arrays, self, axial, self.tilting)
-        cage, start = self.scene.ideal_cage(), self.start
+        axial, cage, start = self.scene.ideal_axial(), self.scene.ideal_cage(), self.start
+        if axial is not None and self.tilting is not None and start.tilts is not None:
+            bearing = self.model.bearing
+            arrays = with_axes(arrays, bearing, self.operation, axial, cage, self.tilting, start.tilts)
         if cage is None:
             return arrays
         return with_cage(arrays, self.model.bearing, cage, start, self.seat, self.operation.mounting)
@@ -150,7 +285,7 @@ class ElementPlan(CompiledPlan):
         return ElementState(self)
 
     def error_estimate(self):
-        from fem.solver.error_estimate import error_estimate
+        from fem.solver.errors import error_estimate
 
         return error_estimate(self)
 

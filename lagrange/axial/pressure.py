@@ -110,15 +110,13 @@ class PeakTable:
 
     def at(self, force, moment) -> np.ndarray:
         """Pa, by forces, N, and moments, N m, of one shape; 0 of open contacts, NaN where an edge is loaded."""
+        from scipy.ndimage import map_coordinates
+
         force, closed = np.asarray(force, dtype=float), np.asarray(force) > 0.0
         place = np.where(closed, moment, 0.0) / (np.where(closed, force, 1.0) * self.arm)
-        rows, columns = self.peaks.shape
-        row = np.minimum(np.sqrt(np.maximum(force, 0.0)) / self.root, 1.0) * (rows - 1)
-        column = np.clip(0.5 + 0.5 * place, 0.0, 1.0) * (columns - 1)
-        i, j = (np.minimum(each.astype(int), n - 2) for each, n in ((row, rows), (column, columns)))
-        t, s, p = row - i, column - j, self.peaks
-        across = [(1.0 - s) * p[k, j] + s * p[k, j + 1] for k in (i, i + 1)]
-        return np.where(closed, (1.0 - t) * across[0] + t * across[1], 0.0)
+        share = np.array([np.sqrt(np.maximum(force, 0.0)) / self.root, 0.5 + 0.5 * place])
+        at = (np.clip(share, 0.0, 1.0).T * np.subtract(self.peaks.shape, 1)).T
+        return np.where(closed, map_coordinates(self.peaks, at, order=1, mode="nearest"), 0.0)
 
 
 def peak_table(slices: Slices, pair: Pair, end: Ends, largest_force: float, steepest: float) -> PeakTable:

@@ -1,5 +1,6 @@
 """Rollers' passages over spalls: where each contact lies, and the entry, strike and exit of each."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import asin, inf, pi
@@ -12,9 +13,10 @@ from lagrange.kinematics import turned
 from lagrange.mounting import OF_HOUSING, from_outer_ring
 from lagrange.step_size import roller_frequency
 from lagrange.surface.deviation import SurfaceDeviation, Turns, profiles
-from lagrange.surface.faults import Spall
+from lagrange.surface.faults import Spall, own_radius
 
 Raceway = Literal["inner", "outer"]
+RACEWAYS: dict[Raceway, str] = {"inner": "outer_ring", "outer": "inner_ring"}  # whose spalls its contacts don't meet
 BLOCK = 4096  # samples read at once
 SEEN = 3.0  # half-widths of a spall on either side of its middle that belong to a passage
 COLUMNS = (
@@ -69,88 +71,58 @@ def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int
     ------
     Sliding speeds come from differences of the rollers' angles, of second order in the interval.
     """
-    tracks = [_Track(number, spall, raceway, bearing) for number, spall in enumerate(spalls(bearing))
-              for raceway in _raceways(spall)]  # fmt: skip
+    found = defaultdict[tuple[int, Raceway, int], list[np.ndarray]](list)
     for start in range(0, count - 1, BLOCK):
         stop = min(start + BLOCK, count - 1) + 1  # the last sample is the next block's first
-        low, high = max(0, start - 1), min(count, stop + 1)
-        block = read(low, high)
-        for raceway in {track.raceway for track in tracks}:
-            met = _contacts(bearing, operation, block, raceway)
-            for track in tracks:
-                if track.raceway == raceway:
-                    track.gather(block["time"], met, low, slice(start - low, stop - low))
-    return [passage for track in tracks for passage in track.passages()]
+        low = max(0, start - 1)
+        block, new = read(low, min(count, stop + 1)), slice(start - low, stop - low)
+        for raceway, other in RACEWAYS.items():
+            facing = [(k, spall) for k, spall in enumerate(spalls(bearing)) if spall.body != other]
+            if not facing:
+                continue
+            on_ring, on_roller, sliding = _contacts(bearing, operation, block, raceway)
+            for k, spall in facing:
+                for j in range(bearing.n_rollers) if spall.roller is None else (spall.roller,):
+                    where = on_ring if spall.roller is None else on_roller
+                    angle = np.mod(where[new, j] - spall.angle + pi, 2.0 * pi) - pi
+                    of_roller = block["time"], block[f"{raceway}_force"][:, j], sliding[:, j]
+                    rows = np.array([np.arange(start, stop), angle, *(each[new] for each in of_roller)])
+                    found[k, raceway, j].append(rows[:, _near(angle, SEEN * _half_width(bearing, spall))])
+    return [passage for key in sorted(found) for passage in _passages(bearing, *key, found[key])]
 
 
-def _raceways(spall: Spall) -> tuple[Raceway, ...]:
-    """Whose contacts pass a spall."""
-    of_rings: dict[str, tuple[Raceway, ...]] = {"inner_ring": ("inner",), "outer_ring": ("outer",)}
-    return of_rings.get(spall.body, ("inner", "outer"))
+def _half_width(bearing: Bearing, spall: Spall) -> float:
+    return asin(0.5 * spall.width / own_radius(bearing, spall))
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Contacts:
-    """All contacts with one raceway; arrays (n_times, n_rollers)."""
+def _passages(
+    bearing: Bearing, number: int, raceway: Raceway, roller: int, blocks: list[np.ndarray]
+) -> Iterator[Passage]:
+    rows = np.concatenate(blocks, axis=1)
+    rows = rows[:, np.unique(rows[0], return_index=True)[1]]  # blocks share a sample
+    jumps = 1 + np.flatnonzero((np.diff(rows[0]) > 1) | (np.abs(np.diff(rows[1])) > pi))
+    for at, angle, time, force, sliding in np.split(rows, jumps, axis=1) if rows.size else ():
+        yield Passage(
+            spall=number, raceway=raceway, roller=roller, half_width=_half_width(bearing, spalls(bearing)[number]),
+            first=int(at[0]), time=time, angle=angle, force=force, sliding=sliding,
+        )  # fmt: skip
 
-    on_ring: np.ndarray  # rad, angle of the contact in the ring's frame
-    on_roller: np.ndarray  # rad, in the roller's
-    force: np.ndarray  # N
-    sliding: np.ndarray  # m/s
 
-
-def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway) -> _Contacts:
-    time, turn = samples["time"], samples["roller_turn"]
+def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway):
+    """Angles of contacts on the ring and on the rollers, rad, and sliding, m/s, (n_times, n_rollers)."""
+    time, turn = samples["time"][:, None], samples["roller_turn"]
+    way, acting = turned(bearing, operation, time), operation.at(time)
     inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
     if raceway == "inner":
         x, y = x - inner_x[:, None], y - inner_y[:, None]
     direction = np.unwrap(np.arctan2(y, x), axis=0)
-    along = np.hypot(x, y) * np.gradient(direction, time, axis=0)
+    along = np.hypot(x, y) * np.gradient(direction, samples["time"], axis=0)
     turning = bearing.roller_radius * samples["roller_spin"]
     if raceway == "outer":
-        way = turned(bearing, operation, time[:, None]).outer_ring
-        on_ring, on_roller = direction - way, direction - turn
-        sliding = along + turning - operation.at(time[:, None]).outer_speed * bearing.outer_raceway_radius
-    else:
-        time = time[:, None]
-        on_ring, on_roller = direction - turned(bearing, operation, time).shaft, direction + pi - turn
-        sliding = along - turning - operation.at(time).speed * bearing.inner_raceway_radius
-    return _Contacts(on_ring=on_ring, on_roller=on_roller, force=samples[f"{raceway}_force"], sliding=sliding)
-
-
-class _Track:
-    """The samples near one spall of the contacts with one raceway, as blocks of a run come in."""
-
-    def __init__(self, number: int, spall: Spall, raceway: Raceway, bearing: Bearing):
-        self.raceway = raceway
-        self._number, self._spall = number, spall
-        own = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
-        self._half_width = asin(0.5 * spall.width / own.get(spall.body, bearing.roller_radius))
-        self._rollers = range(bearing.n_rollers) if spall.roller is None else (spall.roller,)
-        self._found: dict[int, list[np.ndarray]] = {j: [] for j in self._rollers}
-
-    def gather(self, time: np.ndarray, met: _Contacts, first: int, inside: slice) -> None:
-        """Take what is near from a block whose first sample has the number `first`; `inside` of it is new."""
-        angles = met.on_ring if self._spall.roller is None else met.on_roller
-        for j in self._rollers:
-            angle = np.mod(angles[inside, j] - self._spall.angle + pi, 2.0 * pi) - pi
-            near = _near(angle, SEEN * self._half_width)
-            at = np.arange(first, first + len(time))[inside][near]
-            columns = (at, time[inside][near], angle[near], met.force[inside, j][near], met.sliding[inside, j][near])
-            self._found[j].append(np.array(columns))
-
-    def passages(self) -> Iterator[Passage]:
-        for j, parts in self._found.items():
-            rows = np.concatenate([np.empty((5, 0)), *parts], axis=1)
-            _, once = np.unique(rows[0], return_index=True)  # blocks share a sample
-            rows = rows[:, once]
-            jumps = 1 + np.flatnonzero((np.diff(rows[0]) > 1) | (np.abs(np.diff(rows[2])) > pi))
-            for piece in np.split(rows, jumps, axis=1) if rows.size else ():
-                at, time, angle, force, sliding = piece
-                yield Passage(
-                    spall=self._number, raceway=self.raceway, roller=j, half_width=self._half_width, first=int(at[0]),
-                    time=time, angle=angle, force=force, sliding=sliding,
-                )  # fmt: skip
+        sliding = along + turning - acting.outer_speed * bearing.outer_raceway_radius
+        return direction - way.outer_ring, direction - turn, sliding
+    sliding = along - turning - acting.speed * bearing.inner_raceway_radius
+    return direction - way.shaft, direction + pi - turn, sliding
 
 
 def _near(angle: np.ndarray, reach: float) -> np.ndarray:
@@ -235,11 +207,10 @@ def _of(passage: Passage) -> Iterator[SpallEvent]:
 
 def _between(passage: Passage, i: int, edge: float, kind: Kind) -> SpallEvent:
     """Where the contact crosses an edge, rad, between two samples."""
-    angle = passage.angle
+    angle, time = passage.angle, passage.time
     share = (edge - angle[i]) / (angle[i + 1] - angle[i])
-    time = passage.time[i] + share * (passage.time[i + 1] - passage.time[i])
-    force = _cubic(passage.force, i, share)
-    return _event(passage, kind, time, max(0.0, force), _cubic(passage.sliding, i, share))
+    force, sliding = (_cubic(row, i, share) for row in (passage.force, passage.sliding))
+    return _event(passage, kind, time[i] + share * (time[i + 1] - time[i]), max(0.0, force), sliding)
 
 
 def _cubic(row: np.ndarray, i: int, share: float) -> float:
@@ -275,7 +246,7 @@ def _strike(passage: Passage, i: int, following: int, onward, entry: SpallEvent)
 
 def _peak(passage: Passage, k: int) -> tuple[float, float, float]:
     """Time, force and sliding speed at a peak of the force, by the parabola through three samples."""
-    time, force, sliding = (row[k] for row in _rows(passage))
+    time, force, sliding = (row[k] for row in (passage.time, passage.force, passage.sliding))
     if not 0 < k < len(passage.force) - 1:
         return time, force, sliding
     left, right = passage.force[k - 1] - force, passage.force[k + 1] - force
@@ -283,10 +254,6 @@ def _peak(passage: Passage, k: int) -> tuple[float, float, float]:
         return time, force, sliding
     share = 0.5 * (left - right) / (left + right)
     return time + share * (passage.time[k + 1] - time), force - 0.25 * (left - right) * share, sliding
-
-
-def _rows(passage: Passage) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return passage.time, passage.force, passage.sliding
 
 
 def _event(passage: Passage, kind: Kind, time: float, force: float, sliding: float) -> SpallEvent:

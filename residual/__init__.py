@@ -8,9 +8,8 @@ spectrum, lines, orders         spectra over time and over the shaft's angle, le
 vibration                       vibration of sensor, housing or hub as bearing engineers read it
 fault_finding                   spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
-tables, vibration_tables, run_comparison, interpretation, formatting   rows and sentences of the numbers
-ratings                         ratings by a run's own loads
-summary, store, report, printing, figures   summary.json, the report's folder, its page, the terminal, the figures
+tables, interpretation, formatting      tables and sentences of the numbers
+summary, store, report, figures         summary.json, the report's folder, the terminal and the page, the figures
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")

@@ -106,7 +106,7 @@ def _command(
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
     from residual.fault_finding import find_faults
-    from residual.printing import print_summary
+    from residual.report import print_summary
     from residual.store import check_replaceable, write_report
     from residual.summary import ReportOptions
 

@@ -17,7 +17,6 @@ from residual.budget import (
     near_contact_change,
     rank_laws,
 )
-from residual.contradictions import LOADED, contradictions
 from residual.differentiate import Floor, derivative, floor
 from residual.errors import InputError
 from residual.fitted_laws import FITTED, Identification, Law, identify, inner_law
@@ -52,6 +51,7 @@ from residual.tilt import TiltErrors, has_tilts, tilt_errors
 from residual.vibration import Vibration, measured, vibration
 
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
+LOADED = 0.01  # of the largest force: a roller with more is loaded
 SOUND = 0.01  # of the reference force: what the momentum balance of sound trajectories may leave, rms
 
 
@@ -99,7 +99,6 @@ class Evaluation:
     position_noise: PositionNoise | None  # of a table
     tilt: TiltErrors | None  # of rollers that tilt
     notes: tuple[str, ...]
-    contradictions: tuple[str, ...] = ()  # of a table and its scene
 
     @property
     def directions(self) -> tuple[Direction, Direction]:
@@ -169,6 +168,13 @@ class Evaluation:
             return diagnose(signal, *geometry_and_shaft(record))
         except InputError as error:
             return str(error)
+
+    @cached_property
+    def contradictions(self) -> tuple[str, ...]:
+        """What a table from elsewhere has otherwise than its scene."""
+        from residual.interpretation import contradictions
+
+        return contradictions(self)
 
     @property
     def loaded_count(self) -> np.ndarray:
@@ -303,7 +309,7 @@ def evaluate(
     errs = found.position_noise
     if errs is not None and hypot(*errs.error) > max(SOUND * reference[0], found.noise):
         notes.insert(0, errs.note)
-    return replace(found, notes=tuple(dict.fromkeys(notes)), contradictions=contradictions(found))
+    return replace(found, notes=tuple(dict.fromkeys(notes)))
 
 
 def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:

@@ -1,4 +1,4 @@
-"""The report as one self-contained HTML page: figures inside, nothing fetched from elsewhere."""
+"""A check on the terminal, and as one self-contained HTML page: figures inside, nothing fetched from elsewhere."""
 
 import base64
 import json
@@ -9,28 +9,20 @@ import numpy as np
 from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
-from lagrange.bearing import BallBearing, Bearing
 from lagrange.files.pages import as_it_is, render_page
+from lagrange.findings import Section, print_section
 from lagrange.kinematics import turned
 from lagrange.messages import shown
-from lagrange.scene.operation import RPM
-from lagrange.section import is_plain, section_words
-from residual import tables, vibration_tables
+from residual import interpretation as words
+from residual import tables
 from residual.evaluation import Evaluation
 from residual.figures.saved import LARGEST_SVG, LINE_COLOURS, SavedFigure, family
-from residual.formatting import text
-from residual.interpretation import contradiction_sentence, interpretation, verdict
+from residual.formatting import hertz, text
 from residual.load_zone import QuasiStatic
-from residual.ratings import rating_rows
-from residual.record import Record, varies
-from residual.run_comparison import difference_rows, headings, same_run
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
-from residual.tilt import TiltErrors, tilt_summary
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("against", "motion", "spectra", "vibration", "search", "budget")  # of figures, by places on the page
-SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
 LARGEST = 2_000_000  # bytes  # of a picture of the run
 MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
 ALL_BELOW = 2000.0  # Hz: here every bin is kept
@@ -41,6 +33,43 @@ FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame
 PATH_POINTS = 1500  # of the hub's path
 
 
+def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
+    """Print the findings on the terminal, and where the report is."""
+    from rich.console import Console
+
+    other, said = options.other, Console(highlight=False)
+
+    def say(*sentences: str) -> None:
+        for sentence in filter(None, sentences):
+            said.print(sentence, soft_wrap=True, markup=False)
+
+    say(words.contradiction_sentence(evaluation))
+    if options.equations:
+        print_section(tables.error_table(evaluation))
+        say("Loaded rollers: {} to {}".format(*evaluation.loaded_range))
+        for direction in evaluation.directions:
+            found = []
+            for peak in direction.peaks[:4]:
+                name = tables.peak_name(peak)
+                label = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
+                found.append(f"{hertz(peak.frequency)} ({label})")
+            say(f"Peaks of error_{direction.name}: {'; '.join(found) or 'none stands out'}")
+        for name, rms_x, rms_y, background, resolved in tables.watched_table(evaluation).rows:
+            note = "" if resolved == "yes" else ", not resolved"
+            say(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){note}")
+        say(*words.fit_sentences(evaluation))
+    if options.search is not None:
+        say(*words.search_sentences(options.search))
+    if compare_laws:
+        print_section(tables.law_table(evaluation))
+    if other is not None:
+        print_section(tables.difference_table(evaluation, other, options.equations))
+        if not tables.same_run(evaluation, other):
+            print_section(tables.line_differences(evaluation, other))
+    said.print(words.verdict(evaluation, options.tolerance, options.equations), soft_wrap=True)
+    say(f"Report: {shown(folder / 'report.html')}")
+
+
 def render_report(
     evaluation: Evaluation,
     figures: dict[str, list[SavedFigure]],
@@ -49,141 +78,52 @@ def render_report(
     statics: QuasiStatic | None = None,
 ) -> str:
     """Write the page's HTML text."""
-    t, tolerance, search, other = evaluation.record, options.tolerance, options.search, options.other
+    e, t, other, equations = evaluation, evaluation.record, options.other, options.equations
+    clearance = t.scene.operating_clearance()
+    found = {
+        "facts": tables.fact_table(e), "quarters": tables.quarter_table(e, equations),
+        "stated_errors": tables.stated_error_table(e), "vibration": tables.vibration_table(e),
+        "envelope": tables.envelope_table(e), "errors": tables.error_table(e), "budget": tables.budget_table(e),
+        "laws": tables.law_table(e), "watched": tables.watched_table(e), "levels": tables.level_table(e),
+        "ratings": tables.rating_table(e),
+        "clearance": Section(
+            columns=("part, diametral", "µm", ""), rows=clearance.rows() if clearance else [], sum="in operation"
+        ),
+    }  # fmt: skip
+    if other is not None:
+        found["against"] = tables.difference_table(e, other, equations)
+        if not tables.same_run(e, other):
+            found["against_lines"] = tables.line_differences(e, other)
     return render_page(
         TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
-        contradiction=contradiction_sentence(evaluation),
-        verdict=verdict(evaluation, tolerance, options.equations),
-        against=[] if other is None else difference_rows(evaluation, other, options.equations),
-        headings=() if other is None else headings(evaluation, other),
-        against_lines=(
-            [] if other is None or same_run(evaluation, other) else vibration_tables.line_differences(evaluation, other)
-        ),
-        outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
-        facts=_facts(evaluation),
-        clearance=[] if (parts := t.scene.operating_clearance()) is None else parts.rows(),
-        errors=tables.error_rows(evaluation),
-        budget=tables.budget_rows(evaluation),
-        fit=tables.fit_sentences(evaluation),
-        laws=tables.ranking_rows(evaluation),
-        laws_span=tables.ranking_span(evaluation),
-        unfitted=evaluation.unfitted.items(),
-        peaks=[(direction.name, tables.peak_rows(direction.peaks)) for direction in evaluation.directions],
-        levels=tables.level_rows(evaluation),
-        watched=tables.watched_rows(evaluation),
-        lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
-        body=evaluation.y.vibration.body,
-        vibration_headings=vibration_tables.vibration_headings(evaluation),
-        vibration=vibration_tables.vibration_rows(evaluation),
-        envelope=vibration_tables.envelope_rows(evaluation),
-        vibration_sentences=vibration_tables.vibration_sentences(evaluation),
-        search_sentences=[] if search is None else vibration_tables.search_sentences(search),
-        notes=tables.honest_notes(evaluation),
-        meaning=interpretation(evaluation, statics),
-        quarters=tables.quarter_rows(evaluation),
-        stated_errors=tables.stated_error_rows(evaluation),
+        contradiction=words.contradiction_sentence(e),
+        verdict=words.verdict(e, options.tolerance, equations),
+        outcome=None if options.tolerance is None else ("fails" if e.fails(options.tolerance) else "passes"),
+        tables=found,
+        peaks=[(direction.name, tables.peak_table(direction.peaks)) for direction in e.directions],
+        compared=() if other is None else tables.named(e, other),
+        fit=words.fit_sentences(e),
+        unfitted=e.unfitted.items(),
+        lines=[(name, text(f)) for name, f in e.lines.items() if "×" not in name],
+        body=e.y.vibration.body,
+        vibration_sentences=words.vibration_sentences(e),
+        search_sentences=[] if options.search is None else words.search_sentences(options.search),
+        notes=words.honest_notes(e),
+        meaning=words.interpretation(e, statics),
         picture=picture_of(t.source) if t.attributes else None,
-        **{f"{group}_figures": [(f, embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
-        resolution=text(evaluation.x.spectrum.resolution),
-        spectra=Markup(spectra_json(evaluation, options.equations)),
+        figures={group: [(f, embedded(f)) for f in drawn] for group, drawn in figures.items()},
+        resolution=text(e.x.spectrum.resolution),
+        spectra=Markup(spectra_json(e, equations)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
-        player=Markup(player_json(evaluation)),
+        player=Markup(player_json(e)),
         player_script=as_it_is(TEMPLATES / "player.js"),
         elsewhere=not t.attributes,
-        equations=options.equations,
-        ratings=rating_rows(evaluation),
-        spectrum_of="the error forces" if options.equations else "the hub's acceleration",
+        equations=equations,
+        spectrum_of="the error forces" if equations else "the hub's acceleration",
         scene=t.scene.to_toml(),
     )
-
-
-def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Rows of the key facts of the run and the check."""
-    t = evaluation.record
-    bearing = t.bearing
-    low, high = evaluation.loaded_range
-    facts = [
-        ("Source", shown(t.source.name)),
-        (
-            "Bearing",
-            f"{bearing.n_rollers} {_elements(bearing)}, "
-            f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
-            f"{text(2e3 * bearing.outer_raceway_radius)} mm",
-        ),
-        *([] if is_plain(bearing) else [("Plane section", section_words(bearing))]),
-        ("Operation", _operation(t)),
-        ("Record", f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms"),
-        ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
-        *_cage(evaluation),
-        ("Loaded rollers", f"{low} to {high}"),
-        ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
-    ]
-    if t.inner_force is not None:
-        facts.append(("Largest roller load in the run", f"{text(float(t.inner_force.max()))} N"))
-    if evaluation.tilt is not None:
-        facts += _tilts(evaluation.tilt)
-    for key, label in (("degrees_of_freedom", "Degrees of freedom"), ("status", "Status of the run")):
-        if key in t.attributes:
-            facts.append((label, str(t.attributes[key])))
-    return facts
-
-
-def _tilts(found: TiltErrors) -> list[tuple[str, str]]:
-    """Rows of tilts, error moments and the moment on the shaft."""
-    numbers = tilt_summary(found)
-    moment, balance = numbers["error_moment"]["rms_N_m"], numbers["budget"]["balance"]["rms_N_m"]
-    x, y = (numbers[f"hub_moment_{axis}"]["mean_N_m"] for axis in "xy")
-    own = "with the run's own moments"
-    return [
-        ("Largest tilt of a roller", f"{text(1e3 * found.largest_tilt)} mrad"),
-        ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m {own}"),
-        ("Moment on the shaft beside contacts, mean", f"{text(x)} N m along x, {text(y)} N m along y"),
-    ]
-
-
-def _operation(record: Record) -> str:
-    """Speed and load in words; of what changes the range."""
-    acting, rpm = record.acting, record.scene.operation.speed_rpm
-    if record.operation.history is None:
-        return f"{text(rpm)} rpm, {tables.load_words(record.bearing, float(acting.radial_load))} along −y"
-    load, turning = np.hypot(acting.radial_load, acting.side_load), []
-    for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):
-        low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
-        if not of or low or high:
-            turning.append(of + (f"{text(low)} to {text(high)} rpm" if varies(speeds) else f"{text(high)} rpm"))
-    return f"{''.join(turning)}, {tables.load_words(record.bearing, load.min(), load.max())}"
-
-
-def _elements(bearing: Bearing) -> str:
-    """Name the kind and size of the rolling elements."""
-    diameter = text(2e3 * bearing.roller_radius)
-    if isinstance(bearing, BallBearing):
-        return f"balls Ø {diameter} mm"
-    return f"rollers Ø {diameter} × {text(1e3 * bearing.roller_length)} mm"
-
-
-def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Rows of the rollers' speed around beside that of rolling without slip, and of the cage's own motion."""
-    t, cage, rows = evaluation.record, evaluation.record.cage, []
-    if "FTF" in evaluation.lines:
-        speed, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
-        slower = 100.0 * (1.0 - speed / ideal)
-        slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
-        if cage is None and abs(slower) > SMALLEST_SLIP and t.attributes:  # of a run: a table need not have the cage's
-            slip += ": no cage, rollers coast"
-        name, compared = "Roller orbit" if cage is None else "Cage speed", f" ({slip})" if t.orbits >= 1.0 else ""
-        rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{compared}"))
-    if cage is None:
-        return rows
-    farthest, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
-    turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
-    mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
-    if t.reverses:
-        mean = "turns both ways, its centre moves"
-    sentence = f"{mean} up to {text(farthest)} µm from the bearing's, pockets push with up to {text(force)} N"
-    return [*rows, ("Cage", sentence)]
 
 
 def embedded(figure: SavedFigure) -> str:

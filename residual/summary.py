@@ -14,14 +14,13 @@ from residual.budget import LawScore
 from residual.evaluation import Evaluation
 from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
 from residual.fitted_laws import CONFIDENCE, Identification, Interval
+from residual.interpretation import floor_newtons, reported_angle, unseen
 from residual.lines import LineLevel
 from residual.record import CageMotion, Record
 from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import Peak, Statistics, rms
-from residual.tables import floor_newtons
 from residual.tilt import tilt_summary
 from residual.vibration import BandLevel, FaultLine, Vibration
-from residual.vibration_tables import reported_angle, unseen
 
 PROGRAM = "check-residual"
 

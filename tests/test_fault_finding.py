@@ -24,8 +24,8 @@ from residual.fault_finding import (
     find_faults,
     roller_motion,
 )
+from residual.interpretation import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
-from residual.vibration_tables import reported_angle, search_sentences, unseen, unseen_in_words
 from tests.reference.whole_run import whole_run
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}

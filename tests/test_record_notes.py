@@ -10,11 +10,10 @@ from fem.commands.run_fem import run_main
 from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.interpretation import verdict
+from residual.interpretation import floor_newtons, verdict
 from residual.record import Record
 from residual.sampling import stationarity
 from residual.sources import read_result
-from residual.tables import floor_newtons
 from tests.reference.synthetic_run import make_run, write_result
 
 # NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg

@@ -8,8 +8,8 @@ import pytest
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.figures.drawing import method_sentence
-from residual.run_comparison import difference_rows
 from residual.sources import read_result
+from residual.tables import difference_table
 from tests.reference.synthetic_run import make_run, write_result
 
 
@@ -22,7 +22,7 @@ def runs(tmp_path_factory):
 
 def test_the_differences_of_two_runs_are_those_of_their_motion(runs):
     here, there = (evaluate(read_result(path)) for path in runs)
-    rows = {row[0]: row[1:] for row in difference_rows(here, there)}
+    rows = {row[0]: row[1:] for row in difference_table(here, there).rows}
     for axis, place in (("x", "inner_x"), ("y", "inner_y")):
         stds = [1e9 * getattr(each.record, place).std() for each in (here, there)]
         told = [float(cell.replace("−", "-")) for cell in rows[f"hub {axis}, std, nm"][:3]]
@@ -38,7 +38,7 @@ def test_two_laws_of_one_run_share_its_motion_and_differ_in_their_errors(runs, t
     printed = capsys.readouterr().out
     assert "harris" in printed and "palmgren" in printed
     here, there = (evaluate(read_result(runs[0]), law) for law in ("harris", "palmgren"))
-    rows = {row[0]: row[1:] for row in difference_rows(here, there)}
+    rows = {row[0]: row[1:] for row in difference_table(here, there).rows}
     assert rows["hub y, mean, µm"][2] == "0"
     change = here.y.error.rms - there.y.error.rms
     assert abs(change) > 1.0

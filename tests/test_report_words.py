@@ -9,7 +9,7 @@ from residual.interpretation import verdict
 from residual.lines import HUB, named_peaks
 from residual.record import Record
 from residual.spectrum import find_peaks, power_spectrum
-from residual.tables import error_rows, peak_name
+from residual.tables import error_table, peak_name
 from tests.reference.synthetic_run import make_run, recorded, run_variables
 
 STEP = 1e-5
@@ -103,5 +103,5 @@ def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_r
 
 def test_round_off_in_a_table_is_0():
     record, _ = damped_record(0.0)
-    rows = {row[0]: row[1:] for row in error_rows(evaluate(record))}
+    rows = {row[0]: row[1:] for row in error_table(evaluate(record)).rows}
     assert rows["momentum balance, y"][0] == "0"

@@ -19,7 +19,7 @@ from residual.load_zone import quasi_static
 from residual.report import MOST_POINTS, picture_of, render_report, spectra_json
 from residual.sources import read_result
 from residual.summary import ReportOptions
-from residual.tables import stated_error_rows
+from residual.tables import stated_error_table
 from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
 
@@ -111,7 +111,7 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
         file["quantity_unit"] = ["m"]  # as run-fem writes it
         file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
     found = evaluate(read_result(path))
-    assert stated_error_rows(found) == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
+    assert stated_error_table(found).rows == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
     page = render_report(found, {}, ReportOptions(), "0")
     assert "Discretisation error" in page and "0.0018 µm" in page
     assert "Discretisation error" not in render_report(evaluate(read_result(

@@ -17,10 +17,10 @@ from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures.vibration import vibration_figures
+from residual.interpretation import vibration_sentences
 from residual.sources import read_result
 from residual.spectrum import find_peaks
 from residual.vibration import fault_lines, vibration
-from residual.vibration_tables import vibration_sentences
 from tests.reference.synthetic_run import make_run, paper_lines, run_variables, write_result
 
 STEP = 1e-5

@@ -8,8 +8,8 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from lagrange.step_size import SAMPLES_OF_ROLLERS, SAMPLES_OF_THE_HUB, hub_frequency, roller_frequency
 from residual.evaluation import evaluate
+from residual.interpretation import floor_newtons
 from residual.sources import read_result
-from residual.tables import floor_newtons
 
 NU206 = 'bearing={designation="NU206"}'
 SPALL = "spall.0.angle_deg=14"

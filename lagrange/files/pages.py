@@ -44,7 +44,7 @@ def render_page(template: Path, **values: object) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(template.parent),
+        loader=FileSystemLoader([template.parent, STYLE.parent]),  # page.j2 has tables and pictures
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

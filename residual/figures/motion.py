@@ -13,8 +13,8 @@ from residual.figures.style import COLOUR_BAR, DASHED, DOTS, colour_bar, legend_
 from residual.formatting import length, text
 from residual.load_zone import QuasiStatic, chosen_roller, load_zones
 from residual.record import angle_from_load
-from residual.run_comparison import named
 from residual.spectrum import power_spectrum
+from residual.tables import named
 from residual.tilt import along_rollers
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other

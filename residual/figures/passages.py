@@ -12,8 +12,8 @@ from residual.fault_finding import FaultSearch, Near, SinkageMap
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure
 from residual.figures.style import COLOUR_BAR, DASHED, RIGHT, colour_bar, legend_above, panels, save
 from residual.formatting import text
+from residual.interpretation import body_name, reported_angle
 from residual.record import Record
-from residual.vibration_tables import body_name, reported_angle
 
 MOST_SPALLS = 3  # figures: of those struck hardest
 MOST_PASSAGES = 150  # in one of them: more hide each other

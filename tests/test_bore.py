@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from fem.contacts.critical_step import FINELY, critical_time_step
-from fem.contacts.patch import ring_patch_force
+from fem.contacts.points import ring_patch_force
 from fem.elastic.outer_support import LooseRing, bored_ring
 from fem.elastic.reciprocal_mass import SECOND
 from fem.errors import UsageError

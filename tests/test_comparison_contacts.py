@@ -6,7 +6,7 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import standing
-from fem.contacts.springs import FacetedModel, PenaltyModel
+from fem.contacts.resolved import FacetedModel, PenaltyModel
 from fem.kernels.patches import CORNER, chord
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads

@@ -7,8 +7,7 @@ import pytest
 
 from fem.contacts import MODELS
 from fem.contacts.model import Model
-from fem.contacts.resolved import ResolvedModel, SpreadModel
-from fem.contacts.springs import FacetedModel, PenaltyModel
+from fem.contacts.resolved import FacetedModel, PenaltyModel, ResolvedModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.solver.elements.plan import model_of

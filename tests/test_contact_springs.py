@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.contacts.patch import disc_patch_traction, ring_patch_traction
+from fem.contacts.points import disc_patch_traction, ring_patch_traction
 from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER

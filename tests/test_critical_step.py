@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critical_time_step
-from fem.contacts.patch import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
+from fem.contacts.points import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
 from fem.elastic.assembly import assemble
 from fem.elastic.reciprocal_mass import SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels

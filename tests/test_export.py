@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.commands.render_fem import render_main
-from fem.elastic.stress import von_mises
+from fem.elastic.bodies import von_mises
 from fem.pictures.export import fields
 from fem.pictures.recover import StoredRun
 from meshes.export import FORMATS

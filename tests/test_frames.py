@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.elastic.stress import turned
+from fem.elastic.bodies import turned
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun, read_instant
 from fem.result.fields import GROUP

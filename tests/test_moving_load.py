@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
-from fem.elastic.continuum import PRESSURE, Section, annulus_modes, annulus_weights, kolosov, plane_compliance
-from fem.elastic.tangential import FASTEST, moving_softening
+from fem.elastic.continuum import (
+    FASTEST,
+    PRESSURE,
+    Section,
+    annulus_modes,
+    annulus_weights,
+    kolosov,
+    moving_softening,
+    plane_compliance,
+)
 from fem.errors import UsageError
 from fem.interface import simulate
 from lagrange import Material

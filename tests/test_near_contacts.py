@@ -7,7 +7,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.contacts.resolved import SpreadModel
-from fem.elastic.stress import max_shear
+from fem.elastic.bodies import max_shear
 from fem.pictures.bodies import drawn_bearing
 from fem.pictures.closeup import shear_peak
 from fem.pictures.recover import read_instant

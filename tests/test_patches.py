@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 from scipy.interpolate import BSpline
 
-from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
+from fem.contacts.points import disc_patch_force, patch, ring_patch_force
 from fem.kernels.jit import OPTIONS
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import count_from

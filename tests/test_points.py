@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.contacts.patch import patch
+from fem.contacts.points import patch
 from fem.elastic.outer_support import FEWEST, supported_ring
 from fem.errors import UsageError
 from fem.solver.elements.plan import model_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.contacts.patch import patch
+from fem.contacts.points import patch
 from fem.errors import UsageError
 from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant

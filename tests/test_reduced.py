@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fem.elastic.continuum import ring_sections, roller_section
-from fem.elastic.tangential import stick_approach
+from fem.elastic.continuum import ring_sections, roller_section, stick_approach
 from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.solver.reduced_state import slowest_vibration

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import standing
-from fem.contacts.patch import ring_patch_force
+from fem.contacts.points import ring_patch_force
 from fem.kernels.sample_kernels import HUB_Y
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.elastic.continuum import Section
-from fem.elastic.tangential import shear_compliance
+from fem.elastic.continuum import Section, shear_compliance
 from tests.accuracy.rocking import standing_plan, vibration
 from tests.reference.bearings import STEEL
 from tests.reference.rocking import shear_receptance, sticking_modes

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from fem.elastic.bodies import disc_body
-from fem.elastic.continuum import Section, plane_compliance
-from fem.elastic.tangential import cross_compliance, shear_compliance
+from fem.elastic.continuum import Section, cross_compliance, plane_compliance, shear_compliance
 from fem.interface import rating, statics
 from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import couplings_at, crossings_at, exact_statics

@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from fem.elastic.stress import max_shear, stress_operator, turned, von_mises
+from fem.elastic.bodies import max_shear, stress_operator, turned, von_mises
 from lagrange import Material
 from meshes import Annulus, Disc, mesh_of
 

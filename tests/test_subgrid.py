@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.contacts.patch import disc_patch_traction, ring_patch_force, ring_patch_traction
+from fem.contacts.points import disc_patch_traction, ring_patch_force, ring_patch_traction
 from fem.contacts.subgrid import disc_surface_compliance, rigid_surface, ring_surface_compliance, shear_level
 from fem.elastic.bodies import disc_body
-from fem.elastic.continuum import hertz_approach
-from fem.elastic.tangential import stick_approach
+from fem.elastic.continuum import hertz_approach, stick_approach
 from fem.kernels.law import ripple_at
 from lagrange import Material
 from meshes import Disc

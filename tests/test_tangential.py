@@ -7,8 +7,7 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.integrate import solve_bvp
 
-from fem.elastic.continuum import Section
-from fem.elastic.tangential import cross_compliance, shear_approach, shear_compliance
+from fem.elastic.continuum import Section, cross_compliance, shear_approach, shear_compliance
 from lagrange import Material
 from lagrange.spinning import SLOW, spinning_growth
 from tests.reference.polar_navier import PolarNavier

@@ -24,7 +24,7 @@ A new model is a module with such a class, a line here, and its name in the scen
 MODELS = {  # a scene's name: modules and classes, imported when a scene takes them
     "subgrid": (("fem.contacts.resolved", "SpreadModel"), ("fem.contacts.subgrid", "SubgridModel")),
     "resolved": (("fem.contacts.resolved", "ResolvedModel"),),
-    "penalty": (("fem.contacts.springs", "PenaltyModel"),),
-    "faceted": (("fem.contacts.springs", "FacetedModel"),),
+    "penalty": (("fem.contacts.resolved", "PenaltyModel"),),
+    "faceted": (("fem.contacts.resolved", "FacetedModel"),),
 }
 ONE_PATCH = 2.0  # least surface spacing over a contact's half-width at which one patch is far wider than the contact

@@ -7,8 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.elastic.rigid import rigid_body
+from fem.elastic.bodies import DiscBody, RingBody, disc_body, rigid_body, ring_body
 from fem.kernels.state import Law, Points
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles

@@ -1,10 +1,10 @@
 """Contacts of pressure points: where they are, which nodes they push, what they add to the step's stiffness.
 
-Contacts that the mesh resolves, those whose points are spread over patches, and the one point of a penalty spring have
-this in common; `PointLaw` and `PointModel` are what differs.
-"""
+A patch of six nodes around a force carries it, or the two beside it. Contacts that the mesh resolves, those whose
+points are spread over patches, and the one point of a penalty spring have this in common; `PointLaw` and `PointModel`
+are what differs."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, log2, pi
 from typing import Any, ClassVar
@@ -15,12 +15,119 @@ from scipy import sparse
 from fem.contacts.contact_law import NoLaw
 from fem.contacts.critical_step import EVENLY
 from fem.contacts.model import KernelData, Model, Motion, Reduced, Unloaded
-from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.fields import filled
-from fem.kernels.patches import N_NODES, chord
+from fem.kernels.patches import N_NODES, chord, first_node, weights
 from fem.kernels.state import INNER, OUTER, Law, Points, Spread
 from lagrange.contact.hertz import Pair
+
+HERTZ_POINTS = 64
+Shares = Callable[[np.ndarray, int], tuple[np.ndarray, np.ndarray]]  # `hats` or `patches`
+
+
+def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6,)."""
+    position = angle * n_surface / (2.0 * pi)
+    base = int(np.floor(position))
+    weight = np.array(weights(position - base))
+    nodes = first_node(base) + np.arange(N_NODES)
+    return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
+
+
+def ring_patch_force(ring: RingBody, angle: float) -> np.ndarray:
+    """Nodal forces (n_rows, 2, n_sectors) of a unit force along the outward radius at `angle` of the raceway."""
+    nodes, weight, offset = patch(ring.n_sectors, angle)
+    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
+    np.add.at(force, (ring.raceway_row, 0, nodes), weight * np.cos(offset))
+    np.add.at(force, (ring.raceway_row, 1, nodes), weight * np.sin(offset))
+    return force
+
+
+def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
+    """Nodal forces (2 n_nodes,) of a unit force along the outward radius at `angle` of the surface."""
+    nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
+    force = np.zeros((disc.n_nodes, 2))
+    np.add.at(force, disc.first_surface_node + nodes, np.outer(weight, [np.cos(angle), np.sin(angle)]))
+    return force.ravel()
+
+
+def _tangential(weight: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Shares of a unit traction that the nodes of a patch carry, radial and counter-clockwise, (2, 6).
+
+    See `fem.kernels.surfaces`: exact for the force and for its moment.
+    """
+    c, s = np.cos(offset), np.sin(offset)
+    slope, scale = -weight @ s, 1.0 / (1.0 + weight @ c)
+    return weight * scale * np.stack([slope * c - s, 1.0 + c + slope * s])
+
+
+def ring_patch_traction(ring: RingBody, angle: float) -> np.ndarray:
+    """Nodal forces (n_rows, 2, n_sectors) of a unit traction counter-clockwise along the raceway at `angle`."""
+    nodes, weight, offset = patch(ring.n_sectors, angle)
+    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
+    np.add.at(force[ring.raceway_row], (slice(None), nodes), _tangential(weight, offset))
+    return force
+
+
+def disc_patch_traction(disc: DiscBody, angle: float) -> np.ndarray:
+    """Nodal forces (2 n_nodes,) of a unit traction counter-clockwise along the surface at `angle`."""
+    nodes, weight, offset = patch(disc.shape.surface_nodes, angle)
+    radial, around = _tangential(weight, offset)
+    c, s = np.cos(angle - offset), np.sin(angle - offset)
+    force = np.zeros((disc.n_nodes, 2))
+    np.add.at(force, disc.first_surface_node + nodes, np.stack([radial * c - around * s, radial * s + around * c], 1))
+    return force.ravel()
+
+
+def patches(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of the patches around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
+    position = angle * n_nodes / (2.0 * pi)
+    base = np.floor(position)
+    weight = np.array([weights(beyond) for beyond in position - base])
+    found = (first_node(0) + base[:, None].astype(int) + np.arange(N_NODES)) % n_nodes
+    nodes, where = np.unique(found, return_inverse=True)
+    share = np.zeros((nodes.size, angle.size))
+    np.add.at(share, (where.ravel(), np.repeat(np.arange(angle.size), N_NODES)), weight.ravel())
+    return nodes, share
+
+
+def hats(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """The two nodes beside each of some points instead; as `patches`."""
+    position = angle * n_nodes / (2.0 * pi)
+    base = np.floor(position).astype(int)
+    beyond = position - base
+    nodes = np.unique(np.concatenate([base, base + 1]) % n_nodes)
+    share = np.zeros((nodes.size, angle.size))
+    column = np.arange(angle.size)
+    np.add.at(share, (np.searchsorted(nodes, base % n_nodes), column), 1.0 - beyond)
+    np.add.at(share, (np.searchsorted(nodes, (base + 1) % n_nodes), column), beyond)
+    return nodes, share
+
+
+def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
+    """Raceway nodes and their polar forces under forces along the radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = shares(angle, ring.n_sectors)
+    off = angle[None, :] - (2.0 * pi / ring.n_sectors) * nodes[:, None]
+    push = np.stack([share * np.cos(off), share * np.sin(off)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def disc_push(disc: DiscBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
+    """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = shares(angle, disc.shape.surface_nodes)
+    push = np.stack([share * np.cos(angle), share * np.sin(angle)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def hertz_patch(
+    n_surface: int, angle: float, half_width: float, shares: Shares
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A Hertz pressure of a half-width in rad as nodal forces: nodes, shares, and the contact's angle less theirs."""
+    place = pi * np.arange(1, HERTZ_POINTS + 1) / (HERTZ_POINTS + 1)  # Gauss-Chebyshev points of the second kind
+    nodes, share = shares(angle + half_width * np.cos(place), n_surface)
+    offset = np.mod(angle - (2.0 * pi / n_surface) * nodes + pi, 2.0 * pi) - pi
+    return nodes, share @ (2.0 / (HERTZ_POINTS + 1) * np.sin(place) ** 2), offset
+
 
 POINTS_PER_NODE = 4  # of resolved contacts
 CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end

@@ -28,7 +28,8 @@ from scipy import sparse
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
 from fem.contacts.model import KernelData, Model, Motion, Unloaded, assembled_bodies, named
-from fem.contacts.patch import (
+from fem.contacts.points import (
+    PointResponses,
     disc_patch_force,
     disc_patch_traction,
     disc_push,
@@ -38,11 +39,9 @@ from fem.contacts.patch import (
     ring_patch_traction,
     ring_push,
 )
-from fem.contacts.points import PointResponses
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
-from fem.elastic.continuum import Section, hertz_approach, roller_section
-from fem.elastic.tangential import stick_approach
+from fem.elastic.continuum import Section, hertz_approach, roller_section, stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER

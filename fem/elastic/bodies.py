@@ -1,6 +1,9 @@
-"""Bodies as the time loop wants them: a disc in rows of 2 x 2 blocks, a ring as one sector's stencil."""
+"""Bodies as the time loop wants them, a disc in rows of 2 x 2 blocks, a ring as one sector's stencil; their stress.
 
-from dataclasses import dataclass
+A stress is (..., 3): xx, yy, xy, Pa; zz = ν (xx + yy). Bodies declared rigid are the limit E → ∞ of elastic ones, with
+A stress is (..., 3): xx, yy, xy, Pa; zz = ν (xx + yy). Bodies declared rigid are the limit E → ∞ of elastic ones: they
+keep shape, mass and, for what is drawn and stored, the mesh; all that is asked of their elasticity is 0.
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,9 +11,72 @@ from scipy import sparse
 
 from fem.elastic.cache import kept
 from fem.elastic.continuum import Section
-from fem.elastic.stress import stress_operator
 from lagrange import Material
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of
+
+TRIANGLE = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]), 0.5
+QUADRILATERAL = 0.25 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), 4.0  # bilinear, at the centre
+
+
+def stress_operator(points: np.ndarray, cells: np.ndarray, material: Material) -> sparse.csr_matrix:
+    """Matrix from nodal displacements to nodal stresses in plane strain: the elements' ones, averaged by area.
+
+    Parameters
+    ----------
+    points : (n_nodes, 2), m; cells : (n_cells, 3 or 4)
+
+    Returns
+    -------
+    csr_matrix, (3 n_nodes, 2 n_nodes), Pa/m, of vectors with the node as slow index
+
+    Errors
+    ------
+    Exact for a uniform strain. One stress per element, at its centre: on a surface it lags half an element behind.
+    """
+    n_nodes, corners = len(points), cells.shape[1]
+    shape, size = TRIANGLE if corners == 3 else QUADRILATERAL
+    jacobian = np.einsum("kci,kj->cij", np.moveaxis(points[cells], 1, 0), shape)
+    gradient = np.einsum("kj,cji->cki", shape, np.linalg.inv(jacobian))
+    lame_lambda, lame_mu = material.lame_lambda, material.lame_mu
+    gx, gy = gradient[..., 0], gradient[..., 1]  # (cell, corner)
+    per_cell = np.empty((len(cells), 3, corners, 2))
+    per_cell[:, 0, :, 0], per_cell[:, 0, :, 1] = (lame_lambda + 2.0 * lame_mu) * gx, lame_lambda * gy
+    per_cell[:, 1, :, 0], per_cell[:, 1, :, 1] = lame_lambda * gx, (lame_lambda + 2.0 * lame_mu) * gy
+    per_cell[:, 2, :, 0], per_cell[:, 2, :, 1] = lame_mu * gy, lame_mu * gx
+
+    area = size * np.linalg.det(jacobian)
+    total = np.bincount(cells.ravel(), np.repeat(area, corners), n_nodes)
+    share = area[:, None] / total[cells]  # (cell, node averaged to)
+    values = share[:, :, None, None, None] * per_cell[:, None]
+    rows = 3 * cells[:, :, None, None, None] + np.arange(3)[:, None, None]
+    columns = 2 * cells[:, None, None, :, None] + np.arange(2)
+    rows, columns = np.broadcast_arrays(rows, columns)
+    return sparse.csr_matrix(
+        (values.ravel(), (rows.ravel(), columns.ravel())), shape=(3 * n_nodes, 2 * n_nodes)
+    )  # fmt: skip
+
+
+def turned(stress: np.ndarray, angle) -> np.ndarray:
+    """The same stress in axes from which the given ones are turned by `angle`, rad, counter-clockwise."""
+    xx, yy, xy = np.moveaxis(stress, -1, 0)
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    c, s = np.cos(2.0 * np.asarray(angle)), np.sin(2.0 * np.asarray(angle))
+    half, xy = half * c - xy * s, half * s + xy * c
+    return np.stack([mean + half, mean - half, xy], axis=-1)
+
+
+def von_mises(stress: np.ndarray, poisson_ratio) -> np.ndarray:
+    """Von Mises stress in plane strain, Pa."""
+    xx, yy, xy = np.moveaxis(stress, -1, 0)
+    zz = poisson_ratio * (xx + yy)
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+
+
+def max_shear(stress: np.ndarray) -> np.ndarray:
+    """Largest shear stress in the plane, half the difference of its principal stresses, Pa."""
+    xx, yy, xy = np.moveaxis(stress, -1, 0)
+    return np.hypot(0.5 * (xx - yy), xy)
+
 
 RESPONSES = 32  # of a disc's surface to unit forces, solved at once
 
@@ -67,7 +133,7 @@ class DiscBody:
 
     @cached_property
     def stress(self) -> sparse.csr_matrix:
-        """From nodal displacements to nodal stresses: `fem.elastic.stress.stress_operator`."""
+        """From nodal displacements to nodal stresses: `fem.elastic.bodies.stress_operator`."""
         return stress_operator(self.points, self.cells, self.material)
 
     def relaxed(self, force: np.ndarray) -> np.ndarray:
@@ -241,7 +307,7 @@ class RingBody:
 
     @cached_property
     def stress(self) -> sparse.csr_matrix:
-        """From nodal displacements in the ring's axes to nodal stresses: `fem.elastic.stress.stress_operator`."""
+        """From nodal displacements in the ring's axes to nodal stresses: `fem.elastic.bodies.stress_operator`."""
         return stress_operator(self.points, self.cells, self.material)
 
     def cartesian(self, polar: np.ndarray, turn: float = 0.0) -> np.ndarray:
@@ -392,3 +458,42 @@ def _mirrored(stencil: np.ndarray) -> np.ndarray:
     """Remove the round-off that breaks the mirror symmetry k → −k: u_r even, u_θ odd."""
     sign = np.array([[1.0, -1.0], [-1.0, 1.0]])
     return 0.5 * (stencil + stencil[:, :, ::-1] * sign)
+
+
+class _Unstrained:
+    """A body without stress."""
+
+    @property
+    def stress(self) -> sparse.csr_matrix:
+        n = len(self.points)
+        return sparse.csr_matrix((3 * n, 2 * n))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidDisc(_Unstrained, DiscBody):
+    """A roller that keeps its shape."""
+
+    def relaxed(self, force: np.ndarray) -> np.ndarray:
+        return np.zeros_like(force)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidRing(_Unstrained, RingBody):
+    """A ring that moves as its held circle does."""
+
+    def held(self, force: np.ndarray) -> np.ndarray:
+        return np.zeros_like(force)
+
+    @property
+    def polar_inertia(self) -> float:
+        """½ m (r_inner² + r_outer²), kg m²."""
+        return 0.5 * self.total_mass * float(self.radii[0] ** 2 + self.radii[-1] ** 2)
+
+
+def rigid_body(body: DiscBody | RingBody) -> RigidDisc | RigidRing:
+    """The rigid body of an elastic one's shape and mass."""
+    own = {field.name: getattr(body, field.name) for field in fields(body)}
+    own["material"] = replace(body.material, rigid=True)
+    if isinstance(body, DiscBody):
+        return RigidDisc(**own | {"stiffness": sparse.csr_matrix(body.stiffness.shape)})
+    return RigidRing(**own | {"stencil": np.zeros_like(body.stencil)})

@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fem.contacts.patch import patch
+from fem.contacts.points import patch
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.state import INNER, OUTER
 from fem.pictures.recover import Instant

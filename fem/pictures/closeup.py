@@ -9,7 +9,7 @@ from math import pi
 
 import numpy as np
 
-from fem.elastic.stress import max_shear
+from fem.elastic.bodies import max_shear
 from fem.pictures.bodies import DrawnBearing
 from fem.pictures.canvas import ASPECT, FAULT, INK, Canvas, Panel, View, border, cells, line, segments, strip
 from fem.pictures.legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed

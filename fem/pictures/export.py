@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from fem.elastic.stress import max_shear, von_mises
+from fem.elastic.bodies import max_shear, von_mises
 from fem.pictures.recover import Instant, StoredRun
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.solver.frames import global_fields, rotated

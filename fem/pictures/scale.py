@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from fem.elastic.stress import max_shear, von_mises
+from fem.elastic.bodies import max_shear, von_mises
 from fem.pictures.bodies import DrawnBearing
 
 Field = Literal["von-mises", "max-shear", "displacement"]

@@ -28,8 +28,7 @@ from math import pi
 import numpy as np
 
 from fem.contacts.model import Model
-from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.stress import turned
+from fem.elastic.bodies import DiscBody, RingBody, turned
 from fem.pictures.recover import Instant
 from fem.solver.frames import global_fields, rotated
 from lagrange import Material

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from fem.contacts.model import Model
-from fem.elastic.stress import turned
+from fem.elastic.bodies import turned
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.ring_kernels import HALO
 from fem.solver.run_arrays import Arrays

@@ -13,6 +13,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import (
     Section,
+    cross_compliance,
     hertz_approach,
     hertz_patch,
     patch_crossing,
@@ -22,7 +23,6 @@ from fem.elastic.continuum import (
     ring_sections,
     roller_section,
 )
-from fem.elastic.tangential import cross_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
 from lagrange import Bearing, Operation
 from lagrange.contact.hertz import Pair, contact_pairs

@@ -1,4 +1,4 @@
-"""A bearing reduced to its contacts for dynamics: exact series for every body, couplings along its rings."""
+"""A bearing reduced to its contacts for dynamics: exact series for every body, couplings along its rings, its waves."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -9,16 +9,61 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
-from fem.elastic.continuum import hertz_approach, plane_compliance, ring_sections, roller_section, weight_sag
-from fem.elastic.tangential import moving_softening, stick_approach
+from fem.elastic.continuum import (
+    hertz_approach,
+    moving_softening,
+    plane_compliance,
+    ring_sections,
+    roller_section,
+    stick_approach,
+    weight_sag,
+)
+from fem.elastic.vibration import inertia
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
-from fem.statics.vibrating_bearing import softened
 from lagrange import Bearing, Kinematics
 from lagrange.contact.hertz import Pair, contact_pairs, line_compliance
 from lagrange.kinematics import roller_angles
 from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import Turns
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenWaves:
+    """All modes of a bearing's bodies."""
+
+    inertia: tuple[float, float]  # s⁴/kg, Σ s²/ω⁴ of them at an inner and an outer contact
+    slowest: float  # rad/s
+
+
+def unseen_waves(bearing: Bearing, inner_mass: float) -> UnseenWaves:
+    """Those of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
+    table = _inertia(replace(bearing, faults=()), inner_mass)
+    roller, inner, outer = table[:, 0]
+    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=float(table[:, 1].min()))
+
+
+@lru_cache(maxsize=1)
+def _inertia(bearing: Bearing, inner_mass: float) -> np.ndarray:
+    """Σ s²/ω⁴, s⁴/kg, of all modes of a roller and both rings, and the slowest's frequency, rad/s: (3, 2)."""
+    length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
+
+    def make():
+        inner, outer = ring_sections(bearing)
+        found = (
+            inertia(roller_section(bearing), length),
+            inertia(inner, length, hub if bearing.bore_radius > 0.0 else None),
+            inertia(outer, length),
+        )
+        return {"inertia": np.array(found)}
+
+    return kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
+
+
+def softened(law: ContactLaw, compliance: float) -> ContactLaw:
+    """The law of a contact less a linear compliance, m/N, that its bodies' modes carry."""
+    return ContactLaw.of_level(law.A, law.B - compliance / law.A, law.pair)
+
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
 STRAYS = 0.25  # of the rollers' distance, by which compliances follow their angles

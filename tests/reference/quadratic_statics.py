@@ -13,7 +13,7 @@ from fem.contacts.contact_law import NoLaw
 from fem.contacts.model import PressurePoints
 from fem.elastic.continuum import ring_sections
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
-from fem.statics.pressure_balance import balance_pressures
+from fem.statics.equilibrium import balance_pressures
 from lagrange import Bearing
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles

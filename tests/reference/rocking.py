@@ -6,7 +6,7 @@ T_i, T_o, all counter-clockwise, at a frequency:
     v_i = D T_i + X T_o,   v_o = X T_i + D T_o,   and the rings'   −G_i T_i = v_i,   −G_o T_o = v_o
 
 D is what one traction does, D + X what two equal ones do. Each is a sum over harmonics: the static one under a traction
-that sticks (`fem.elastic.tangential`), and what inertia changes of its lower harmonics, by Bessel functions; a free
+that sticks (`fem.elastic.continuum`), and what inertia changes of its lower harmonics, by Bessel functions; a free
 disc moves as a whole in the harmonics 0 and 1. With all rollers alike a ring has the harmonics that are multiples of
 their number. Motion along the line of centres is symmetric about it and has no part in this.
 """
@@ -16,8 +16,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.elastic.continuum import Section, ring_sections, roller_section
-from fem.elastic.tangential import shear_compliance, stick_approach
+from fem.elastic.continuum import Section, ring_sections, roller_section, shear_compliance, stick_approach
 from lagrange import Bearing
 from tests.reference.free_vibration import surface_displacements, surface_tractions
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.model import standing
-from fem.contacts.patch import disc_patch_force
+from fem.contacts.points import disc_patch_force
 from fem.contacts.subgrid import (
     REFERENCE_HALF_WIDTH,
     SurfaceCompliance,

@@ -7,10 +7,9 @@ import numba
 import numpy as np
 
 from fem.contacts.model import KernelData, Model
-from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bodies import DiscBody, RigidRing, RingBody
 from fem.elastic.outer_support import LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
-from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.bore import HeldNodes
 from fem.kernels.fields import at_line, filled, lined_up

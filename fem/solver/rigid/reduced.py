@@ -33,8 +33,13 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
 from fem.solver.validity import may_strike
 from fem.solver.warnings import plan_warnings
-from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
-from fem.statics.vibrating_bearing import UnseenWaves, unseen_waves
+from fem.statics.reduced_bearing import (
+    ReducedBearing,
+    UnseenWaves,
+    reduced_bearing,
+    tangential_compliance,
+    unseen_waves,
+)
 from lagrange import Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.tabulate import MORE

@@ -69,6 +69,16 @@ def places_moving(before: TiltedStatics, now: TiltedStatics, after: TiltedStatic
     return rates
 
 
+def tilts_moving(now: TiltedStatics, rates: np.ndarray | None = None) -> Tilts:
+    """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,); None: at rest."""
+    n = now.tilt.size
+    rates = np.zeros(4 + 2 * n) if rates is None else rates
+    return Tilts(
+        tilt=now.tilt, tilt_rate=rates[4 + n :],
+        slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
+    )  # fmt: skip
+
+
 def surface_speed(bearing: Bearing, operation: Operation) -> float:
     """The faster raceway's speed along itself at the start, m/s."""
     inner, outer = np.abs(operation.ring_speeds)
@@ -151,10 +161,7 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
         x=now.place[0], y=now.place[1], rho=now.rho, theta=now.theta, x_rate=rates[0], y_rate=rates[1],
         rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
         ring_x=ring[0], ring_y=ring[1],
-        tilts=Tilts(
-            tilt=now.tilt, tilt_rate=rates[4 + n :],
-            slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
-        ),
+        tilts=tilts_moving(now, rates),
     )  # fmt: skip
     return FirstState(state, warning)
 

@@ -62,6 +62,10 @@ class TiltedStatics:
     on_hub: np.ndarray  # (2,), N m, moment of the contacts on the hub's slope
     is_free: bool  # whether that slope moves
 
+    @property
+    def hub(self) -> np.ndarray:
+        return self.place[:2]
+
     def of_side(self, row: int) -> np.ndarray:
         """Approaches, m, and misalignments, rad, of the inner (0) or outer (1) contacts' laws, (2, n_rollers)."""
         return self.own.reshape(2, 2, -1)[:, row]

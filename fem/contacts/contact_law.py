@@ -50,12 +50,6 @@ class ContactLaw:
         line = 0.5 * self.A * STEEPEST * (force**2 - low**2)
         return 0.5 * self.A * low**2 * (bracket - 0.25) + line
 
-    def force(self, approach: float) -> float:
-        """Force, N, of an approach, m."""
-        from fem.kernels.law import contact_force  # with a compiler, which statics do without
-
-        return contact_force(approach, self.A, self.B, self.Q_line, 0.0)
-
     def stiffness(self, force: float) -> float:
         """dQ/dδ, N/m, at a force, N, > 0."""
         return 1.0 / float(self.softness(force))

@@ -1,8 +1,9 @@
 """Bodies as the time loop wants them, a disc in rows of 2 x 2 blocks, a ring as one sector's stencil; their stress.
 
-A stress is (..., 3): xx, yy, xy, Pa; zz = ν (xx + yy). Bodies declared rigid are the limit E → ∞ of elastic ones, with
 A stress is (..., 3): xx, yy, xy, Pa; zz = ν (xx + yy). Bodies declared rigid are the limit E → ∞ of elastic ones: they
 keep shape, mass and, for what is drawn and stored, the mesh; all that is asked of their elasticity is 0.
+"""
+
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 

@@ -7,7 +7,8 @@ not known here.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing, Operation
 from lagrange.equations import nothing_carries, overlaps, sunk
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
+from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import ring_place
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 
@@ -71,6 +74,47 @@ def standing_ring(operation: Operation, weight: float, force_at: Callable[[np.nd
         return ring_place(operation.mounting, weight, force_at)
     except RuntimeError as error:
         raise NotFound(str(error)) from None
+
+
+class Passing(NamedTuple):
+    """Equilibria that a bearing passes through around a start."""
+
+    before: Any
+    after: Any
+    time: float  # s, of each from the start
+
+    def rate(self, name: str) -> np.ndarray:
+        """Of an array in them."""
+        return (getattr(self.after, name) - getattr(self.before, name)) / (2.0 * self.time)
+
+
+def passing(
+    at: Callable[[float], Any], stiffness: Callable[[], np.ndarray], bearing: Bearing, operation: Operation, way: float
+) -> tuple[Passing | None, str | None]:
+    """The equilibria that give a start its velocities; without these why not, unless nothing turns or none is near.
+
+    Elastic waves excited by such a start are of second order in the rolling speed over the wave speed. Where the hub
+    cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do not
+    follow each other a run starts without velocities.
+
+    Parameters
+    ----------
+    at : the equilibrium, with a `hub`, at a time, s; stiffness : of the hub, (2, 2), N/m, at the start
+    way : m, that contacts roll meanwhile
+    """
+    speed = surface_speed(bearing, operation)
+    if speed <= SLOWEST:
+        return None, None
+    if followed(stiffness(), bearing, operation)[0].size < 2:
+        return None, SOFT
+    time = min(
+        way / speed, inf if operation.history is None else LONGEST_LOOK
+    )  # far beyond its table it is of no sense
+    try:
+        found = Passing(at(-time), at(time), time)
+    except NotFound:
+        return None, None
+    return (found, None) if np.linalg.norm(found.rate("hub")) <= JUMP * speed else (None, JUMPS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,16 +7,14 @@ import numpy as np
 from fem.contacts.model import Model, Motion
 from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import BoredRing
-from fem.statics.contact_balance import ROUND_OFF, Loads, NotFound, hub_spring, hub_stiffness, standing_ring
+from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
 from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, places_moving, surface_speed
+from lagrange.first_state import places_moving, tilts_moving
 from lagrange.kinematics import roller_angles, turned
-from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import HubTilt, Tilts
-from lagrange.tilted_statics import TiltedStatics
 
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
 
@@ -72,14 +70,7 @@ class Tilting:
 
 
 def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
-    """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
-
-    Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
-    hub cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do
-    not follow each other it starts without these velocities.
-
-    `tilting` : None: axes stay parallel
-    """
+    """Static equilibrium at t = 0, with the velocities of `passing`; `tilting` : None: axes stay parallel."""
 
     def at(time, ring, near=None):
         (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
@@ -93,62 +84,33 @@ def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | Non
         on_springs = _weight_on_springs(model, operation)
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
-    speed = surface_speed(model.bearing, operation)
-    if speed < SLOWEST:
-        return _still(model, operation, middle, motion)
-    if not _follows(model, operation, middle, motion, ring):
-        return replace(_still(model, operation, middle, motion), warning=SOFT)
-    ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
-    if operation.history is not None:  # far beyond its table it is of no sense
-        ahead = min(ahead, LONGEST_LOOK)
-    try:
-        before, after = at(-ahead, ring, middle), at(ahead, ring, middle)
-    except NotFound:
-        return _still(model, operation, middle, motion)
-    if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
-        return replace(_still(model, operation, middle, motion), warning=JUMPS)
 
-    def rate(name):
-        return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
+    def stiffness() -> np.ndarray:
+        """Of the hub by the exact compliances of elastic bodies."""
+        if middle.axes is not None:
+            return middle.axes.radial_stiffness
+        place = np.concatenate([middle.hub, middle.rho])
+        forces = np.concatenate([middle.inner_force, middle.outer_force])
+        contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)
+        return hub_stiffness(contacts, place, forces, hub_spring(operation, ring))
 
+    way = LOOK_AHEAD * model.roller.shape.surface_spacing
+    found, warning = passing(lambda time: at(time, ring, middle), stiffness, model.bearing, operation, way)
+    still = replace(_still(model, operation, middle, motion), warning=warning)
+    if found is None:
+        return still
     axes = None
-    if before.axes is not None and middle.axes is not None and after.axes is not None:
-        axes = places_moving(before.axes, middle.axes, after.axes, ahead)
-    return Start(
-        equilibrium=middle,
-        kinematics=ideal,
-        angle=motion.roller_angle,
-        hub_velocity=rate("hub"),
-        roller_velocity=rate("rho")[:, None] * motion.radial + (ideal.cage * middle.rho)[:, None] * motion.around,
-        roller_rate=rate("rollers"),
-        inner_rate=rate("inner_ring"),
-        outer_rate=rate("outer_ring"),
-        housing=housing_place(model, operation, motion, middle),
-        tilts=_tilts(middle.axes, axes),
-    )
-
-
-def _tilts(axes: TiltedStatics | None, rate: np.ndarray | None = None) -> Tilts | None:
-    """Slopes and their rates by the rates of all places, (4 + 2 n_rollers,); None: at rest."""
-    if axes is None:
-        return None
-    n = axes.tilt.size
-    moving = np.zeros(4 + 2 * n) if rate is None else rate
-    return Tilts(
-        tilt=axes.tilt, tilt_rate=moving[4 + n :],
-        slope_x=axes.place[2], slope_y=axes.place[3], slope_x_rate=moving[2], slope_y_rate=moving[3],
-    )  # fmt: skip
-
-
-def _follows(model: Model, operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
-    """Whether the hub follows its equilibrium along all directions, by the exact compliances of elastic bodies."""
     if middle.axes is not None:
-        return followed(middle.axes.radial_stiffness, model.bearing, operation)[0].size == 2
-    place = np.concatenate([middle.hub, middle.rho])
-    forces = np.concatenate([middle.inner_force, middle.outer_force])
-    contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)
-    stiffness = hub_stiffness(contacts, place, forces, hub_spring(operation, ring))
-    return followed(stiffness, model.bearing, operation)[0].size == 2
+        axes = tilts_moving(middle.axes, places_moving(found.before.axes, middle.axes, found.after.axes, found.time))
+    return replace(
+        still,
+        hub_velocity=found.rate("hub"),
+        roller_velocity=found.rate("rho")[:, None] * motion.radial + (ideal.cage * middle.rho)[:, None] * motion.around,
+        roller_rate=found.rate("rollers"),
+        inner_rate=found.rate("inner_ring"),
+        outer_rate=found.rate("outer_ring"),
+        tilts=axes,
+    )
 
 
 def rest_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
@@ -206,5 +168,5 @@ def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion:
         inner_rate=np.zeros_like(equilibrium.inner_ring),
         outer_rate=np.zeros_like(equilibrium.outer_ring),
         housing=housing_place(model, operation, motion, equilibrium),
-        tilts=_tilts(equilibrium.axes),
+        tilts=None if equilibrium.axes is None else tilts_moving(equilibrium.axes),
     )

@@ -1,12 +1,12 @@
 """Where a run of the reduced model begins: equilibrium, velocities, tables of rollers that tilt."""
 
 from dataclasses import dataclass, replace
-from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import no_narrower, tilted_slices, tilted_tables, too_narrow
+from fem.contacts.tilted import no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
 from fem.errors import UsageError
 from fem.statics.contact_balance import (
     ROUND_OFF,
@@ -20,6 +20,7 @@ from fem.statics.contact_balance import (
     geometry,
     hub_spring,
     hub_stiffness,
+    passing,
     standing_ring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
@@ -29,9 +30,8 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.tabulate import steepest_slope
 from lagrange.contact.hertz import contact_pairs
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, places_moving, surface_speed, weight_on_springs
+from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import roller_angles, turned
-from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import HELD
 from lagrange.surface.deviation import UNTURNED, Turns
 from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
@@ -62,45 +62,38 @@ class ReducedStart:
     outer_moment: np.ndarray | None = None
 
 
+class Balanced(NamedTuple):
+    """An equilibrium with rollers at their angles."""
+
+    place: np.ndarray  # (n_rollers + 2,), m, hub and radii
+    forces: np.ndarray  # (2 n_rollers,), N
+
+    @property
+    def hub(self) -> np.ndarray:
+        return self.place[:2]
+
+
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
-    """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
-
-    Where the hub cannot follow these (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do
-    not follow each other it starts without velocities.
-
-    Errors
-    ------
-    NotFound: no equilibrium.
-    """
+    """Static equilibrium at t = 0, with the velocities of `passing`. NotFound: no equilibrium."""
     bearing = model.bearing
     angle = roller_angles(bearing, operation.first_roller_angle)
     radial = np.array([np.cos(angle), np.sin(angle)])
 
     def force_at(where):
-        return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where)[1])[bearing.n_rollers :]
+        return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where).forces)[bearing.n_rollers :]
 
     ring = standing_ring(operation, weight_on_springs(bearing, operation), force_at)
-    place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
-    speed, rate = surface_speed(bearing, operation), np.zeros_like(place)
-    contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
-    follows = followed(hub_stiffness(contacts, place, forces, spring), bearing, operation)[0].size == 2
-    warning = None
-    if speed > SLOWEST and not follows:
-        warning = SOFT
-    elif speed > SLOWEST:
-        ahead = LOOK_AHEAD * bearing.roller_radius / speed
-        if operation.history is not None:
-            ahead = min(ahead, LONGEST_LOOK)
-        try:
-            before, after = (_balanced(model, operation, t, middle, ring)[0] for t in (-ahead, ahead))
-        except NotFound:
-            before = after = place
-        found = (after - before) / (2.0 * ahead)
-        if np.hypot(*found[:2]) <= JUMP * speed:
-            rate = found
-        else:
-            warning = JUMPS
-    return replace(_start(model, operation, place, rate, forces), ring=ring, warning=warning)
+    middle = _balanced(model, operation, 0.0, ring=ring)
+
+    def stiffness() -> np.ndarray:
+        return hub_stiffness(model.at(angle, UNTURNED), *middle, hub_spring(operation, ring))
+
+    way = LOOK_AHEAD * bearing.roller_radius
+    found, warning = passing(
+        lambda time: _balanced(model, operation, time, middle, ring), stiffness, bearing, operation, way
+    )
+    rate = np.zeros_like(middle.place) if found is None else found.rate("place")
+    return replace(_start(model, operation, middle.place, rate, middle.forces), ring=ring, warning=warning)
 
 
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -128,7 +121,7 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
     alone = replace(operation, speed=0.0, outer_speed=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, 0.0)[0][:2]
+    return _balanced(still, alone, 0.0).hub
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -136,7 +129,7 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     n, closed = contacts.bearing.n_rollers, np.flatnonzero(overlap > 0.0)
     laws = [contacts.inner_law if c < n else contacts.outer_law for c in closed]
     compliance = contacts.compliance[np.ix_(closed, closed)]
-    force = np.array([law.force(overlap[c]) for law, c in zip(laws, closed, strict=True)])
+    force = np.array([float(slice_law(law, None).force(overlap[c])) for law, c in zip(laws, closed, strict=True)])
     for _ in range(NEWTON_STEPS):
         approach = np.array([float(law.approach(q)) for law, q in zip(laws, force, strict=True)])
         soft = np.array([float(law.softness(q)) for law, q in zip(laws, force, strict=True)])
@@ -147,7 +140,7 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.ndarray, np.ndarray]:
+def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> Balanced:
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
@@ -156,7 +149,7 @@ def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.nda
     start, near = (first_guess(bearing, contacts.radial, load, side_load), None) if middle is None else middle
     cage = kinematics(bearing, *operation.ring_speeds).cage
     spring = hub_spring(operation, ring)
-    return balance(contacts, Loads(load, operation.gravity, cage, side_load, spring), start, near)
+    return Balanced(*balance(contacts, Loads(load, operation.gravity, cage, side_load, spring), start, near))
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
@@ -209,24 +202,17 @@ def tilted_start(
     def balanced(time: float) -> TiltedStatics:
         return _tilted_at(model, operation, axial, TiltedLaws(*tables), plane, time)
 
-    now, rates, warning = balanced(0.0), np.zeros(4 + 2 * n), None
-    speed = surface_speed(bearing, operation)
-    if speed > SLOWEST and plane.steady:
-        if followed(now.radial_stiffness, bearing, operation)[0].size < 2:
-            warning = SOFT
-        else:
-            ahead = min(LOOK_AHEAD * bearing.roller_radius / speed, inf if operation.history is None else LONGEST_LOOK)
-            found = places_moving(balanced(-ahead), now, balanced(ahead), ahead)
-            rates, warning = (found, None) if np.hypot(*found[:2]) <= JUMP * speed else (rates, JUMPS)
+    now = balanced(0.0)
+    found, warning = None, None
+    if plane.steady:
+        way = LOOK_AHEAD * bearing.roller_radius
+        found, warning = passing(balanced, lambda: now.radial_stiffness, bearing, operation, way)
+    rates = np.zeros(4 + 2 * n) if found is None else places_moving(found.before, now, found.after, found.time)
     return replace(
         plane,
-        hub=now.place[:2], rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
+        hub=now.hub, rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
         inner_force=now.inner_force, outer_force=now.outer_force, warning=warning,
-        inner_moment=now.inner_moment, outer_moment=now.outer_moment,
-        tilts=Tilts(
-            tilt=now.tilt, tilt_rate=rates[4 + n :],
-            slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
-        ),
+        inner_moment=now.inner_moment, outer_moment=now.outer_moment, tilts=tilts_moving(now, rates),
     )  # fmt: skip
 
 

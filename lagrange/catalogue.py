@@ -23,7 +23,7 @@ from functools import lru_cache
 from math import asin, degrees, pi, sqrt
 from pathlib import Path
 
-from lagrange.rating.capacity import (
+from lagrange.rating.life import (
     Dimensions,
     ball_dynamic_capacity,
     ball_static_capacity,

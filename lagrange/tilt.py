@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lagrange.axial.facts import Axial
+from lagrange.axial.slices import alone, contact_slices
 from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
-from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.laws import ContactLaws

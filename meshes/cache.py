@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.files.input import user_cache
 from lagrange.files.output import read_sealed, write_sealed
-from lagrange.files.private import user_cache
 from meshes.graded import GradedDisc
 from meshes.shapes import Disc, Mesh, Shape, expected_points, make
 

@@ -9,11 +9,10 @@ from lagrange.catalogue import dimension_series
 from lagrange.findings import Section
 from lagrange.messages import G, engineering, shown
 from lagrange.rating import sources
-from lagrange.rating.capacity import Dimensions, dynamic_capacity, static_capacity
 from lagrange.rating.contact_stress import hertz_columns
 from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torque
-from lagrange.rating.life import basic_life, in_hours
-from lagrange.rating.run_loads import COLUMNS, RunLoads, run_loads
+from lagrange.rating.life import Dimensions, basic_life, dynamic_capacity, in_hours, static_capacity
+from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.operation import RPM
 from lagrange.section import is_plain, load_factor, section_words

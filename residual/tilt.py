@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.axial.pressure import SHARP, Ends, borne, pressures_under, profile_ends
-from lagrange.axial.slices import Slices
+from lagrange.axial.slices import Slices, alone, contact_slices
 from lagrange.axial.table import TiltedContact
-from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fem.contacts.tilted import WIDTHS
+from lagrange.axial.facts import Profile
 from lagrange.axial.pressure import Ends
-from lagrange.axial.profile import Profile
 from lagrange.axial.slices import Slices
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw

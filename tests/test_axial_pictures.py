@@ -44,7 +44,7 @@ def test_a_file_gives_the_pressures_of_the_statics(stored, tmp_path):
 
 
 def test_a_place_bears_the_force_and_moment_that_it_was_asked_for():
-    from lagrange.axial.tabulate import contact_slices
+    from lagrange.axial.slices import contact_slices
     from lagrange.contact.laws import contact_laws
 
     scene = Scene(model="lagrange", axial={"slices": 21})

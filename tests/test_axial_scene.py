@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lagrange.axial.profile import logarithmic_drop
+from lagrange.axial.facts import logarithmic_drop
 from lagrange.scene import Scene, read_scene
 from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import parse_scene_text

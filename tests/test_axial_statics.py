@@ -14,11 +14,11 @@ from fem.solver.rigid.start import narrow_slices
 from fem.statics.exact_statics import exact_statics
 from fem.statics.reduced_bearing import kept_contacts
 from lagrange.axial import Axial
-from lagrange.axial.profile import Profile
+from lagrange.axial.facts import Profile
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.kinematics import roller_angles
-from lagrange.rating.capacity import Dimensions
+from lagrange.rating.life import Dimensions
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.tilt import HubTilt, sliced_laws

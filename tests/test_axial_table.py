@@ -10,11 +10,10 @@ from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
 from fem.kernels.tilted_surfaces import in_series
 from lagrange.axial import ContactTable
+from lagrange.axial.facts import Profile
 from lagrange.axial.pressure import Ends, peak_table, placed, pressures, pressures_under
-from lagrange.axial.profile import Profile
-from lagrange.axial.slices import Slices
+from lagrange.axial.slices import Slices, alone, spalled, tabulated
 from lagrange.axial.table import in_series as softened
-from lagrange.axial.tabulate import alone, spalled, tabulated
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import contact_laws, johnson
 from lagrange.tilt import roller_inertias

@@ -22,7 +22,7 @@ from lagrange.catalogue import (
     listed,
     ratings,
 )
-from lagrange.rating.capacity import Dimensions, ball_capacity_factor, dynamic_capacity
+from lagrange.rating.life import Dimensions, ball_capacity_factor, dynamic_capacity
 from lagrange.scene.bearing import BearingTable
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from residual.check_vibration import main as vibration_main

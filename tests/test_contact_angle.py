@@ -14,7 +14,7 @@ from fem.rating.answers import rating
 from fem.rating.case import Case, Options
 from lagrange import contact_laws, kinematics
 from lagrange.contact.hertz import contact_pairs, raceway_curvature
-from lagrange.rating.capacity import Dimensions, capacity_factor, dynamic_capacity, static_capacity
+from lagrange.rating.life import Dimensions, capacity_factor, dynamic_capacity, static_capacity
 from lagrange.rating.reference_life import reference_life
 from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import Scene, parse_scene_text

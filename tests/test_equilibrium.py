@@ -11,8 +11,8 @@ from fem.kernels.ring_kernels import HALO
 from fem.statics.contact_balance import LOOSE_SPRING, Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing, Material
+from lagrange.fits import spinning_growth
 from lagrange.kinematics import roller_angles
-from lagrange.spinning import spinning_growth
 from tests.reference.bearings import (
     LOAD,
     ON_A_ROLLER,

@@ -16,12 +16,11 @@ from fem.rating.page import write_page
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import BallBearing, Material, kinematics
 from lagrange.bearing import Bearing
-from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clearance
+from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clearance, spinning_growth
 from lagrange.mounting import Bore
-from lagrange.rating.capacity import Dimensions, dynamic_capacity
+from lagrange.rating.life import Dimensions, dynamic_capacity
 from lagrange.scene.fit import FitTable
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
-from lagrange.spinning import spinning_growth
 from meshes import Mesh
 from residual.cli import main as check_main
 from tests.reference.bearings import LENGTH, STEEL, STEEL_ON_STEEL, ring

@@ -17,7 +17,7 @@ from fem.statics.reduced_bearing import neighbours_of, reduced_bearing
 from fem.study.parameters import read_parameter
 from lagrange import contact_laws, kinematics
 from lagrange.kinematics import roller_angles
-from lagrange.rating.capacity import Dimensions
+from lagrange.rating.life import Dimensions
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene

@@ -8,29 +8,27 @@ import pytest
 from fem.interface import rating
 from fem.rating.case import Case, Options
 from fem.rating.ross import coefficients
-from lagrange.axial.profile import logarithmic_drop
+from lagrange.axial.facts import logarithmic_drop
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import ball_pressure, contact_pairs
 from lagrange.first_state import equilibrium_state
-from lagrange.rating.capacity import (
-    Basic,
-    Dimensions,
-    capacity_factor,
-    dynamic_capacity,
-    fatigue_load_limit,
-    static_capacity,
-)
 from lagrange.rating.contact_stress import PERMITTED, PERMITTED_OF_BALLS, line_contact, stress_below
 from lagrange.rating.friction import caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
+    Basic,
+    Dimensions,
     DutyCycle,
     basic_life,
+    capacity_factor,
     contamination_factor,
+    dynamic_capacity,
+    fatigue_load_limit,
     in_hours,
     life_modification,
     reference_viscosity,
     reliability_factor,
+    static_capacity,
 )
 from lagrange.rating.reference_life import (
     edge_factor,

@@ -9,9 +9,8 @@ import pytest
 from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from fem.interface import rating
-from lagrange.rating.capacity import Dimensions
-from lagrange.rating.life import basic_life
-from lagrange.rating.run_loads import run_loads
+from lagrange.rating.life import Dimensions, basic_life
+from lagrange.rating.reference_life import run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.scene import read_scene
 from residual.cli import main

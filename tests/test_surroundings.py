@@ -131,7 +131,7 @@ def test_a_kernel_that_others_can_write_is_made_anew_and_a_sticky_folder_above_i
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
 def test_matrices_and_meshes_are_kept_where_nobody_else_can_write(tmp_path, monkeypatch):
     from fem.solver import pace
-    from lagrange.files.private import user_cache
+    from lagrange.files.input import user_cache
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
     assert user_cache("meshes").stat().st_mode & 0o777 == 0o700

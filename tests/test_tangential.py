@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 
 from fem.elastic.continuum import Section, cross_compliance, shear_approach, shear_compliance
 from lagrange import Material
-from lagrange.spinning import SLOW, spinning_growth
+from lagrange.fits import SLOW, spinning_growth
 from tests.reference.polar_navier import PolarNavier
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)

@@ -12,10 +12,10 @@ from fem.interface import simulate as run
 from fem.runner import RunOptions, run_scene
 from lagrange import contact_laws, kinematics, static_equilibrium
 from lagrange.first_state import Problem
+from lagrange.fits import outer_growth
 from lagrange.kinematics import OUTER_RING, turned
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, read_scene
-from lagrange.spinning import outer_growth
 from lagrange.surface.deviation import Turns
 from residual.evaluation import evaluate
 from residual.fault_finding import find_faults

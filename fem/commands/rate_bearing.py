@@ -123,7 +123,7 @@ def _rate(
 def _run(path: Path):
     """Scene and loads of a result file."""
     from fem.result.run_file import RunFile
-    from lagrange.rating.run_loads import COLUMNS, run_loads
+    from lagrange.rating.reference_life import COLUMNS, run_loads
 
     run = RunFile(path)
     columns = {name: run.from_housing(name) for name in COLUMNS}

@@ -16,8 +16,8 @@ import numpy as np
 
 import lagrange
 import meshes
+from lagrange.files.input import private_folder
 from lagrange.files.output import read_sealed, write_sealed
-from lagrange.files.private import private_folder
 from meshes import cache as mesh_cache
 
 LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill the disk

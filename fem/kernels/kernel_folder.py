@@ -14,7 +14,7 @@ from pathlib import Path
 import platformdirs
 
 from lagrange.contact import damping
-from lagrange.files.private import private_folder
+from lagrange.files.input import private_folder
 
 notices: list[str] = []  # sentences on what was wrong with folders and files so far
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
 from lagrange.rating import sources
-from lagrange.rating.capacity import speed_warning
 from lagrange.rating.contact_stress import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
 from lagrange.rating.life import (
     in_hours,
     reference_viscosity,
     reliability_factor,
+    speed_warning,
 )
 from lagrange.rating.sources import Source, Unavailable
 from lagrange.scene.operation import RPM

@@ -13,18 +13,20 @@ from lagrange.axial import Axial
 from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact.hertz import Pair, ball_pressure, contact_pairs
 from lagrange.first_state import equilibrium_state
-from lagrange.fits import OperatingClearance
+from lagrange.fits import OperatingClearance, growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
-from lagrange.rating.capacity import Basic, Dimensions, dynamic_capacity
 from lagrange.rating.contact_stress import LineContact, line_contact
 from lagrange.rating.friction import Torque, caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     EXPONENT,
     OF_BALLS,
+    Basic,
+    Dimensions,
     DutyCycle,
     basic_life,
     contamination_factor,
+    dynamic_capacity,
     in_hours,
     life_modification,
     reference_viscosity,
@@ -33,19 +35,18 @@ from lagrange.rating.life import (
 from lagrange.rating.reference_life import (
     LAMINAE,
     LaminaLoads,
+    RunLoads,
     positions,
     reference_life,
     rigid_loads,
     shared_out,
     turning_rings,
 )
-from lagrange.rating.run_loads import RunLoads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
-from lagrange.spinning import growths, outer_growth
 from lagrange.surface.film import film_thicknesses, under_films
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, profile_ends
-from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.slices import Slices, contact_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ContactLaws

@@ -19,7 +19,7 @@ from fem.solver.tilted_arrays import rigid_compliance, tilted, with_moments, wit
 from lagrange import Bearing, kinematics
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
-from lagrange.axial.tabulate import steepest_slope
+from lagrange.axial.slices import steepest_slope
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.equations import touching_distances
 from lagrange.first_state import Problem

@@ -10,9 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 from statistics import median
 
-from lagrange.files.input import read_plain
+from lagrange.files.input import read_plain, user_cache
 from lagrange.files.output import write_whole
-from lagrange.files.private import user_cache
 
 KEPT = 5  # runs of each model: their median forgives one that shared its caches
 SHORTEST = 0.01  # s, of a time loop that tells of the machine

@@ -25,7 +25,7 @@ from fem.statics.reduced_bearing import RingCouplings, neighbours_of
 from lagrange import kinematics
 from lagrange.axial import SpalledTable
 from lagrange.equations import touching_distances
-from lagrange.spinning import growths, outer_growth
+from lagrange.fits import growths, outer_growth
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:

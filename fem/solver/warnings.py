@@ -10,7 +10,7 @@ from lagrange import Bearing, Operation, contact_laws
 from lagrange.bearing import CORE
 from lagrange.kinematics import kinematics_met, roller_angles
 from lagrange.limits import exceeds
-from lagrange.rating.capacity import Basic, speed_warning
+from lagrange.rating.life import Basic, speed_warning
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene

@@ -23,8 +23,8 @@ from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
 from lagrange import Bearing, Kinematics
 from lagrange.contact.hertz import Pair, contact_pairs, line_compliance
+from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import roller_angles
-from lagrange.spinning import growths, outer_growth
 from lagrange.surface.deviation import Turns
 
 

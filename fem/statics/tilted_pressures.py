@@ -9,8 +9,7 @@ from fem.contacts.tilted import rounded_range, tilted_slices
 from fem.elastic.cache import kept
 from fem.statics.reduced_bearing import kept_contacts
 from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, profile_ends
-from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.slices import Slices, contact_slices
 from lagrange.contact.hertz import Side, contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.scene.scene import Scene

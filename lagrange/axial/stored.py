@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange.axial.facts import Axial
-from lagrange.axial.slices import Slices
-from lagrange.axial.tabulate import contact_slices
+from lagrange.axial.slices import Slices, contact_slices
 from lagrange.bearing import Bearing
 from lagrange.contact.laws import LogarithmicLaw
 from lagrange.files.hdf5 import Damaged, check_array, has, variable

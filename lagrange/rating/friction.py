@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import asin, exp, pi, sqrt
 
 from lagrange.limits import exceeds
-from lagrange.rating.capacity import Dimensions
+from lagrange.rating.life import Dimensions
 from lagrange.rating.sources import Unavailable
 
 ROLLING = {"10": 1.12e-6, "2": 1.09e-6, "22": 1.40e-6, "3": 1.09e-6, "23": 1.48e-6}  # R1 by dimension series

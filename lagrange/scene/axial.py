@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import Field
 
-from lagrange.axial.facts import Axial
-from lagrange.axial.profile import Kind, Profile
+from lagrange.axial.facts import Axial, Kind, Profile
 from lagrange.bearing import Bearing
 from lagrange.files.tables import columns
 from lagrange.limits import exceeds

@@ -14,8 +14,16 @@ from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.limits import exceeds
 from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
-from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius, thickness
-from lagrange.surface.heights import HeightTable, height_table
+from lagrange.surface.faults import (
+    HeightTable,
+    MeasuredSurface,
+    Spall,
+    UnequalRoller,
+    Waviness,
+    height_table,
+    own_radius,
+    thickness,
+)
 
 MM, UM = 1e-3, 1e-6
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene

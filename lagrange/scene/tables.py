@@ -8,7 +8,7 @@ from pydantic import Field
 
 from lagrange.axial import Axial
 from lagrange.bearing import BallBearing, Bearing, Cage, Operation
-from lagrange.fits import OperatingClearance, in_operation, operating_clearance
+from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting
 from lagrange.scene.axial import AxialTable
@@ -22,7 +22,6 @@ from lagrange.scene.operation import OperationTable
 from lagrange.scene.run import ContactTable, DampingTable, LagrangeTable, NumericsTable, OutputTable
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.section import section_mounting, section_operation
-from lagrange.spinning import growths
 from lagrange.surface.faults import Fault, Film
 from lagrange.surface.film import films
 

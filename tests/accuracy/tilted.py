@@ -10,8 +10,8 @@ from cyclopts import App
 from scipy.signal import butter, hilbert, sosfiltfilt
 
 from fem.solver.simulate import make_plan
+from lagrange.axial.slices import alone, contact_slices
 from lagrange.axial.table import in_series
-from lagrange.axial.tabulate import alone, contact_slices
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.kinematics import kinematics

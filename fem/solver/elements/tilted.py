@@ -22,7 +22,7 @@ from fem.statics.equilibrium import Equilibrium
 from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
 from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import Axial
-from lagrange.axial.tabulate import MORE, steepest_slope
+from lagrange.axial.slices import MORE, steepest_slope
 from lagrange.bearing import Cage
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import Tilts, hub_tilt

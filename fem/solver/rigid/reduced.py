@@ -42,7 +42,7 @@ from fem.statics.reduced_bearing import (
 )
 from lagrange import Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
-from lagrange.axial.tabulate import MORE
+from lagrange.axial.slices import MORE
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import fastest_kinematics, kinematics_met

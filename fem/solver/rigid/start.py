@@ -28,7 +28,7 @@ from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
-from lagrange.axial.tabulate import steepest_slope
+from lagrange.axial.slices import steepest_slope
 from lagrange.contact.hertz import contact_pairs
 from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import roller_angles, turned

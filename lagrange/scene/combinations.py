@@ -148,7 +148,10 @@ def _axial(scene: SceneTables) -> Iterator[str]:
         yield from axial_faults(scene.perfect_bearing(), scene.axial)
         yield from part_faults(scene.perfect_bearing(), scene.axial.slices, scene.spall)
     elif scene.operation.misalignment_mrad:
-        yield (": needs an [axial] table (an empty one is enough)")
+        yield (
+            f"operation.misalignment_mrad = {scene.operation.misalignment_mrad:g}: needs an [axial] table (an "
+            "empty one is enough)"
+        )
 
 
 COMBINATIONS: tuple[Callable[[SceneTables], Iterator[str]], ...] = (

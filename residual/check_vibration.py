@@ -13,9 +13,9 @@ from residual.errors import InputError
 
 app = new_app(
     "check-vibration",
-    """Say what a vibration record tells of a bearing: outer ring, inner ring, rolling element, or nothing.
+    """Diagnose a bearing from a vibration record: damage of outer ring, inner ring or rolling element.
 
-Reads CSV, WAV, MATLAB, NPY, NPZ and result files of run-fem; UFF58, TDMS and Parquet by further packages. Writes a
+Reads CSV, WAV, MATLAB, NPY, NPZ and result files of run-fem; UFF58, TDMS and Parquet need further packages. Writes a
 folder with vibration.html, figures and summary.json.
 
 Example: check-vibration record.csv --bearing NU206 --speed 1480 --speed-tolerance 2%
@@ -30,21 +30,22 @@ Exit codes: 0 done, whatever the verdict; 2 unusable input; 130 interrupted; 143
 def _command(
     record: Annotated[Path, Parameter(help="vibration record, or result file of run-fem")],
     /,
-    *more: Annotated[Path, Parameter(help="further records of a series, in its order: growth over them")],
-    rate: Annotated[float | None, Parameter(help="samples per second, Hz; default: the record's own")] = None,
+    *more: Annotated[Path, Parameter(help="further records of a series, in order of time: shows the trend")],
+    rate: Annotated[float | None, Parameter(help="sampling rate, Hz; default: the record's own")] = None,
     channel: Annotated[str | None, Parameter(help="name, part of a name, or number of the channel")] = None,
     unit: Annotated[str | None, Parameter(help="g, m/s2, mm/s, or V with --sensitivity; default: the file's")] = None,
-    sensitivity: Annotated[str | None, Parameter(help="of a record in volts: 100mV/g")] = None,
-    bearing: Annotated[str | None, Parameter(help="designation of a standard bearing: NU206")] = None,
+    sensitivity: Annotated[str | None, Parameter(help="sensitivity of a record in volts: 100mV/g")] = None,
+    bearing: Annotated[str | None, Parameter(help="standard bearing: NU206")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML) of the bearing; its speed is the default")] = None,
-    elements: Annotated[int | None, Parameter(help="number of rolling elements, of another bearing")] = None,
-    element_diameter: Annotated[float | None, Parameter(help="of its rolling elements, mm")] = None,
-    pitch_diameter: Annotated[float | None, Parameter(help="of its pitch circle, mm")] = None,
-    contact_angle: Annotated[float, Parameter(help="degrees")] = 0.0,
-    speed: Annotated[float | None, Parameter(help="of the shaft, rpm")] = None,
-    speed_tolerance: Annotated[str, Parameter(help="by which the speed may be wrong, per cent")] = "1%",
+    elements: Annotated[int | None, Parameter(help="another bearing: number of rolling elements")] = None,
+    element_diameter: Annotated[float | None, Parameter(help="diameter of its rolling elements, mm")] = None,
+    pitch_diameter: Annotated[float | None, Parameter(help="its pitch diameter, mm")] = None,
+    contact_angle: Annotated[float, Parameter(help="its contact angle, degrees")] = 0.0,
+    speed: Annotated[float | None, Parameter(help="speed of the shaft, rpm")] = None,
+    speed_tolerance: Annotated[str, Parameter(help="uncertainty of the speed, per cent")] = "1%",
     against: Annotated[
-        Path | None, Parameter(help="another record, as of a healthy bearing, a result file, or a scene to simulate")
+        Path | None, Parameter(help="compare with another record (e.g. of the healthy bearing), a result file, or a "
+                                    "scene to simulate")
     ] = None,
     output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration beside the record")] = None,
     no_figures: Annotated[bool, Parameter(negative="", help="draw no figures")] = False,
@@ -67,7 +68,7 @@ def _command(
     check_replaceable(folder, app.name[0])
     if more:
         if against is not None:
-            raise InputError("--against: of one record; a series is compared with itself, name one record")
+            raise InputError("--against: only with one record; a series is compared with itself")
         from residual.measured.trend import print_trend, trend_of, write_trend
 
         trend = trend_of((record, *more), question, options)

@@ -28,7 +28,7 @@ def new_app(name: str, text: str) -> App:
         help_format="plaintext", help=text,
     )  # fmt: skip
 
-    @app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+    @app.command(name="--install-completion", help="install completion of options for this shell: bash, zsh or fish")
     def _install_completion() -> None:
         from cyclopts.completion.detect import ShellDetectionError
 
@@ -42,7 +42,7 @@ def new_app(name: str, text: str) -> App:
 
 app = new_app(
     "check-residual",
-    """Put a run's trajectories into the Lagrange equations (22) and (23) and report what is left.
+    """Put a run's trajectories into Lagrange's equations (22) and (23) and report the residual.
 
 Writes a folder with report.html, figures, residual.nc and summary.json.
 
@@ -62,45 +62,44 @@ def _command(
     *,
     output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
-    resample: Annotated[bool, Parameter(negative="", help="bring a table's irregular samples to equal steps")] = False,
+    resample: Annotated[bool, Parameter(negative="", help="resample a table to equal time steps")] = False,
     kinematic_rollers: Annotated[
-        bool, Parameter(negative="", help="of a table of the hub's orbit alone: its rollers roll without slip")
+        bool, Parameter(negative="", help="for a table with only the hub's orbit: rollers roll without slip")
     ] = False,
     law: Annotated[
         str | None,
         Parameter(
-            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz (balls); "
-            "or fitted, fitted_damped: to the first half of the run's own forces; default: the scene's, harris or hertz"
+            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz "
+            "(balls); or fitted, fitted_damped (to the first half of the run's forces); default: the scene's, "
+            "harris or hertz"
         ),
     ] = None,
-    start: Annotated[float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")] = None,
+    start: Annotated[float | None, Parameter(help="time to skip, ms; default: the load ramp, if any")] = None,
     line: Annotated[
         tuple[str, ...],
-        Parameter(help="a line to look at, repeatable: BPFO, 2xBPFO, BPFO-shaft, or in Hz", consume_multiple=False),
+        Parameter(
+            help="report this line; repeatable: BPFO, 2xBPFO, BPFO-shaft, or a frequency in Hz", consume_multiple=False
+        ),
     ] = (),
-    order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
+    order: Annotated[Literal[4, 6, 8], Parameter(help="order of the finite differences")] = 6,
     band: Annotated[
-        str | None, Parameter(help="of the vibration's envelope, Hz: 2000-8000; default: 3 BPFI to 50 kHz")
+        str | None, Parameter(help="band of the envelope spectrum, Hz: 2000-8000; default: 3 BPFI to 50 kHz")
     ] = None,
-    tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
+    tolerance: Annotated[float | None, Parameter(help="largest error force, N rms; exit 1 above it")] = None,
     search: Annotated[
         bool,
-        Parameter(
-            name="--find-faults", negative="", help="look for a spall in the trajectories: body, angle, width, or none"
-        ),
+        Parameter(name="--find-faults", negative="", help="search for spalls: ring or roller, angle, width"),
     ] = False,
-    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, most of a report's time")] = False,
+    no_figures: Annotated[bool, Parameter(negative="", help="no figures (much faster)")] = False,
     no_equations: Annotated[
-        bool, Parameter(negative="", help="report on the run alone, without the error forces of (22), (23)")
+        bool, Parameter(negative="", help="report on the run without the error forces of (22), (23)")
     ] = False,
-    against: Annotated[
-        str | None, Parameter(help="another result file or table, or a law: both beside each other")
-    ] = None,
+    against: Annotated[str | None, Parameter(help="compare with another result file, table or contact law")] = None,
     export: Annotated[
         tuple[str, ...],
-        Parameter(negative="", consume_multiple=False, help='"csv": also write the signals as signals.csv'),
+        Parameter(negative="", consume_multiple=False, help="csv: also write the signals as signals.csv"),
     ] = (),
-    compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
+    compare_laws: Annotated[bool, Parameter(negative="", help="print the error force of every law, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
     from lagrange.messages import say, telling
@@ -131,8 +130,8 @@ def _command(
         compared, its_law = _compared(against, record, law, (scene, resample, kinematic_rollers))
     if no_equations and compared is not None and compared.source == record.source:
         raise InputError(
-            f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
-            "leave either option out"
+            f"--against {against}: laws differ only in the error forces, which --no-equations leaves out; leave out "
+            "one of the two"
         )
     evaluation = evaluate(record, law, seconds, order, line, limits, compare_laws)
     found = find_faults(evaluation.record) if search else None

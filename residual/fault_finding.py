@@ -478,7 +478,7 @@ def find_faults(record: Record) -> FaultSearch:
     motion = roller_motion(record)
     travel = motion.travel(motion.places()[1])
     if motion.operation.fastest == 0.0 or travel == 0.0:
-        raise InputError(f"{record.source}: --find-faults: the bearing stands, so rollers pass over nothing")
+        raise InputError(f"{record.source}: --find-faults: the bearing stands still; rollers pass over nothing")
     if travel > FARTHEST:
         raise InputError(
             f"{record.source}: --find-faults: contacts move {1e3 * travel:.3g} mm from sample to sample, at most "

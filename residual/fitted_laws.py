@@ -221,11 +221,11 @@ def identify(record: Record, approach, closing_speed, bridge: int, name: str) ->
     InputError: the source holds no forces, or they fix no law.
     """
     if has_tilts(record):
-        raise InputError(f"{record.source}: no law is fitted to rollers that tilt; choose a named law")
+        raise InputError(f"{record.source}: laws are not fitted to rollers that tilt; choose a named law")
     if record.inner_force is None:
         raise InputError(
-            f"{record.source}: the law {name} is fitted to the run's own contact forces, which this source does "
-            "not tell; choose a named law"
+            f"{record.source}: the law {name} is fitted to the run's own contact forces, which this source does not "
+            "have; choose a named law"
         )
     try:
         return fit_law(approach, record.inner_force, bridge, None if name == "fitted" else closing_speed)

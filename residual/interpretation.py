@@ -40,7 +40,10 @@ def interpretation(evaluation: Evaluation, statics: QuasiStatic | None) -> list[
     """Say what the model may be used for, as far as the run has the data."""
     found = [_mean(evaluation)]
     if evaluation.within_noise:
-        return [*filter(None, found), "What varies in time may be the noise of the positions: no finding on any law."]
+        return [
+            *filter(None, found),
+            "The variation over time may be noise of the positions; it says nothing about any law.",
+        ]
     found += [_varying(evaluation), _best(evaluation), _omitted(evaluation)]
     if statics is not None:
         found.append(_used(evaluation, statics))
@@ -60,24 +63,27 @@ def _mean(evaluation: Evaluation) -> str:
         return ""
     name = evaluation.law.name
     if abs(missing) < MATTERS:
-        return f"On the run's approaches the law {name} carries the load to {text(100.0 * abs(missing), 2)} %."
+        return (
+            f"For the simulated contact approaches the law {name} gives the load to within "
+            f"{text(100.0 * abs(missing), 2)} %."
+        )
     less = "less" if missing > 0.0 else "more"
     return (
-        f"On the run's approaches the law {name} carries {text(100.0 * abs(missing), 3)} % {less} than the load "
-        f"(mean of the error force against it {text(along)} N). A law takes each contact alone, with rigid bodies "
-        "behind it; in the run contacts of one ring share its flexibility. Even an exact simulation does not make the "
-        "sum 0."
+        f"For the simulated contact approaches the law {name} gives {text(100.0 * abs(missing), 3)} % {less} force "
+        f"than the load (mean error force against the load {text(along)} N). A law treats each contact alone, between "
+        "rigid bodies; in the run the contacts of a ring share its flexibility. Even an exact simulation leaves an "
+        "error."
     )
 
 
 def _varying(evaluation: Evaluation) -> str:
     x, y = evaluation.x.error, evaluation.y.error
-    words = f"What varies in time is {text(x.std, 2)} N (standard deviation) in x and {text(y.std, 2)} N in y"
+    words = f"The error force varies by {text(x.std, 2)} N (standard deviation) in x and {text(y.std, 2)} N in y"
     peak = evaluation.x.peaks[0] if evaluation.x.peaks else None
     if peak is not None and peak.line is not None:
-        words += f"; in x the strongest line is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
+        words += f"; the strongest line in x is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
     if max(x.std, y.std) < LEVEL * hypot(x.mean, y.mean):
-        words += ". The model follows the passage of the rollers; it is its level that is off"
+        words += ". The model follows the passage of the rollers; its mean force is off"
     return words + "."
 
 
@@ -85,10 +91,13 @@ def _best(evaluation: Evaluation) -> str:
     best = evaluation.laws[0]
     named = next((score for score in evaluation.laws if score.name not in evaluation.identified), None)
     x, y = best.errors
-    words = f"Of the laws compared, {best.name} leaves least: {text(x.rms, 2)} N rms in x, {text(y.rms, 3)} N in y"
+    words = (
+        f"Of the laws compared, {best.name} has the smallest error: {text(x.rms, 2)} N rms in x, {text(y.rms, 3)} N in "
+        "y"
+    )
     if named is not None and named is not best:
         x, y = named.errors
-        words += f"; of those not fitted to the run, {named.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
+        words += f"; among those not fitted to the run {named.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
     return words + "."
 
 
@@ -96,7 +105,7 @@ def _omitted(evaluation: Evaluation) -> str:
     budget, (scale, name) = evaluation.budget, evaluation.reference
     words = {
         "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
-        "other_forces": "other forces, of which the table has no column",
+        "other_forces": "other forces, for which the table has no column",
     }  # fmt: skip
     largest = {
         term: max(rms(budget.x.terms[term]), rms(budget.y.terms[term])) for term in words if term in budget.x.terms
@@ -105,7 +114,7 @@ def _omitted(evaluation: Evaluation) -> str:
         return ""
     parts = " and ".join(f"{words[term]} ({text(value, 2)} N rms)" for term, value in largest.items())
     little = max(largest.values()) < MATTERS * scale
-    return f"The model leaves out {parts}" + (f": little beside the {name}." if little else ".")
+    return f"The model leaves out {parts}" + (f": negligible against the {name}." if little else ".")
 
 
 def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
@@ -115,12 +124,12 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
     deviation = static / most - 1.0
     deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(evaluation.record.inner_y.mean())
     words = (
-        f"Solved for itself in equilibrium{_at_speed(evaluation)}, the model puts {text(static)} N on the most loaded "
-        f"roller, the run at most {text(most)} N ({text(100.0 * deviation, 2)} %), and the inner ring {text(deep)} µm "
-        f"down, the run {text(found)} µm on average"
+        f"The model's own equilibrium{_at_speed(evaluation)} has {text(static)} N on the most loaded roller, the run "
+        f"at most {text(most)} N ({text(100.0 * deviation, 2)} %); the inner ring sinks by {text(deep)} µm, in the run "
+        f"by {text(found)} µm on average"
     )
     if abs(deviation) < ALIKE and abs(deep - found) > ALIKE * abs(found):
-        words += ": loads follow from equilibrium and hardly depend on the law, displacements are the law's"
+        words += ": loads follow from equilibrium; displacements depend on the law"
     return words + "."
 
 
@@ -132,7 +141,7 @@ def _at_speed(evaluation: Evaluation) -> str:
 def contradiction_sentence(evaluation: Evaluation) -> str:
     """What speaks against the scene of a table; "" where nothing does."""
     found = evaluation.contradictions
-    return f"The table is not of this scene, by what it holds: {'; '.join(found)}." if found else ""
+    return f"The table contradicts the scene: {'; '.join(found)}." if found else ""
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
@@ -154,14 +163,14 @@ def _share(evaluation: Evaluation, force: float, named: bool = True) -> str:
 def _sound(evaluation: Evaluation) -> str:
     left, scale = evaluation.balance, evaluation.reference[0]
     if left is None:
-        return "the soundness of the trajectories can't be judged without contact forces"
+        return "without contact forces the trajectories themselves cannot be checked"
     size = f"{text(left, 2, evaluation.noise)} N rms{_share(evaluation, left)}"
     if left <= max(SOUND * scale, evaluation.noise):
         return f"the trajectories are sound (Newton's law holds to {size})"
     noise, coarse = evaluation.position_noise, evaluation.too_coarse
     if noise is not None and evaluation.balance_within_noise:
         return (
-            f"the soundness of the trajectories can't be judged: Newton's law leaves {size}, and the positions' error, "
+            f"the trajectories cannot be checked: Newton's law leaves {size}, and the error of the positions, "
             f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
         )
     if coarse is not None:
@@ -172,24 +181,24 @@ def _sound(evaluation: Evaluation) -> str:
             f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, evaluation.noise)} N rms"
             f"{_share(evaluation, held)}); with all vibration it leaves {size}, because {coarse.cause}"
         )
-    return f"the trajectories are not sound, or forces act that stand in no column (Newton's law leaves {size})"
+    return f"the trajectories are not sound, or forces act for which there is no column (Newton's law leaves {size})"
 
 
 def _missed(evaluation: Evaluation) -> str:
     errors, noise = evaluation.judged, evaluation.position_noise
     worst, peak = max(e.rms for e in errors), max(e.max_abs for e in errors)
-    part = "" if evaluation.identification is None else ", on the part of the record that it was not fitted to"
+    part = "" if evaluation.identification is None else ", on the part of the record not used for the fit"
     x, y = (text(e.rms, noise=evaluation.noise) for e in errors)
     if noise is not None and evaluation.within_noise:
         floor_x, floor_y = (text(floor, 2) for floor in noise.error)
         return (
-            f"the error forces, {x} N rms in x and {y} N in y, are no finding on the contact law "
-            f"{evaluation.law.name}: the positions' error, {noise.source}, alone makes about {floor_x} N rms in x and "
-            f"{floor_y} N in y{part}"
+            f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law "
+            f"{evaluation.law.name}: the error of the positions, {noise.source}, alone makes about {floor_x} N rms in "
+            f"x and {floor_y} N in y{part}"
         )
     return (
-        f"the contact law {evaluation.law.name} misses {x} N rms in x and {y} N in y{_share(evaluation, worst)}, and "
-        f"at most {text(peak)} N{_share(evaluation, peak, named=False)}{part}"
+        f"with the contact law {evaluation.law.name} the force balance is off by {x} N rms in x and {y} N in "
+        f"y{_share(evaluation, worst)}, and at most by {text(peak)} N{_share(evaluation, peak, named=False)}{part}"
     )
 
 

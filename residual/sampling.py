@@ -66,17 +66,16 @@ class TooCoarse:
         samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration; {better} does"
         if 2.0 * self.own < self.left:
             return samples
-        rings = "the elastic rings vibrate by themselves, with another inertia than that of M at the hub"
+        rings = "the elastic rings vibrate, with an inertia other than M at the hub"
         return f"{rings}, and {samples}" if self.seldom else rings
 
     @property
     def note(self) -> str:
         return (
-            f"the momentum balance leaves {self.left:.2g} N rms in {self.axis}, where differentiation should err by "
-            f"{self.floor:.2g} N: samples every {1e6 * self.interval:.3g} µs are too far apart for rollers, which "
-            f"vibrate on their contacts at up to about {1e-3 * self.mode:.3g} kHz, and what is beyond the Nyquist "
-            f"frequency, {0.5e-3 / self.interval:.3g} kHz, stands at false frequencies in all spectra; simulate with "
-            f"{self.remedy}"
+            f"the momentum balance leaves {self.left:.2g} N rms in {self.axis}, more than the {self.floor:.2g} N of "
+            f"differentiation: samples every {1e6 * self.interval:.3g} µs do not follow the rollers, which vibrate on "
+            f"their contacts at up to about {1e-3 * self.mode:.3g} kHz; vibration above the Nyquist frequency, "
+            f"{0.5e-3 / self.interval:.3g} kHz, is aliased in all spectra; simulate with {self.remedy}"
         )
 
 
@@ -141,14 +140,14 @@ def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
         return []
     if resonance >= nyquist:
         return [
-            f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about "
-            f"{resonance:.3g} Hz: vibration there is folded down and the inertia force is wrong; store more often"
+            f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about {resonance:.3g} Hz: "
+            "vibration there is aliased and the inertia force is wrong; lower numerics.output_interval_us"
         ]
     gain = float(response(resonance, interval, order))
     if gain < STENCIL_GAIN:
         return [
-            f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads "
-            f"{100 * (1 - gain):.0f} % of the inertia force too low; store more often or use a higher order"
+            f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads {100 * (1 - gain):.0f} % of "
+            "the inertia force too low; lower numerics.output_interval_us or use a higher --order"
         ]
     return []
 
@@ -191,10 +190,10 @@ class PositionNoise:
         """The floor in words."""
         x, y = self.error
         return (
-            f"the table's positions err by {self.source}: that alone makes an error force of about {text(x, 2)} N rms "
-            f"in x and {text(y, 2)} N in y (at most {text(max(self.inertia), 2)} N by differentiation, "
-            f"{text(max(self.law), 2)} N by the contact law); smaller residuals are no findings; positions with more "
-            "digits and less noise lower it"
+            f"the table's positions have an error, {self.source}, that alone makes an error force of about "
+            f"{text(x, 2)} N rms in x and {text(y, 2)} N in y (at most {text(max(self.inertia), 2)} N from "
+            f"differentiation, {text(max(self.law), 2)} N from the contact law); smaller residuals mean nothing; "
+            "positions with more digits and less noise lower it"
         )
 
 
@@ -276,7 +275,7 @@ class Stationarity:
         widths = "; ".join(
             f"{name} {', '.join(text(1e9 * value, 3) for value in values)} nm" for name, values in self.hub.items()
         )
-        moves = f"how far the hub swings changes over the quarters of the record (standard deviations of {widths})"
+        moves = f"the hub's vibration changes over the quarters of the record (standard deviations of {widths})"
         if self.settled is None:
             return f"{moves}: it has not settled by the end; simulate longer"
         return f"{moves}: the beginning is a transient; --start {1e3 * self.start[self.settled]:.4g} leaves it out"

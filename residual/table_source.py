@@ -123,7 +123,7 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []
     if "inner_force" not in arrays:
-        notes.append("the table has no contact forces: the error is not split into its terms, no law can be fitted")
+        notes.append("the table has no contact forces: the error is not split into terms, and no law can be fitted")
     else:
         if "inner_ax" not in arrays or "inner_ay" not in arrays:
             notes.append("the table has no accelerations of its own: the budget has no differentiation term")
@@ -132,8 +132,8 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
     if "roller_x" not in arrays:
         arrays["roller_x"], arrays["roller_y"] = kinematic_rollers(path, scene, arrays)
         notes.append(
-            "the table has no places of rollers: they roll without slip from operation.first_roller_deg on, and "
-            f"balance by {scene.lagrange.law} contacts without inertia"
+            "the table has no positions of rollers: they are assumed to roll without slip from "
+            f"operation.first_roller_deg, in static balance on {scene.lagrange.law} contacts"
         )
     columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names
     return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
@@ -149,15 +149,15 @@ def kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) -
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     if scene.mounting().centre or bearing.faults or operation.history is not None:
         raise InputError(
-            f"{path}: --kinematic-rollers: only of perfect rings at one speed and load, the outer one held by the "
-            "ground; leave [support], faults and tables out of the scene"
+            f"{path}: --kinematic-rollers: only for perfect rings at constant speed and load with a held outer ring; "
+            "leave [support], faults and tables out of the scene"
         )
     laws = contact_laws(scene.lagrange.law, bearing)
     first = roller_angles(bearing, operation.first_roller_angle)
     theta = first + np.multiply.outer(arrays["time"], np.ones(first.size)) * turned(bearing, operation, 1.0).cage
     hub = np.column_stack([arrays["inner_x"], arrays["inner_y"]])
     if not np.all(np.abs(hub) < 0.5 * bearing.roller_radius):
-        raise InputError(f"{path}: --kinematic-rollers: the hub leaves the bearing, or a place of it is no number")
+        raise InputError(f"{path}: --kinematic-rollers: the hub leaves the bearing, or a position is not a number")
     rho = np.array([held_hub(bearing, operation, laws, at, angles=on)[1] for at, on in zip(hub, theta, strict=True)])
     return rho * np.cos(theta), rho * np.sin(theta)
 
@@ -178,7 +178,7 @@ def _columns_found(path: Path, header: list[str], scene: Scene, kinematic: bool)
         if indices:
             found[quantity] = indices, factor
     if kinematic and any(_at(path, header, columns, name, n_rollers)[0] for name in (*CARTESIAN, *POLAR)):
-        raise InputError(f"{path}: --kinematic-rollers: the table holds places of rollers; leave the option out")
+        raise InputError(f"{path}: --kinematic-rollers: the table has positions of rollers; leave the option out")
     if not {"time", "inner_x"} & set(found):
         raise InputError(
             f"{path}: neither an HDF5 result file nor a trajectory table: missing column {', '.join(missing[:2])}; "
@@ -190,11 +190,11 @@ def _columns_found(path: Path, header: list[str], scene: Scene, kinematic: bool)
     if missing:
         more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
         if "inner_x" not in found and {"inner_ax", "inner_ay"} & set(found):
-            more += " (accelerations alone do not do: the check needs positions of hub and rollers)"
+            more += " (accelerations are not enough: the check needs positions of hub and rollers)"
         elif not {*CARTESIAN, *POLAR} & set(found):
             more += (
-                " (the hub's orbit alone does not do: contact forces follow from the rollers' positions; "
-                "--kinematic-rollers takes rollers that roll without slip)"
+                " (the hub's orbit is not enough: contact forces follow from the rollers' positions; "
+                "--kinematic-rollers assumes rollers that roll without slip)"
             )
         raise InputError(
             f"{path}: missing column {', '.join(missing[:4])}{more}; where it has another name, [table] in the scene "

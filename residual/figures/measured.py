@@ -58,7 +58,7 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
             inside = [line for line in best.lines if line.found / unit <= top]
             axis.plot([line.found / unit for line in inside], [line.depth for line in inside], "o", color="black",
                       markersize=3.5)  # fmt: skip
-        axis.set(xlim=(0.0, top), ylabel="depth of modulation")
+        axis.set(xlim=(0.0, top), ylabel="modulation depth")
         deepest = max(deepest, float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
         if by_turns:
             axis.text(0.99, 0.97, each.signal.name, transform=axis.transAxes, ha="right", va="top", fontsize=9.5,
@@ -72,7 +72,8 @@ def _envelope(check: Check, folder: Path) -> SavedFigure:
     axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
     caption = (
         f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "
-        f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: what stands out."
+        f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: lines that stand "
+        "out."
     )
     return save(figure, folder, "envelope", "Lines in the envelope", caption)
 
@@ -113,12 +114,12 @@ def trend_figure(trend: Trend, folder: Path) -> SavedFigure:
             depths = [entry.depths[name] for _, entry in used if entry.depths is not None]
             upper.plot(places, depths, "o-", color=colour, markersize=3.5, linewidth=1.0, label=name)
         upper.axhline(DEEP, color=GREY, linestyle="--", linewidth=0.9)
-        upper.set(ylabel="depth of modulation", ylim=(0.0, None))
+        upper.set(ylabel="modulation depth", ylim=(0.0, None))
         legend_above(upper, 3)
         lower.plot(places, [entry.rms for _, entry in used], "o-", color=BLUE, markersize=3.5, linewidth=1.0)
         lower.set(xlabel="record of the series", ylabel=f"rms, {used[0][1].unit or 'own unit'}", ylim=(0.0, None))
         caption = (
-            f"Above: depth of all harmonics of each part's line, dashed: {DEEP:g}, from which a line may accuse. "
+            f"Above: modulation depth of each part's line, all harmonics; dashed: {DEEP:g}, the least for damage. "
             "Below: level of the record."
         )
         return save(figure, folder, "trend", "Growth over the series", caption)
@@ -140,7 +141,7 @@ def _pulse(check: Check, own: Pulse, folder: Path) -> SavedFigure:
         f"It stands above half its height for {text(1e3 * own.length, 3)} ms"
     )
     caption += "." if other is None else f", the other for {text(1e3 * other.length, 3)} ms."
-    return save(figure, folder, "pulse", "Pulse of a strike", caption)
+    return save(figure, folder, "pulse", "Pulse of an impact", caption)
 
 
 def _excerpt(judged: Judged) -> tuple[np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 FROM_LOAD = "roller's angle from the load line, degrees"
 SHARP_STATED = (
-    "Loaded ends of these profiles have an edge, where pressure has no limit: values there are means over a slice."
+    "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."
 )
 ENERGY_CURVES = {
     "energy_kinetic": ("kinetic", BLUE),
@@ -68,7 +68,7 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     axes.set_theta_zero_location("S")
     angle = evaluation.record.from_load[::stride]
     has_forces = evaluation.record.inner_force is not None
-    name = "run" if has_forces else f"law {evaluation.law.name} on the run's approaches"
+    name = "run" if has_forces else f"law {evaluation.law.name}, approaches of the run"
     axes.plot(angle.ravel(), force[::stride].ravel(), color=BLUE, label=name, **DOTS)
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:
@@ -106,7 +106,7 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
         closed = budget.loaded[rows]
         axes[1].plot(angle[closed], (own - budget.law_force)[rows][closed], color=PURPLE, **DOTS)
         axes[1].set_ylabel("run − law, closed contacts, N")
-        caption += " Below: how far the law misses the closed contacts."
+        caption += " Below: run minus law, closed contacts."
     axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylim=(0.0, None))
     axis.legend(loc="upper left", markerscale=5)
     return save(figure, folder, "loads", "Loads of the rollers", caption)
@@ -226,8 +226,8 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     legend_above(axes[0], 3)
     caption = (
         f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
-        "normal forces of both raceways (the outer one also carries the centrifugal force) and what the law makes of "
-        "the same approach"
+        "normal forces of both raceways (the outer one also carries the centrifugal force) and the force by the law "
+        "for the same approach"
     )
     if tangential:
         for traction, colour, name in zip(tractions, (BLUE, RED), ("inner", "outer"), strict=True):
@@ -292,9 +292,9 @@ def against_figures(evaluation: Evaluation, other: Evaluation, folder: Path) -> 
     what, of = ("error forces", "error forces") if laws else ("motion of the hub", "acceleration of the hub")
     caption = (
         f"The {what} over time, forces of the inner contacts over the rollers' angle, and power spectral densities of "
-        f"the {of}, laid over each other."
+        f"the {of}, overlaid."
     )
-    return [save(figure, folder, "against", "Laid over each other", caption)]
+    return [save(figure, folder, "against", "Comparison", caption)]
 
 
 def motion_figures(

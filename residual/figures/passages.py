@@ -107,14 +107,14 @@ def _draw_lines(axis, found: list[Passage], rows: list[np.ndarray], place: np.nd
 def _caption(spall: Spall, found: list[Passage], strikes: list[SpallEvent], at: list[float]) -> str:
     half = float(np.degrees(found[0].half_width))
     caption = (
-        f"Passages over the {text(1e3 * spall.width)} mm wide spall on {body_name(spall)}, laid over each other by the "
-        f"contact's angle from its middle: the force of that contact, and the hub's acceleration. Dashed: the spall's "
-        f"edges, {text(half, 3)}° away."
+        f"Passages over the {text(1e3 * spall.width)} mm wide spall on {body_name(spall)}, over the contact's angle "
+        "from its middle: force of the contact and acceleration of the hub. Dashed: the spall's edges, "
+        f"{text(half, 3)}° away."
     )
     if strikes:
         force, share = np.median([event.force for event in strikes]), 0.5 + 0.5 * np.median(at) / half
         caption += (
-            f" Dots: strikes, the first large peak after a roller was released; their medians are {force:.0f} N and "
+            f" Dots: impacts, the first large peak after a roller was released; their medians are {force:.0f} N and "
             f"{text(float(share), 2)} of the crossing from the entry."
         )
     return caption

@@ -92,8 +92,8 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     legend_above(axes[0], 3, handles=line_handles(families, evaluation.lines))
     caption = (
         "Spectra of the envelope of the error force in an octave around the resonance of the ring on its contacts, "
-        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {'; '.join(parts)}. A line here means that the "
-        "vibration at the resonance swells at that frequency."
+        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {'; '.join(parts)}. A line means that the resonance "
+        "is amplitude-modulated at that frequency."
     )
     return save(figure, folder, "envelope", "Envelope spectra around the ring's resonances", caption)
 

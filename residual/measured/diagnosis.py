@@ -1,9 +1,9 @@
 """What a record says of a bearing: lines of its parts in the envelope, their chance, and a verdict in one word.
 
-A line's frequency alone accuses nobody. Its comb is compared with combs at 200 other frequencies of the same record,
+A line's frequency alone proves no damage. Its comb is compared with combs at 200 other frequencies of the same record,
 the null distribution, so that a record full of lines of other machines raises the bar by itself; and because healthy
-bearings have true, weak lines, an accusation also takes a depth of modulation of 0.2. Whatever could be something else
-is "uncertain": a false accusation costs more than silence.
+bearings have true, weak lines, a damage also needs a modulation depth of 0.2. Whatever could be something else
+is "uncertain": a false alarm costs more than silence.
 """
 
 from dataclasses import dataclass, replace
@@ -26,8 +26,8 @@ HEADLINES: dict[Verdict, str] = {
     "outer_ring": "The outer ring is damaged.",
     "inner_ring": "The inner ring is damaged.",
     "rolling_element": "A rolling element is damaged.",
-    "trace": "A trace: a line of the bearing, too faint for damage.",
-    "uncertain": "Uncertain: what stands out does not carry a verdict.",
+    "trace": "A trace: a line of the bearing stands out, too weak for damage.",
+    "uncertain": "Uncertain: a line stands out, but not clearly enough to blame a part.",
     "none": "No sign of damage.",
 }
 # what a fault's strikes are modulated by under a load that stands still, as far as that turns
@@ -38,9 +38,9 @@ SLIP = 0.01  # of a line, by which slip, contact angle and catalogue's dimension
 DECOYS = 200
 SEED = 0  # of the frequencies of the decoys: the same record always gets the same verdict
 SURE, DOUBTFUL = 0.01, 0.05  # share of decoys that reach a line's score
-CLEAR, VISIBLE = 5.0, 4.0  # standard deviations of the decoys' scores above their mean, to accuse and for a trace
-DEEP = 0.2  # depth of modulation of an accusation
-STANDS_OUT, FEWEST_LINES = 9.0, 2  # power over background of a harmonic, and how many of five do so in an accusation
+CLEAR, VISIBLE = 5.0, 4.0  # standard deviations of the decoys' scores above their mean, for damage and for a trace
+DEEP = 0.2  # modulation depth of damage
+STANDS_OUT, FEWEST_LINES = 9.0, 2  # power over background of a harmonic, and how many of five do so in damage
 COINCIDES = 0.4  # of the resolution, by which a comb and a multiple of the shaft or the mains are the same
 MAINS = (50.0, 60.0)  # Hz
 FEWEST_PASSES = 20  # of rolling elements over a point of the outer ring
@@ -120,8 +120,8 @@ class Finding:
         return self.p <= SURE and self.clear >= VISIBLE and self.beyond is None
 
     @property
-    def accuses(self) -> bool:
-        """Whether it passes every gate of an accusation."""
+    def is_damage(self) -> bool:
+        """Whether it passes every gate of a damage."""
         several = sum(line.level**2 >= STANDS_OUT for line in self.lines) >= FEWEST_LINES
         return self.stands_out and self.clear >= CLEAR and self.depth >= DEEP and several
 
@@ -168,7 +168,7 @@ def geometry_and_shaft(run: Record) -> tuple[Geometry, float]:
     shaft = counted(run.mean_speeds)
     if run.varies_speed or shaft == 0.0:
         why = "the speed changes, and the lines with it" if run.varies_speed else "the bearing stands"
-        raise InputError(f"{run.name}: {why}; lines are looked for in a run at one speed")
+        raise InputError(f"{run.name}: {why}; a diagnosis needs a run at constant speed")
     return Geometry.of(run.bearing, run.mean_speeds), shaft
 
 
@@ -218,8 +218,8 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
     notes = _unresolved(spectrum, nominal, reach)
     if verdict in ("none", "uncertain") and signal.duration * shaft < FEW_TURNS:
         notes.append(
-            f"The record holds {signal.duration * shaft:.2g} turns of the shaft: damage of a ring that turns may not "
-            "show in so few; take a longer one."
+            f"The record holds {signal.duration * shaft:.2g} turns of the shaft, too few for damage of a turning ring "
+            "to show; record for longer."
         )
     notes += [
         f"A line at {each.beyond:.4g} Hz lies just beyond the tolerance of {each.name}." for each in findings
@@ -244,7 +244,7 @@ def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -
         raise InputError(f"--speed-tolerance {100.0 * tolerance:g}%: must be from 0 to {100.0 * WIDEST:g}%")
     passing = min(geometry.lines(shaft)[name] for name in ("BPFO", "BPFI"))
     if passing == 0.0:
-        raise InputError("both rings turn as one: no rolling element passes any point of them")
+        raise InputError("both rings turn at the same speed: no rolling element passes any point of them")
     if passing * signal.duration < FEWEST_PASSES:
         raise InputError(
             f"{signal.name}: {signal.duration:.3g} s hold {passing * signal.duration:.3g} passes of rolling "
@@ -351,20 +351,23 @@ def _judge(best: Finding, doubts: list[str]) -> tuple[Verdict, list[str]]:
     """The verdict and its reasons."""
     said = (
         f"{best.name} at {best.found:.2f} Hz ({100.0 * (best.found / best.expected - 1.0):+.2f} % from its kinematic "
-        f"place): {best.clear:.1f} standard deviations above {DECOYS} other frequencies of this record, depth of "
-        f"modulation {best.depth:.2f}"
+        f"place): {best.clear:.1f} standard deviations above {DECOYS} other frequencies of this record, modulation "
+        f"depth {best.depth:.2f}"
     )
     if best.beyond is not None or best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0):
-        return "none", [f"No line of the bearing stands out of the record. Nearest: {said}."]
+        return "none", [f"No line of the bearing stands out. Nearest: {said}."]
     if not best.stands_out:
         return "uncertain", [f"A line stands out, but not clearly: {said}.", *doubts]
     if doubts:
         return "uncertain", [f"{said}.", *doubts]
-    if best.accuses:
+    if best.is_damage:
         return BODIES[best.name], [f"{said}."]
     if best.depth < DEEP:
-        return "trace", [f"{said}, less than the {DEEP:g} of a damage: healthy bearings have such lines too."]
-    return "uncertain", [f"{said}; too few of its harmonics stand out, or not clearly enough, for an accusation."]
+        return "trace", [f"{said}, below {DEEP:g}: healthy bearings have such lines too."]
+    return "uncertain", [
+        f"{said}; its harmonics are too weak to blame a part ({CLEAR:g} standard deviations and "
+        f"{FEWEST_LINES} clear harmonics are required)."
+    ]
 
 
 def _doubts(
@@ -381,7 +384,7 @@ def _doubts(
         place = geometry.lines(turning)[best.name]
         if abs(best.found / place - 1.0) > 1.5 * SLIP:
             doubts.append(
-                f"Lines of the shaft tell {60.0 * turning:.5g} rpm, at which it would be at {place:.4g} Hz: "
+                f"The shaft's lines give {60.0 * turning:.5g} rpm, at which it would be at {place:.4g} Hz: "
                 f"{100.0 * (best.found / place - 1.0):+.1f} % is more than slip."
             )
         return doubts
@@ -392,7 +395,10 @@ def _doubts(
         distinct = _sidebands(of_other, spectrum, nominal) < UNMARKED if not side_of(best.name, nominal) else (
             _sidebands(best, spectrum, nominal) > MARKED)  # fmt: skip
         if not distinct:
-            doubts.append(f"With this tolerance and length it may be {name} too, at {place:.4g} Hz by kinematics.")
+            doubts.append(
+                f"Within the tolerance of speed and the resolution it may also be {name}, at {place:.4g} Hz "
+                "by kinematics."
+            )
     return doubts
 
 
@@ -409,6 +415,6 @@ def _unresolved(spectrum: EnvelopeSpectrum, nominal: dict[str, float], reach: fl
             if low * (1.0 + reach) + two_bins > high * (1.0 - reach):
                 notes.append(
                     f"{first} and {second} lie within the tolerance of speed of each other ({low:.4g} and {high:.4g} "
-                    "Hz); a smaller --speed-tolerance tells them apart."
+                    "Hz); a smaller --speed-tolerance separates them."
                 )
     return notes

@@ -160,7 +160,7 @@ def _wav(data: bytes, path: Path) -> Channels:
     elif values.dtype.kind == "i":
         found /= float(1 << (8 * values.dtype.itemsize - 1))
     if values.dtype.kind in "iu":
-        notes.append("whole numbers were taken as shares of full scale")
+        notes.append("integers were taken as fractions of full scale")
     channels = {f"channel {k}": found[:, k - 1] for k in range(1, found.shape[1] + 1)}
     return Channels(values=channels, rates=dict.fromkeys(channels, frozenset([float(rate)])), notes=notes)
 
@@ -278,7 +278,9 @@ def _universal(data: bytes, path: Path) -> Channels:
             step = each["abscissa_inc"] if each["abscissa_spacing"] == 1 else None
             _collect(each["data"], f"{k} {each.get('id1', '')}".strip(), found, 0, _rates(step))
     if sets and not found.values:
-        raise _Refused(f"a universal file (UFF58) of {len(sets)} data sets, none of them over time: spectra do not do")
+        raise _Refused(
+            f"a universal file (UFF58) of {len(sets)} data sets, none of them over time; spectra cannot be used"
+        )
     return found
 
 

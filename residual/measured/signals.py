@@ -114,7 +114,7 @@ def read_signal(
         notes.append(f"The record has {missing}; the longest piece was taken, {values.size} of {whole} samples.")
     factor, si = _unit(path, name, channels, unit, sensitivity)
     if not si:
-        notes.append("The record does not tell its unit: levels are in the file's own; give --unit for others.")
+        notes.append("The record has no unit: levels are in the file's own; give --unit for others.")
     notes += _faults(values, found)
     mean = float(values.mean())
     values = factor * (values - mean)
@@ -218,7 +218,7 @@ def _rate(
     if not own:
         raise InputError(f"{path}: neither a rate nor a column of times is in it; add --rate and the number of Hz")
     if not all(1.0 / SLOWEST <= rate <= FASTEST for rate in own):
-        raise InputError(f"{path}: its times or rate tell {written} Hz, which no record has; give --rate")
+        raise InputError(f"{path}: its times or rate give {written} Hz, which no record has; give --rate")
     if own[-1] > (1.0 + RATES_AGREE) * own[0]:
         raise InputError(f"{path}: states {written} Hz; give --rate for {shown(name)}")
     return own[-1]
@@ -259,7 +259,7 @@ def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitiv
         if said is None or not float(said[1]) > 0.0:
             raise InputError(f"--sensitivity {shown(sensitivity)}: write it as 100mV/g, 10mV/(m/s2) or 4mV/(mm/s)")
         if unit and unit not in VOLTS:
-            raise InputError(f"{path}: --sensitivity is of a record in V, but this one is in {shown(unit)}")
+            raise InputError(f"{path}: --sensitivity is for a record in V, but this one is in {shown(unit)}")
         factor, si = UNITS[said[3].lower()]
         return VOLTS.get(unit, 1.0) * factor / (float(said[1]) * (1e-3 if said[2] else 1.0)), si
     if unit in VOLTS:

@@ -50,7 +50,7 @@ class Width:
 
 
 def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Width:
-    """The width of the damage of an accused ring, along its raceway.
+    """The width of the damage of a damaged ring, along its raceway.
 
     Errors
     ------
@@ -63,25 +63,22 @@ def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Wi
     lags = _lags(prewhitened(signal.values), signal.rate, line)
     found = np.isfinite(lags)
     if not found.any():
-        return _none("no second pulse follows a strike, as of an entry and an exit")
+        return _none("no second pulse follows an impact, as entry and exit would give")
     median = float(np.median(lags[found]))
     agree = found & (np.abs(lags / median - 1.0) <= AGREE)
     places = int(agree.any(axis=2).sum())
     if places < FEWEST_AGREEING:
         return _none(
-            f"lags between entry and strike do not agree: in {places} of {BANDS * PARTS} bands and parts of the record "
-            f"they are within {100.0 * AGREE:g} % of each other, and {FEWEST_AGREEING} are needed"
+            f"entry-to-impact times agree in only {places} of {BANDS * PARTS} estimates ({FEWEST_AGREEING} needed)"
         )
     raw = np.abs(_lags(signal.values, signal.rate, line) / median - 1.0) <= AGREE_RAW
     if raw.any(axis=2).sum() < FEWEST_RAW:
-        return _none(
-            "the lag that the prewhitened record shows is not in the record itself: an echo of the prewhitening"
-        )
+        return _none("the prewhitened record has a lag that the record itself has not: an echo of the prewhitening")
     raceway = geometry.pitch_diameter + sign * geometry.element_diameter * cos(geometry.contact_angle)
     speed = pi * raceway * line / geometry.elements  # m/s, of the contact along the raceway
     value = float(np.median(lags[agree])) * speed / SHARE
     if value < NARROWEST:
-        return _none(f"lags tell {1e3 * value:.2g} mm, and below {1e3 * NARROWEST:g} mm they may be those of ringing")
+        return _none(f"the lags give {1e3 * value:.2g} mm; below {1e3 * NARROWEST:g} mm they may come from ringing")
     return Width(value=value, low=value * SHARE / MOST_SHARE, high=value * SHARE / LEAST_SHARE, reason=None)
 
 

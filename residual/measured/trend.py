@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 TEMPLATE = Path(__file__).parents[1] / "templates" / "trend.html.j2"
 FEWEST = 3  # usable records of a series
 GROWS = 0.01  # chance of as clear a rise of one of the three lines without one
-ACCUSING = frozenset(BODIES.values())
+DAMAGED = frozenset(BODIES.values())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +82,11 @@ class Trend:
         """The last verdict, since when there is one, and what grows."""
         used = self.used
         said = [f"Last record, {used[-1].name}: {HEADLINES[used[-1].verdict]}"]
-        if used[-1].verdict in ACCUSING:
+        if used[-1].verdict in DAMAGED:
             since = next(k for k in range(len(used)) if all(each.verdict == used[-1].verdict for each in used[k:]))
-            said.append(f"So it is in every record from {used[since].name} on ({since + 1} of {len(used)}).")
-        elif accused := [each.name for each in used if each.verdict in ACCUSING]:
-            said.append(f"Earlier records accuse a part, first {accused[0]}: {len(accused)} of {len(used)}.")
+            said.append(f"The same in every record from {used[since].name} on ({since + 1} of {len(used)}).")
+        elif earlier := [each.name for each in used if each.verdict in DAMAGED]:
+            said.append(f"{len(earlier)} of {len(used)} earlier records show damage, the first is {earlier[0]}.")
         grown = [each for each in self.growth if each.sure and each.name == used[-1].prominent]
         said += [
             f"The depth of {each.name} grows, from {text(each.first, 2)} to {text(each.last, 2)} (Kendall's τ "

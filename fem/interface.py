@@ -32,23 +32,19 @@ if TYPE_CHECKING:
 
 MOMENTS = {"mean": "mean", "rms": "rms", "std": "standard deviation"}
 LINES = ("FTF", "shaft", "BSF", "BPFO", "BPFI")
-MEASURED = "the sensor, without one of the housing, without either of the hub"
+MEASURED = "the sensor (or the housing, or the hub)"
 OF_CHECK = {  # unit and meaning of what a check tells of a run
     **{
-        f"error_{m}_{axis}": ("N", f"{word} of the equations' error along {axis}")
+        f"error_{m}_{axis}": ("N", f"{word} of the error force along {axis}")
         for axis in "xy"
         for m, word in MOMENTS.items()
     },
-    **{
-        f"{n.lower()}_{axis}": ("N", f"rms of the equations' error along {axis} around its line {n}")
-        for axis in "xy"
-        for n in LINES
-    },
+    **{f"{n.lower()}_{axis}": ("N", f"rms of the error force along {axis} at {n}") for axis in "xy" for n in LINES},
     "sensor_rms": ("m/s2", f"rms of the acceleration along y of {MEASURED}"),
-    "sensor_crest": ("1", "crest factor of that acceleration"),
-    "sensor_kurtosis": ("1", "kurtosis of that acceleration; 3 of normal noise"),
-    "sensor_bpfo": ("m/s2", "amplitude of BPFO in that acceleration's envelope"),
-    "sensor_bpfi": ("m/s2", "amplitude of BPFI in that acceleration's envelope"),
+    "sensor_crest": ("1", "crest factor of this acceleration"),
+    "sensor_kurtosis": ("1", "kurtosis of this acceleration (Gaussian noise: 3)"),
+    "sensor_bpfo": ("m/s2", "amplitude of BPFO in the envelope of this acceleration"),
+    "sensor_bpfi": ("m/s2", "amplitude of BPFI in the envelope of this acceleration"),
 }
 
 
@@ -181,7 +177,7 @@ class Statics:
         """
         load = self.scene.operation.radial_load_N
         if load == 0.0:
-            raise ValueError("operation.radial_load_N = 0: the stiffness against a load needs one")
+            raise ValueError("operation.radial_load_N = 0: the stiffness needs a load")
         more, less = (
             statics(self.scene.varied({"operation.radial_load_N": load * (1.0 + sign * SHARE)})) for sign in (1, -1)
         )

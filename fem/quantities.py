@@ -18,31 +18,31 @@ if TYPE_CHECKING:
 
 OF_MOTION = {  # unit and meaning; means are over time
     "hub_mean_x": ("m", "mean position of the hub, x"),
-    "hub_std_x": ("m", "standard deviation of the hub's path, x"),
+    "hub_std_x": ("m", "standard deviation of the hub position, x"),
     "hub_mean_y": ("m", "mean position of the hub, y"),
-    "hub_std_y": ("m", "standard deviation of the hub's path, y"),
+    "hub_std_y": ("m", "standard deviation of the hub position, y"),
     "largest_force": ("N", "largest force on the inner raceway"),
-    "mean_largest_force": ("N", "force of the most loaded roller, mean"),
+    "mean_largest_force": ("N", "mean force of the most loaded roller"),
     "cage_speed": ("rad/s", "mean speed of the rollers' orbit"),
 }
 OF_START = {
-    "first_hub_x": ("m", "hub at the start, x"),
-    "first_hub_y": ("m", "hub at the start, y"),
+    "first_hub_x": ("m", "hub position at the start, x"),
+    "first_hub_y": ("m", "hub position at the start, y"),
     "first_largest_force": ("N", "largest force on the inner raceway at the start"),
-    "first_loaded_rollers": ("1", "rollers with more than 1 % of that"),
+    "first_loaded_rollers": ("1", "number of rollers with more than 1 % of it"),
 }
 OF_RECORD = {
     "load_zone": ("rad", "arc in which rollers have more than 1 % of the largest force"),
-    "cage_slip": ("1", "share by which a cage is slower than rolling, over at least one turn"),
+    "cage_slip": ("1", "cage slip: share by which it is slower than rolling (at least one turn)"),
     "acceleration_rms_x": ("m/s2", "rms of the hub's acceleration, x"),
     "acceleration_rms_y": ("m/s2", "rms of the hub's acceleration, y"),
-    "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y; 3 of normal noise"),
-    "peak_to_peak_x": ("m", "width of the hub's path, x"),
-    "peak_to_peak_y": ("m", "width of the hub's path, y"),
+    "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y (Gaussian noise: 3)"),
+    "peak_to_peak_x": ("m", "peak-to-peak displacement of the hub, x"),
+    "peak_to_peak_y": ("m", "peak-to-peak displacement of the hub, y"),
     "largest_inner_pressure": ("Pa", "largest pressure on the inner raceway"),
     "largest_outer_pressure": ("Pa", "largest pressure on the outer raceway"),
-    "largest_inner_half_width": ("m", "half-width of that contact on the inner raceway"),
-    "largest_outer_half_width": ("m", "half-width of that contact on the outer raceway"),
+    "largest_inner_half_width": ("m", "largest contact half-width on the inner raceway"),
+    "largest_outer_half_width": ("m", "largest contact half-width on the outer raceway"),
     "largest_inner_moment": ("N m", "largest moment of a contact along the axis, inner raceway"),
     "largest_outer_moment": ("N m", "largest moment of a contact along the axis, outer raceway"),
     "largest_tilt": ("rad", "largest tilt of a roller"),
@@ -50,8 +50,8 @@ OF_RECORD = {
 OF_STATICS = {"static_stiffness": ("N/m", "radial stiffness against the load, rollers as at the start")}
 OF_RATING = {  # of the scene alone, as rate-bearing has them
     "rating_life": ("1", "reference rating life L10r, rigid rings, in revolutions"),
-    "rating_peak_pressure": ("Pa", "largest pressure at rest; none where a loaded end has an edge"),
-    "rating_moment": ("N m", "moment that holds the shaft's slope, mean over a pitch"),
+    "rating_peak_pressure": ("Pa", "largest pressure at rest; none if a loaded end has an edge"),
+    "rating_moment": ("N m", "moment needed for the shaft's slope, mean over a pitch"),
     "rating_tilt_stiffness": ("N m/rad", "stiffness against tilting at constant load, mean over a pitch"),
 }
 LARGEST = {  # columns of those quantities

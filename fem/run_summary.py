@@ -54,16 +54,16 @@ class CageStatistics:
         """Names and values of what is asked beside its speed; `seconds` that the run lasts, 0: it has no mean."""
         whirls = f", whirls at {self.whirled / seconds / tau:.3g} Hz" if seconds > 0.0 else ""
         return {
-            "cage's centre": f"mean {1e6 * self.off / self.samples:.3g} µm off the bearing's, at most "
+            "cage's centre": f"mean {1e6 * self.off / self.samples:.3g} µm from the bearing's, at most "
             f"{1e6 * self.farthest:.3g} µm{whirls}",
             "cage's forces": f"at most {self.pushed:.3g} N in a pocket"
-            + (f", {self.guided:.3g} N by its guide" if self.guided > 0.0 else ""),
+            + (f", {self.guided:.3g} N at the guiding ring" if self.guided > 0.0 else ""),
         }
 
 
 COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
 BINS = 360  # of the circle
-REVERSES = "the motion reverses: no mean slip, no passing frequencies"
+REVERSES = "the motion reverses: no mean slip, no ball pass frequencies"
 LOADED = 0.01  # of the largest force: a roller with more is in the load zone
 
 
@@ -189,8 +189,11 @@ def orbit(turned: float, ideal: float, seconds: float, caged: bool) -> str:
     if caged:
         return f"{words}, slip {slower:.2g} % of rolling"
     if slower == 0.0:
-        return f"{words}, that of rolling"
-    return f"{words}, {abs(slower):.2g} % {'slower' if slower > 0.0 else 'faster'} than rolling: no cage, rollers coast"
+        return f"{words}, pure rolling"
+    return (
+        f"{words}, {abs(slower):.2g} % {'slower' if slower > 0.0 else 'faster'} than pure rolling (no cage: rollers "
+        "coast)"
+    )
 
 
 def passes(ideal: Kinematics, cage_speed: float) -> str:

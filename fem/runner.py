@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless given: a slow disk gets checkpoints less often
 PATIENCE = 5.0  # s, of planning without a word
-PLANNING = "planning: meshes, matrices, static equilibrium and critical step; of a million nodes in a minute and 1.2 GB"
-GO_ON = "the same command with --resume goes on"
+PLANNING = "planning: meshes, matrices, static equilibrium and critical step (a million nodes: one minute, 1.2 GB)"
+GO_ON = "to continue: the same command with --resume"
 
 
 @dataclass(frozen=True, kw_only=True)

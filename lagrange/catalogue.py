@@ -157,7 +157,7 @@ def instead(designation: str, sizes: str, of_scene: bool = True) -> str:
     for pattern, kind in _NOT_HERE:
         if (of_kind := re.match(pattern, written)) is not None:
             return of_kind.expand(kind)
-    return f"{_advice(written, of_scene)}; of another bearing leave it out and {sizes}"
+    return f"{_advice(written, of_scene)}; for another bearing leave it out and {sizes}"
 
 
 def _advice(written: str, of_scene: bool) -> str:
@@ -171,32 +171,32 @@ def _advice(written: str, of_scene: bool) -> str:
             return found.expand(advice)
     for name, members in _series().items():
         if _row_of(written).startswith(name):
-            return f"of its series the table has {members[0]} to {members[-1]}"
+            return f"the table has of its series {members[0]} to {members[-1]}"
     known = ", ".join(f"{members[0]} to {members[-1]}" for members in _series().values())
     return f"the table has {known}, and N, NJ, NUP as NU"
 
 
 _NO_SUCH = r"N2[23]\d\d"  # nobody makes them
 _NOT_HERE = (  # kinds of which sizes would say nothing (ISO 15, 104; makers' catalogues)
-    (r"5[1-4][1-4]\d\d", "a thrust ball bearing: it carries axial loads alone, and is not in this program"),
+    (r"5[1-4][1-4]\d\d", "a thrust ball bearing: it carries axial loads only and is not supported"),
     (
         r"(?:K|WS|GS)?8(?:11|12|74|9[34])\d\d|AX[KW]",
-        "a thrust roller bearing: it carries axial loads alone, and is not in this program",
+        "a thrust roller bearing: it carries axial loads only and is not supported",
     ),
-    (r"29[2-4]\d\d", "a spherical thrust roller bearing: it carries axial loads first, and is not in this program"),
-    (r"(?:RB|RA|RU|CRBH?|XR|XSU|SX|NRX?)\d", "a crossed roller bearing, which is not in this program"),
-    (r"QJF?\d", "a ball bearing of four-point contact, which is not in this program"),
+    (r"29[2-4]\d\d", "a spherical thrust roller bearing: it carries mainly axial loads and is not supported"),
+    (r"(?:RB|RA|RU|CRBH?|XR|XSU|SX|NRX?)\d", "a crossed roller bearing, not supported"),
+    (r"QJF?\d", "a four-point contact ball bearing, not supported"),
     (
         r"(?:NAT[RVD]|NUTR?|NAST|NART|R?STO|KRV?|NUKR|PWKR|CF|LR)\d",
-        "a track roller, whose outer ring bends on its track, which is not in this program",
+        "a track roller, whose outer ring bends on its track; not supported",
     ),
     (
         r"(?:UCP?F?L?|UK|YAR|YAT|YEL|YET|SB|UEL|GYE|ES)([23])(\d\d)(?!\d)",
         r"an insert bearing: inside it is the ball bearing 6\1\2; designation = '6\1\2' with its clearance",
     ),
-    (r"(?:[12][23]|10)\d\d(?!\d)", "a self-aligning ball bearing, which is not in this program"),
-    (r"2[0-4]\d{3}|C[23]\d{3}", "rows of barrels that align themselves are not in this program"),
-    (r"GE[GHK]?\d", "a spherical plain bearing: it slides, and is not in this program"),
+    (r"(?:[12][23]|10)\d\d(?!\d)", "a self-aligning ball bearing, not supported"),
+    (r"2[0-4]\d{3}|C[23]\d{3}", "spherical roller bearings are not supported"),
+    (r"GE[GHK]?\d", "a spherical plain bearing: it slides, not supported"),
 )
 _ON_THE_SHAFT = (
     "the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, outside_diameter_mm,"
@@ -206,13 +206,16 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
     (r"SL18(29|30)(\d\d)", r"NCF\1\2 is that size of another maker"),
     (r"SL1923(\d\d)", r"NJG23\1 is that size of another maker"),
     (r"SL1[89]|NCF(?!29|30)", "give its sizes, and as many rollers as fit, without [cage]"),
-    (r"NNU?\d|NNC", "of two rows: give its sizes and rows = 2"),
+    (r"NNU?\d|NNC", "two rows: give its sizes and rows = 2"),
     (r"3[0-3]\d{3}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
     (r"J?[LHM]{1,2}\d{5,6}", "a tapered bearing: give its sizes with pitch_diameter_mm and contact_angle_deg"),
-    (r"3[23]\d\d(?!\d)", 'of two rows of balls: give its sizes with type = "ball", rows = 2 and contact_angle_deg'),
-    (r"4[23]\d\d(?!\d)", 'of two rows of balls: give its sizes with type = "ball" and rows = 2'),
+    (r"3[23]\d\d(?!\d)", 'two rows of balls: give its sizes with type = "ball", rows = 2 and contact_angle_deg'),
+    (r"4[23]\d\d(?!\d)", 'two rows of balls: give its sizes with type = "ball" and rows = 2'),
     (r"160\d\d|61[89]\d|6[89]\d\d", 'a deep-groove ball bearing: give its sizes with type = "ball"'),
-    (r"B?7\d{3}", 'angular contact: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg'),
+    (
+        r"B?7\d{3}",
+        'an angular-contact ball bearing: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg',
+    ),
     (r"RNA49(\d\d)", r"it is NA49\1 without inner ring: designation = 'NA49\1' with bore_diameter_mm = 0"),
     (
         r"(?:NK|HK|BK)0?(\d{1,3})(\d\d)(?!\d)",
@@ -223,7 +226,7 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
         _ON_THE_SHAFT.format(r"\1")
         + r" outer_raceway_diameter_mm = \2, and number and length (below \3 mm) of its needles",
     ),
-    (r"NKIS?\d|NKS|K\d", "give its sizes; of needles number, diameter and length"),
+    (r"NKIS?\d|NKS|K\d", "give its sizes, and number, diameter and length of its needles"),
 )
 
 

@@ -29,10 +29,10 @@ NO_MOVE = 1e-9  # m within that time, below which velocities that do not converg
 SAME = 0.1  # of the velocities: most that they may change by as the difference is halved
 JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium under a steady load to the next
 SOFT = (
-    "the contacts hold the hub so softly at the start that it cannot follow the equilibrium from roller to roller, as "
-    "where one roller alone carries it: it starts without that velocity"
+    "at the start the contacts are too soft for the hub to follow the equilibrium from roller to roller, as with one "
+    "loaded roller: it starts at rest"
 )
-JUMPS = "the static equilibrium jumps at the start, so the hub starts there without velocity"
+JUMPS = "the static equilibrium jumps at the start, so the hub starts at rest"
 
 
 class FirstState(NamedTuple):

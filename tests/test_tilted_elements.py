@@ -194,5 +194,5 @@ def test_a_run_that_goes_on_has_the_bits_of_one_that_was_not_stopped():
 
 @pytest.mark.slow
 def test_meshes_that_resolve_contacts_are_refused():
-    with pytest.raises(UsageError, match="take a larger numerics"):
+    with pytest.raises(UsageError, match="use a larger numerics"):
         make_plan(scene("fem", numerics__mesh_size_mm=0.1))

@@ -37,22 +37,27 @@ def _rate(
     ] = None,
     /,
     *,
-    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
+    bearing: Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
-    ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS, CSV")] = None,
+    ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS to this CSV file")] = None,
     cycle: Annotated[
         Path | None,
-        Parameter(help=f"duty cycle, CSV with the columns {', '.join(CYCLE_COLUMNS)} of time; or load_kN, share [%]"),
+        Parameter(help=f"duty cycle: CSV with the columns {', '.join(CYCLE_COLUMNS)} of time; or load_kN, share [%]"),
     ] = None,
     decimal: Annotated[Literal[".", ","], Parameter(help="decimal sign of numbers in --cycle")] = ".",
     viscosity: Annotated[
-        float | None, Parameter(help="kinematic, of the oil in operation, mm²/s; default: the scene's [lubricant]")
+        float | None,
+        Parameter(help="kinematic viscosity of the oil in operation, mm²/s; default: the scene's [lubricant]"),
     ] = None,
-    contamination: Annotated[float | None, Parameter(help="factor e_C, 0 to 1; default: oil filtered in line")] = None,
-    reliability: Annotated[float, Parameter(help="of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9")] = 90.0,
-    roughness: Annotated[float | None, Parameter(help="rms of roller and raceway together, µm")] = None,
-    width: Annotated[float | None, Parameter(help="of the bearing, mm; default: that of its designation")] = None,
+    contamination: Annotated[
+        float | None, Parameter(help="contamination factor e_C, 0 to 1; default: oil filtered in line")
+    ] = None,
+    reliability: Annotated[
+        float, Parameter(help="reliability of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9")
+    ] = 90.0,
+    roughness: Annotated[float | None, Parameter(help="rms roughness of roller and raceway together, µm")] = None,
+    width: Annotated[float | None, Parameter(help="width of the bearing, mm; default: that of its designation")] = None,
     quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
 ) -> int:
     for name, value, largest in (
@@ -74,7 +79,7 @@ def _rate(
     run = None
     if scene is not None and scene.suffix == ".nc":
         if overrides or cycle is not None:
-            raise UsageError(f"{scene}: a run has its own scene and loads; leave --bearing, --set and --cycle out")
+            raise UsageError(f"{scene}: a run has its own scene and loads; leave out --bearing, --set and --cycle")
         chosen, run = _run(scene)
     else:
         chosen = read_scene(scene, tuple(overrides))

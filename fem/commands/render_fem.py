@@ -50,31 +50,33 @@ def _render(
     output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
     time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
     view: Annotated[
-        Literal["bearing", "close-up", "axial"], Parameter(help="what is seen; axial: pressures along the rollers")
+        Literal["bearing", "close-up", "axial"], Parameter(help="view; axial: pressure along the rollers")
     ] = "bearing",
     field: Annotated[
         Literal["von-mises", "max-shear", "displacement"] | None,
-        Parameter(help="what is coloured; default: von-mises, of a close-up max-shear"),
+        Parameter(help="quantity shown by colour; default: von-mises, in a close-up max-shear"),
     ] = None,
-    roller: Annotated[int | None, Parameter(help="of a close-up; default: the most loaded one")] = None,
-    magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
-    width: Annotated[int | None, Parameter(help=f"pixels; default: {WIDTH}, of a film {FILM_WIDTH}")] = None,
-    animation: Annotated[Path | None, Parameter(help="a film, .mp4 or .gif, instead of a picture")] = None,
+    roller: Annotated[int | None, Parameter(help="roller of a close-up; default: the most loaded one")] = None,
+    magnification: Annotated[
+        float | None, Parameter(help="magnification of the displacement; default: chosen and stated")
+    ] = None,
+    width: Annotated[int | None, Parameter(help=f"width, pixels; default: {WIDTH}, film {FILM_WIDTH}")] = None,
+    animation: Annotated[Path | None, Parameter(help="write a film, .mp4 or .gif, instead of a picture")] = None,
     export: Annotated[
         Path | None,
         Parameter(
-            help="mesh and fields instead of a picture: .vtkhdf with all instants, or one in any format of "
-            "meshio (.vtu, .xdmf, ...); accelerations of hub, housing and sensor: .csv, .wav"
+            help="write mesh and fields instead of a picture: .vtkhdf (all instants) or a format of meshio (one "
+            "instant: .vtu, .xdmf, ...); or accelerations of hub, housing and sensor: .csv, .wav"
         ),
     ] = None,
-    start: Annotated[float | None, Parameter(help="first instant of a film or an export, ms")] = None,
-    stop: Annotated[float | None, Parameter(help="last one, ms")] = None,
+    start: Annotated[float | None, Parameter(help="start of a film or an export, ms")] = None,
+    stop: Annotated[float | None, Parameter(help="its end, ms")] = None,
     frames: Annotated[
-        int | None, Parameter(help=f"their number; default: those whose fields are stored, else {FRAMES}")
+        int | None, Parameter(help=f"number of frames; default: those with stored fields, else {FRAMES}")
     ] = None,
     fps: Annotated[float, Parameter(help="frames per second of a film")] = FRAMES_PER_SECOND,
-    force: Annotated[bool, Parameter(negative="", help="replace a file that is no export of this program")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="no progress")] = False,
+    force: Annotated[bool, Parameter(negative="", help="replace a file that this program did not write")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="show no progress")] = False,
 ) -> int:
     _check("--width", width, 200, 8000, "pixels")
     _check("--magnification", magnification, 0.0, 1e9)
@@ -84,7 +86,7 @@ def _render(
         if path is not None and path.is_dir():
             raise UsageError(f"{option} {path}: is a folder; name a file in it")
     if sum(path is not None for path in (output, animation, export)) > 1:
-        raise UsageError("--output, --animation, --export: one of them at a time")
+        raise UsageError("--output, --animation, --export: give only one of them")
     _check_kind(output, animation, export)
 
     from lagrange.files.pages import load_matplotlib
@@ -98,13 +100,13 @@ def _render(
     refuse_foreign(target, force)
     if export is not None and export.suffix.lower() in SIGNALS:
         if any(given is not None for given in (time, start, stop, frames)):
-            raise UsageError("--time, --start, --stop, --frames: accelerations are of the whole run; leave them out")
+            raise UsageError("--time, --start, --stop, --frames: accelerations cover the whole run; leave them out")
         return _signals(stored, export)
     many = animation is not None or (export is not None and _holds_series(export))
     if many and time is not None:
-        raise UsageError("--time: one instant; a film or a series goes from --start to --stop")
+        raise UsageError("--time: not for a film or a series; give --start and --stop")
     if not many and (start is not None or stop is not None or frames is not None):
-        raise UsageError("--start, --stop, --frames: of a film or a series; one instant is --time")
+        raise UsageError("--start, --stop, --frames: only for a film or a series; give --time")
     samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
     if export is not None:
         return _export(stored, export, samples, quiet)
@@ -129,7 +131,7 @@ def _render(
 
 def _axial(stored, target: Path, animation: Path | None, sample: int) -> int:
     if animation is not None:
-        raise UsageError("--view axial: a picture of one instant; leave --animation out")
+        raise UsageError("--view axial: draws one instant; leave --animation out")
     from fem.pictures.axial import draw_axial
 
     draw_axial(stored, target, sample)
@@ -176,7 +178,7 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
     last = stored.nearest(None if stop is None else 1e-3 * stop)
     if last <= first:
         raise UsageError(
-            f"--start, --stop: {1e3 * stored.times[first]:g} to {1e3 * stored.times[last]:g} ms leave nothing to show"
+            f"--start, --stop: {1e3 * stored.times[first]:g} to {1e3 * stored.times[last]:g} ms contain no sample"
         )
     kept = stored.stored_samples
     kept = kept[(kept >= first) & (kept <= last)]

@@ -20,7 +20,7 @@ LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes
 
 run_app = new_app(
     "run-fem",
-    """Simulate a roller bearing by explicit elastic finite-element contact and write one result file.
+    """Simulate a roller bearing and write one result file.
 
 Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms. With --model reduced: elastic
 bodies without their mass, faster than the bearing turns. With --model lagrange: rigid bodies on contact springs, the
@@ -42,32 +42,33 @@ def _run(
     /,
     *,
     output: Annotated[
-        Path | None, Parameter(help="result file; default: runs/<scene name>.nc, with what --set changes in its name")
+        Path | None, Parameter(help="result file; default: runs/<scene name>.nc, with the values of --set in its name")
     ] = None,
-    model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
-    mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
+    model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="solver; default: the scene's")] = None,
+    mesh_size: Annotated[float | None, Parameter(help="distance of surface nodes, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
-    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
+    bearing: Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
-    dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
+    dry_run: Annotated[bool, Parameter(negative="", help="check the scene and show the plan, without running")] = False,
     converge: Annotated[
-        bool, Parameter(negative="", help="show statics on three meshes with Richardson's value and run nothing")
+        bool,
+        Parameter(negative="", help="show statics on three meshes with Richardson's extrapolation, without running"),
     ] = False,
-    resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
+    resume: Annotated[bool, Parameter(negative="", help="resume from the checkpoint of the output file")] = False,
     force: Annotated[bool, Parameter(negative="", help="replace a complete run of another scene")] = False,
     estimate_error: Annotated[
         bool,
-        Parameter(negative="", help="also run a mesh half as fine and state the discretisation error of every result"),
+        Parameter(negative="", help="also run a mesh half as fine and state the discretisation error of each result"),
     ] = False,
     checkpoint: Annotated[
-        float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")
+        float | None, Parameter(help="wall time between checkpoints, s; default: 10, more on slow disks")
     ] = None,
     example: Annotated[
         Literal[EXAMPLES] | None,
-        Parameter(help="write a commented scene, or all keys, here or to --output, and run nothing"),
+        Parameter(help="write a commented scene (all: with every key) here or to --output, without running"),
     ] = None,
     schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="show no progress and no summary")] = False,
 ) -> int:
     if example is not None:
         return _write_example(example, output, force)

@@ -27,7 +27,7 @@ def _live(
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
     /,
     *,
-    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's, as NU206/C3")] = None,
+    bearing: Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
 ) -> int:
     from lagrange.messages import say, telling

@@ -20,7 +20,7 @@ MOST_WORKERS = 4096
 
 study_app = new_app(
     "run-study",
-    """Run a scene many times with other values and put what the runs show into one dataset and one page.
+    """Run a scene many times with other values and write one dataset and one page.
 
 The study's file says what is varied, how and what is kept: docs/studies.md. Every point is validated before the first
 is solved; each is kept in a file of its own, so that --resume goes on where a study was ended, by whatever.
@@ -40,21 +40,27 @@ def _study(
     /,
     *,
     output: Annotated[Path | None, Parameter(help="folder; default: studies/<study name>")] = None,
-    dry_run: Annotated[bool, Parameter(negative="", help="check every point, show the cost and run nothing")] = False,
-    resume: Annotated[bool, Parameter(negative="", help="go on with the folder's points; finished ones stay")] = False,
-    workers: Annotated[int | None, Parameter(help="processes; default: as many as pay; 1: this one alone")] = None,
+    dry_run: Annotated[
+        bool, Parameter(negative="", help="check every point and show the cost, without running")
+    ] = False,
+    resume: Annotated[
+        bool, Parameter(negative="", help="resume the study in the folder; finished points are kept")
+    ] = False,
+    workers: Annotated[
+        int | None, Parameter(help="number of processes (default: automatic; 1: no worker processes)")
+    ] = None,
     scheduler: Annotated[str | None, Parameter(help="address of a dask scheduler: tcp://host:8786")] = None,
-    keep_runs: Annotated[bool, Parameter(negative="", help="keep every point's result file too")] = False,
+    keep_runs: Annotated[bool, Parameter(negative="", help="also keep the result file of every point")] = False,
     collect: Annotated[
-        Path | None, Parameter(help="make dataset and page of this folder again, without solving", name="--collect")
+        Path | None, Parameter(help="write dataset and page of this folder again, without solving", name="--collect")
     ] = None,
     export: Annotated[str | None, Parameter(show=False)] = None,
-    quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="show no progress and no summary")] = False,
 ) -> int:
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
-        raise UsageError("--workers, --scheduler: a scheduler has workers of its own; leave --workers out")
+        raise UsageError("--workers, --scheduler: a scheduler has its own workers; leave --workers out")
     if export is not None:
         raise UsageError(
             f"--export {export}: training sets are no longer exported; study.nc holds signals with their labels, of "

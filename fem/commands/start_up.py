@@ -176,7 +176,7 @@ def new_app(name: str, text: str) -> "App":
         help=re.sub(r"(?<!\n)\n(?![\n ])", " ", text),  # a paragraph is a line, which the terminal breaks
     )
 
-    @app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+    @app.command(name="--install-completion", help="install completion of options for this shell: bash, zsh or fish")
     def _install_completion() -> None:
         from cyclopts.completion.detect import ShellDetectionError
 
@@ -229,7 +229,7 @@ def run_app_main(app: "App", arguments: list[str] | None = None) -> int:
         ended, reason = Outcome.UNUSABLE, "not enough memory to load the program"
     except MemoryError:
         ended = Outcome.UNUSABLE
-        reason = "not enough memory; a coarser numerics.mesh_size_mm or fewer axial.slices take less"
+        reason = "not enough memory; use a coarser numerics.mesh_size_mm or fewer axial.slices"
     except ValueError as error:
         from lagrange.files.hdf5 import Damaged
         from lagrange.rating.sources import Unavailable

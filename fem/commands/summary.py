@@ -37,10 +37,10 @@ def print_plan(plan: Plan, name: str) -> None:
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
     seconds = seconds_by_trial(plan)
     if seconds is not None:
-        rows["expected time"] = f"about {seconds:.2g} s, by a piece of it"
+        rows["expected time"] = f"about {seconds:.2g} s (measured on a short piece)"
     rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
     if isinstance(plan, CompiledPlan):
-        rows["compiling before it"] = "nothing, the time loop is kept" if is_compiled(plan) else plan.compiling
+        rows["compilation"] = "none, already cached" if is_compiled(plan) else plan.compiling
     console.print(f"Plan of {shown(name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
@@ -53,20 +53,20 @@ def print_plan(plan: Plan, name: str) -> None:
 
 
 def result_megabytes(plan: Plan) -> float:
-    """Of the samples that a plan's result file will hold; stored fields come on top."""
+    """Size of a plan's samples in the result file, without stored fields."""
     rollers = plan.scene.ideal_bearing().n_rollers
     return 1e-6 * plan.n_samples * bytes_of_a_sample(variables_of(plan.scene), rollers)
 
 
 def size_warning(plan: Plan) -> str | None:
-    """What makes a large result file smaller; None: it is not large."""
+    """A warning of a large result file; None: it is not large."""
     size, numerics = result_megabytes(plan), plan.scene.numerics
     if size <= LARGE_RESULT:
         return None
     return (
-        f"the result file takes {size:.3g} MB; a shorter numerics.duration_ms than {numerics.duration_ms:g} makes it "
-        f"smaller, or a longer numerics.output_interval_us than {numerics.output_interval_us:g} where no vibration "
-        "matters that is too fast for it"
+        f"the result file takes {size:.3g} MB; to make it smaller, lower numerics.duration_ms = "
+        f"{numerics.duration_ms:g}, or raise numerics.output_interval_us = {numerics.output_interval_us:g} if fast "
+        "vibration does not matter"
     )
 
 
@@ -116,7 +116,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:
         inner, outer = operation.ring_speeds_met
-        for name, speeds in (("shaft speed", inner), ("speed of the outer ring", outer)):
+        for name, speeds in (("shaft speed", inner), ("outer ring speed", outer)):
             if speeds.any():
                 rows[name] = f"{speeds.min() / RPM:.6g} to {speeds.max() / RPM:.6g} rpm"
         at = [np.argmin(inner), np.argmax(inner)] if np.ptp(inner) else [np.argmin(outer), np.argmax(outer)]
@@ -129,7 +129,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
         rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; the default")
     elif scene.model != "lagrange" or scene.lagrange.angles == "free":
         why = default_cage(scene)
-        rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: rollers coast where they are not loaded"
+        rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: unloaded rollers coast"
     return rows
 
 

@@ -149,7 +149,7 @@ def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
     return (
         f"axial.slices = {axial.slices} are {1e3 * bearing.roller_length / axial.slices:.3g} mm wide, less than "
         f"{WIDTHS:g} half-widths of the contact, {1e3 * half_width:.3g} mm, below which coupled slices have no sure "
-        f"equilibrium; take at most {_most_slices(bearing, half_width)}, or axial.coupling = false"
+        f"equilibrium; use at most {_most_slices(bearing, half_width)}, or axial.coupling = false"
     )
 
 

@@ -83,8 +83,8 @@ class SupportedRing(LooseRing):
         if np.abs(self.held_width / self.width - 1.0).max() <= OFF:
             return ()
         return (
-            f"support.width_mm = {1e3 * self.width:g}: the mesh holds the outer ring {self.words}; forces and "
-            "displacements are those of the held widths; take a smaller numerics.mesh_size_mm or a wider point",
+            f"support.width_mm = {1e3 * self.width:g}: the mesh holds the outer ring {self.words}; results are for "
+            "the held widths; use a smaller numerics.mesh_size_mm or a wider point",
         )
 
     @cached_property

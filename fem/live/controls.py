@@ -7,13 +7,13 @@ from lagrange.scene.files import content_of
 from lagrange.scene.scene import Scene, parse_scene
 
 OWN = {  # controls of what not every scene has, by key of its table: table, label, unit, hint
-    "contact_N_s_m": ("damping", "Contact damping", "N s/m", "of every closed contact"),
-    "contact_time_us": ("damping", "Contact damping", "µs", "times the contact's stiffness"),
-    "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt and Crossley's α"),
+    "contact_N_s_m": ("damping", "Contact damping", "N s/m", "every closed contact"),
+    "contact_time_us": ("damping", "Contact damping", "µs", "multiplies the contact's stiffness"),
+    "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt–Crossley coefficient α"),
     "mass_kg": ("support", "Housing's mass", "kg", "without the outer ring"),
-    "stiffness_N_per_m": ("support", "Housing's stiffness", "N/m", "of its springs to the ground, along either axis"),
-    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "of the dashpots beside them"),
-    "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "its own, undamped"),
+    "stiffness_N_per_m": ("support", "Housing's stiffness", "N/m", "springs to the ground, x and y"),
+    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "dashpots beside the springs"),
+    "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "undamped"),
     "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
 }
 TABLES = {"friction_coefficient": "contact"} | {key: table for key, (table, *_) in OWN.items()}  # else [operation]
@@ -97,11 +97,11 @@ def controls(scene: Scene) -> tuple[Control, ...]:
         Control("speed_rpm", "Speed", "rpm", "inner ring", min(0.0, -fastest * (speed < 0.0)), fastest, 10.0),
         Control("radial_load_N", "Radial load", "N", "on the shaft, downwards", 0.0, heaviest, 10.0),
         Control("clearance_um", "Clearance", "µm", "diametral; below 0: preload", tightest, widest, 1.0),
-        Control("friction_coefficient", "Friction", "", "Coulomb's, in every contact", 0.0, friction, 0.01),
+        Control("friction_coefficient", "Friction", "", "Coulomb coefficient, every contact", 0.0, friction, 0.01),
     ]
     if "misalignment_mrad" in values:
         steepest = max(STEEPEST, abs(values["misalignment_mrad"]))
-        hint = "slope of the shaft, its +z end towards the load"
+        hint = "slope of the shaft; +z end towards the load"
         found.append(Control("misalignment_mrad", "Misalignment", "mrad", hint, -steepest, steepest, 0.1))
     for key, (_, label, unit, hint) in OWN.items():
         if own := values.get(key):
@@ -111,6 +111,6 @@ def controls(scene: Scene) -> tuple[Control, ...]:
         if (own := values.get(key := f"{body}_spall_mm")) is not None:
             found.append(Control(key, label, "mm", "width; 0: none", 0.0, max(0.3 * b.roller_diameter_mm, own), 0.05))
         if body == "outer_ring":
-            at = "Place of that spall", "°", "from the load, counter-clockwise", -180.0, 180.0, 1.0
+            at = "Angle of that spall", "°", "from the load, counter-clockwise", -180.0, 180.0, 1.0
             found.append(Control("outer_ring_spall_deg", *at, needs=key))
     return tuple(found)

@@ -35,12 +35,12 @@ STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
 UNBALANCED = f"the energy balance is off by more than {100 * LIMIT:g} %: results are approximate"
 NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
 LINES = {  # of the spectrum, by `Kinematics.frequencies`
-    "shaft": "turns of the shaft",
-    OUTER_RING: "turns of the outer ring",
-    "FTF": "turns of the cage",
-    "BSF": "turns of a roller",
-    "BPFO": "rollers over a place of the outer ring",
-    "BPFI": "rollers over a place of the inner ring",
+    "shaft": "rotation of the shaft",
+    OUTER_RING: "rotation of the outer ring",
+    "FTF": "rotation of the cage",
+    "BSF": "spin of a roller",
+    "BPFO": "ball passes, outer ring",
+    "BPFI": "ball passes, inner ring",
 }
 
 
@@ -141,8 +141,8 @@ class Player:
         for key in TABLES:
             if (name := getattr(scene.operation, key)) is not None:
                 raise UsageError(
-                    f'operation.{key} = "{name}": run-live has sliders for speed and load and no end; leave the table '
-                    "out, or take run-fem"
+                    f'operation.{key} = "{name}": run-live has sliders for speed and load; leave the table out, or use '
+                    "run-fem"
                 )
         self.given, self.controls = scene, controls(scene)
         self._begin(scene, scene.operation.first_roller_deg, tell)

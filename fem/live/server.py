@@ -112,7 +112,7 @@ class LiveServer:
                     publish("bearing", self._player.facts())
                     self._new, began = True, 0.0
                 except (SceneError, UsageError, RunFailed) as error:
-                    publish("refused", f"{error}\nThe bearing goes on with the values it had before.")
+                    publish("refused", f"{error}\nThe bearing keeps its previous values.")
                 publish("telling", "")
             if not any(self._viewers.values()) or not (self._pace.playing or self._step or self._new):
                 continue

@@ -67,7 +67,7 @@ def _surface_notes(instant: Instant) -> list[str]:
     """Lines on the surfaces that are not perfect."""
     bearing, found = instant.model.bearing, []
     if spalls(bearing):
-        found.append("spalls: as deep as rollers reach")
+        found.append("spalls: depth that rollers reach")
     factor = chart_factor(bearing)
     return found if factor is None else [*found, f"heights from white circles × {factor:g}"]
 

@@ -94,8 +94,8 @@ DECLARED: tuple[_Declared, ...] = (
     ("P_N", "N", "equivalent dynamic load P{weight}", s.LOAD, lambda c: c.load),
     ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
     ("s0", "1", "static safety factor", s.STATIC,
-     lambda c: c.basic.static / positive(c.largest_load, "it is infinite")),
-    ("speed_rpm", "1/min", "relative speed of the rings, of a duty cycle its mean", s.LOAD, lambda c: c.rpm),
+     lambda c: c.basic.static / positive(c.largest_load, "infinite")),
+    ("speed_rpm", "1/min", "relative ring speed (mean over the duty cycle)", s.LOAD, lambda c: c.rpm),
     ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life()),
     ("L10_h", "h", "basic rating life L10", s.LIFE,
      lambda c: in_hours(c.basic_life(), c.rpm)),
@@ -115,58 +115,60 @@ DECLARED: tuple[_Declared, ...] = (
     ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
      lambda c: c.run.life(c.row, c.axial is not None)),
     ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
-     lambda c: refuse("the dynamic equivalent load of a lamina is not at hand from a source")),
+     lambda c: refuse("not implemented: no source for the equivalent load of a lamina")),
     ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
     ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
      lambda c: {name: _stresses(each) for name, each in c.stressed.items()}),
-    ("pressure_over_permitted", "1", "largest pressure over ISO 76's limit", s.STRESS_LIMITS,
+    ("pressure_over_permitted", "1", "peak pressure / ISO 76's limit", s.STRESS_LIMITS,
      lambda c: c.peak_pressure / (PERMITTED_OF_BALLS if c.balls else PERMITTED)),
-    ("pressure_over_fatigue", "1", "largest pressure over 1500 MPa", s.STRESS_LIMITS,
+    ("pressure_over_fatigue", "1", "peak pressure / 1500 MPa (fatigue limit)", s.STRESS_LIMITS,
      lambda c: c.peak_pressure / FATIGUE),
-    ("roller_loads_N", "N", "loads of rollers at the first angle, rigid rings", s.REFERENCE,
+    ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE,
      lambda c: c.rigid.of_rollers),
     ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
      lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
     ("operating_clearance_parts_um", "µm", "parts of that clearance", s.CLEARANCE, lambda c: c.clearance_parts),
-    ("fit_pressure_MPa", "MPa", "pressure of the fits in operation", s.FITS,
+    ("fit_pressure_MPa", "MPa", "fit pressure in operation", s.FITS,
      lambda c: {"shaft": 1e-6 * c.build_up.shaft_pressure, "housing": 1e-6 * c.build_up.housing_pressure}),
     ("stiffness_N_per_m", "N/m", "stiffness kxx, kxy; kyx, kyy, mean over a pitch", s.LINEARISED,
      lambda c: c.pitch.mean),
-    ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest by entry", s.LINEARISED, lambda c: c.pitch.range),
-    ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... rollers' passages", s.LINEARISED,
-     lambda c: c.pitch.harmonics),
+    ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest of each entry", s.LINEARISED,
+     lambda c: c.pitch.range),
+    ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
+     s.LINEARISED, lambda c: c.pitch.harmonics),
     ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED, lambda c: (c.pitch, c.contacts)[1]),
     ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
      lambda c: c.with_housing()),
     ("misalignment_mrad", "mrad", "slope of the shaft, +z end towards the load", s.TILTED,
      lambda c: 1e3 * c.tilted.slope),
-    ("tilting_moment_N_m", "N m", "moment that holds that slope, mean over a pitch", s.TILTED,
+    ("tilting_moment_N_m", "N m", "moment needed for that misalignment, mean over a pitch", s.TILTED,
      lambda c: c.tilted.moment),
-    ("hub_stiffness_N_per_m", "N/m", "stiffness of the hub with springs of housing and shaft", s.LINEARISED,
+    ("hub_stiffness_N_per_m", "N/m", "hub stiffness including springs of housing and shaft", s.LINEARISED,
      lambda c: c.at_hub()),
     ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting at constant load, mean over a pitch",
      s.TILTED, lambda c: c.tilted.tilt_stiffness),
-    ("stiffness_with_tilt", "N/m, N, N m", "stiffness by x, y and slopes in x, y, mean over a pitch", s.TILTED,
+    ("stiffness_with_tilt", "N/m, N, N m", "stiffness matrix of x, y and slopes in x, y, mean over a pitch", s.TILTED,
      lambda c: c.tilted.stiffness),
     ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
      lambda c: c.lives_by_slope()),
-    ("damping_N_s_per_m", "N s/m", "damping by the contacts' dampers, mean over a pitch", s.LINEARISED,
+    ("damping_N_s_per_m", "N s/m", "damping of the contacts, mean over a pitch", s.LINEARISED,
      lambda c: refuse(TILTS) if c.axial is not None
      else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
      else refuse("the scene has no [damping] of contacts")),
-    ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub's mass", s.LINEARISED, lambda c: c.frequencies()),
-    ("hub_um", "µm", "hub x, y at speed, mean over a pitch", s.LINEARISED,
+    ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub on its contacts", s.LINEARISED,
+     lambda c: c.frequencies()),
+    ("hub_um", "µm", "hub position x, y at speed, mean over a pitch", s.LINEARISED,
      lambda c: 1e6 * c.pitch.place.mean(axis=0)),
-    ("film_um", "µm", "least film thickness, the thinner of both raceways", s.FILM,
+    ("film_um", "µm", "minimum film thickness of both raceways", s.FILM,
      lambda c: 1e6 * c.film),
-    ("lambda", "1", "film thickness over roughness, λ", s.FILM, lambda c: c.lambda_ratio()),
+    ("lambda", "1", "film thickness / roughness, λ", s.FILM, lambda c: c.lambda_ratio()),
     ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
      lambda c: {name: torque.total for name, torque in c.torques.items()}),
-    ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's parts of speed and of load", s.PALMGREN,
+    ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's speed and load parts", s.PALMGREN,
      lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
-    ("friction_torque_run_N_mm", "N mm", "torque of the run's dissipation, friction and damping of its contacts alone",
+    ("friction_torque_run_N_mm", "N mm", "torque from the run's dissipation (friction and damping of contacts only)",
      s.OF_RUN, lambda c: 1e3 * c.run.torque),
-    ("dissipated_run_W", "W", "the run's dissipation", s.OF_RUN, lambda c: c.run.dissipated),
+    ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated),
     ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
     ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
      lambda c: {name: loss / c.conductance for name, loss in c.losses.items()}),
@@ -230,29 +232,29 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
     values = {answer.name: answer.value for answer in answers}
     if values["stiffness_N_per_m"] is not None and not case.pitch.is_stable:
         yield (
-            "the stiffness across the load is not positive at every angle of the cage: the hub balances on single "
-            "rollers, and the mean matrix says little; more load or less clearance holds it"
+            "the stiffness across the load is not positive at every cage angle: the hub balances on single rollers, "
+            "and the mean matrix is of little use; raise the load or reduce the clearance"
         )
     if values["s0"] is not None and values["s0"] < 1.0:
-        yield f"static safety {values['s0']:.2f} is below 1: the raceways keep dents"
+        yield f"static safety {values['s0']:.2f} is below 1: permanent dents in the raceways"
     if values["C_N"] is not None and (values["P_N"] or 0.0) > 0.5 * values["C_N"]:
-        yield "P is beyond C/2, where the life formula of ISO 281 does not hold"
+        yield "P is beyond C/2, beyond the range of ISO 281's life formula"
     if values["C_N"] is not None and 0.0 < (values["P_N"] or 0.0) < 0.02 * values["C_N"]:
-        yield "P is below 2 % of C: rollers may skid, and rating lives say little"
+        yield "P is below 2 % of C: rollers may skid, and rating lives are of little use"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
     if case.bearing.contact_angle and case.bearing.rows == 1 and values["stiffness_N_per_m"] is not None:
         axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(case.bearing.contact_angle)
         yield (
-            f"the contact angle makes an axial force of {axial:.4g} N from the radial load, Σ Q sin α, which another "
-            "bearing must take; loads of shafts that push further are not in this program"
+            f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
+            "another bearing must carry; external axial loads are not supported"
         )
     if case.oscillation:
-        yield f"{case.oscillation}: L10 by the mean speed says little, and lubricant is not carried in"
+        yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"
     if case.bearing.rows > 1 and values["C_N"] is not None and not case.balls:
         yield (
-            f"rows = {case.bearing.rows} share the load evenly here, with b_m = 1.1 of cylinders and tapers; "
-            "barrel rollers, which align themselves, have b_m = 1.15 and are not in this program"
+            f"rows = {case.bearing.rows} share the load equally, with b_m = 1.1 for cylindrical and tapered rollers; "
+            "spherical roller bearings (b_m = 1.15) are not supported"
         )
     if abs(case.operation.misalignment) > ALLOWED_SLOPE:
         yield (
@@ -268,6 +270,6 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
             f"the duty cycle, whose largest load is {case.options.cycle.largest_load:.4g} N"
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:
-        yield f"κ = {values['kappa']:.2g}: surfaces touch through the film (mixed lubrication); more viscosity lifts κ"
+        yield f"κ = {values['kappa']:.2g}: mixed lubrication, surfaces touch; a higher viscosity raises κ"
     if case.scene.damping.contacts.acts is False:
-        yield "no damping of contacts in the scene: a rotor on these coefficients is undamped"
+        yield "the scene has no contact damping: a rotor on these coefficients is undamped"

@@ -55,10 +55,10 @@ if TYPE_CHECKING:
 POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
 INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
-TILTS = "with [axial] only the damping of rollers whose axes stay parallel is at hand"
-PLANE = "the bearing's section is plane: the scene has no [axial], and rollers don't tilt"
-NO_RUN = "no run: give a result file of run-fem in place of the scene"
-NO_FIT = "the scene has no [fit]: interference and temperatures are taken to be in its clearance"
+TILTS = "with [axial] damping is not implemented"
+PLANE = "rollers do not tilt: the scene has no [axial]"
+NO_RUN = "no run: give a result file of run-fem instead of the scene"
+NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,7 +229,7 @@ class Case:
     @property
     def some_load(self) -> float:
         """P, N, above 0."""
-        return positive(self.load, "there is nothing to share among rollers and no life to modify")
+        return positive(self.load, "no load on the rollers")
 
     @property
     def section_load(self) -> float:
@@ -249,7 +249,7 @@ class Case:
     def elastic_under(self, operation: Operation, samples: int = SAMPLES) -> Pitch:
         mounting = self.scene.mounting()
         if mounting.points is not None or mounting.bore is not None:
-            raise Unavailable("[support]: elastic rings are rated with the outer ring held all around")
+            raise Unavailable("[support]: elastic rings need an outer ring held all around")
         if self.axial is not None:
             return self.tilted_under(operation, elastic=True).pitch
         return self.plane_under(operation, True, samples)
@@ -444,7 +444,7 @@ class Case:
         """Of the hub on its linearised mean stiffness, Hz."""
         values = np.linalg.eigvalsh(self.pitch.mean)
         if not values[0] > 0.0:
-            raise Unavailable("the mean stiffness holds the hub in one direction at most")
+            raise Unavailable("the mean stiffness is positive in one direction at most")
         mass = stiffness_factor(self.bearing) * self.operation.inner_mass
         return [sqrt(value / mass) / (2.0 * pi) for value in values]
 
@@ -469,11 +469,9 @@ class Case:
         """L10r, 10⁶ revolutions, under loads of laminae, N."""
         mounting = self.scene.mounting()
         if mounting.points is not None or mounting.bore is not None:
-            raise Unavailable(
-                "[support]: the outer ring bends where nothing holds it, and L10r is of rings that do not"
-            )
+            raise Unavailable("[support]: the outer ring bends, and L10r assumes rigid rings")
         if self.oscillation:
-            raise Unavailable(f"{self.oscillation}: no ring turns against the load, which L10r takes for granted")
+            raise Unavailable(f"{self.oscillation}: no ring turns relative to the load, which L10r assumes")
         return reference_life(self.row, dynamic_capacity(self.row), inner, outer, turning=self.turning)
 
     def modified_life(self) -> float:

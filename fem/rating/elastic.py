@@ -25,9 +25,9 @@ def elastic_pitch(
     the stiffness is left out (`hub_stiffness`).
     """
     if isinstance(bearing, BallBearing):
-        raise Unavailable("elastic rings are those of roller bearings; this one has balls")
+        raise Unavailable("elastic rings are implemented for rollers, not for balls")
     if any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring)):
-        raise Unavailable("[bodies]: a body is rigid, and elastic rings take elastic bodies")
+        raise Unavailable("[bodies]: elastic rings need elastic bodies; one is rigid")
     bearing = replace(bearing, faults=())
     motion = kinematics(bearing, *operation.ring_speeds)
     model = reduced_bearing(bearing, motion, operation.gravity)

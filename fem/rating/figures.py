@@ -69,7 +69,7 @@ def _clearance(case: Case) -> Figure:
     axis.set(ylabel="diametral clearance, µm")
     axis.margins(y=0.15)
     remarks = "; ".join(f"{words}: {remark}" for words, _, remark in rows if remark)
-    caption = f"From the unmounted to the operating bearing; below 0: preload. {remarks}".strip()
+    caption = f"From unmounted to operating clearance; below 0: preload. {remarks}".strip()
     return finished(figure, "clearance", "Operating clearance", caption)
 
 
@@ -81,7 +81,7 @@ def _load_zone(case: Case) -> Figure:
         (words, pitch.theta.ravel(), pitch.inner_force.ravel(), colour) for words, pitch, colour in _contacts(case)
     ]
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
-    load = positive(case.static_load, "there is no load zone")
+    load = positive(case.static_load, "no load, no load zone")
     rigid = [case.rigid_at(at, load=load) for at in turned]
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi
     curves.append(("ISO/TS 16281", angles.ravel(), np.concatenate([each.of_rollers for each in rigid]), GREY))
@@ -121,7 +121,7 @@ def _stiffness(case: Case) -> Figure:
 def _load_deflection(case: Case) -> Figure:
     operation = case.on_bearing
     if not case.static_load > 0.0:
-        raise Unavailable("without load there is no curve")
+        raise Unavailable("no load, no curve")
     figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     share = LOADS[:, None]
 
@@ -140,7 +140,7 @@ def _load_deflection(case: Case) -> Figure:
         axis.plot(found, share[:, 0] * case.static_load, "o-", markersize=3, color=colour, label=words)
     axis.set(xlabel="displacement of the hub, µm", ylabel="load, N", xlim=(0, None), ylim=(0, None))
     axis.legend(fontsize=7.5)
-    caption = "Means over a pitch. It begins at the radial clearance, half the diametral one."
+    caption = "Means over a pitch. The curve starts at the radial clearance, half the diametral one."
     return finished(figure, "load-deflection", "Load and deflection", caption)
 
 
@@ -156,8 +156,8 @@ def _life(case: Case) -> Figure:
     axis.set(xlabel="diametral clearance, µm (below 0: preload)", ylabel="L10r, 10⁶ revolutions", yscale="log")
     axis.legend(fontsize=7.5)
     caption = (
-        "ISO/TS 16281, rigid rings: a little preload spreads the load over more rollers and lengthens life, "
-        "more of it loads all of them."
+        "ISO/TS 16281, rigid rings: a small preload spreads the load over more rollers and lengthens life; a larger "
+        "one shortens it."
     )
     return finished(figure, "life", "Life over load and clearance", caption)
 
@@ -177,7 +177,7 @@ def _misalignment(case: Case) -> Figure:
         axis.plot(1e3 * tilts, lives, color=colour, linestyle=style, label=words)
     axis.set(xlabel="misalignment, mrad", ylabel="L10r, 10⁶ revolutions", yscale="log", xlim=(0, None))
     axis.legend(fontsize=7.5)
-    caption = "ISO/TS 16281, rigid rings whose axes are held at an angle in the plane of the load."
+    caption = "ISO/TS 16281, rigid rings, misaligned in the plane of the load."
     return finished(figure, "misalignment", "Life over misalignment", caption)
 
 
@@ -194,5 +194,5 @@ def _friction(case: Case) -> Figure:
         axis.axvline(case.rpm, color=GREY, linestyle="--", linewidth=0.9)
         axis.set(xlabel="speed, 1/min", ylabel=label, xlim=(0, fastest), ylim=(0, None))
     torques.legend(fontsize=7.5)
-    caption = f"At {viscosity:.3g} mm²/s; dashed: the rated speed. No number of friction is better than ±30 %."
+    caption = f"At {viscosity:.3g} mm²/s; dashed: the rated speed. Friction is uncertain by at least ±30 %."
     return finished(figure, "friction", "Friction over speed", caption)

@@ -67,7 +67,7 @@ def print_rating(rating: Rating) -> None:
     console.print(table)
     if rating.scene.assumed:
         console.print(f"defaults: {rating.scene.assumed}", soft_wrap=True, markup=False)
-    console.print("† with constants that are second hand: the JSON file says which", markup=False)
+    console.print("† some constants taken from secondary sources, see the JSON file", markup=False)
     for reason, names in missing.items():
         console.print(f"not computed: {', '.join(names)}: {shown(reason)}", soft_wrap=True, markup=False)
     for warning in rating.warnings:

@@ -167,7 +167,7 @@ def contacts_of(
     if laws is not None:
         return contact_slices(bearing, replace(axial, coupling=False), laws), None
     if any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring)):
-        raise Unavailable("[bodies]: a body is rigid, and elastic rings take elastic bodies")
+        raise Unavailable("[bodies]: elastic rings need elastic bodies; one is rigid")
     contacts = exact_contacts(bearing, angle)
     curves = cast(tuple[ContactLaw, ContactLaw], (contacts.inner_law, contacts.outer_law))
     return tilted_slices(bearing, axial, curves), contacts.compliance

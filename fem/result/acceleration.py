@@ -54,8 +54,8 @@ def accelerations(scene: Scene, column: Callable[[str], np.ndarray]) -> Accelera
     ratio = Fraction(rate * interval * 1e-6).limit_denominator(MOST_PARTS)
     if ratio >= 1:
         raise UsageError(
-            f"output.acceleration_Hz = {rate}: samples every {interval:g} µs can't give that; store more often, "
-            f"numerics.output_interval_us below {1e6 / rate:.4g}, or take a lower rate"
+            f"output.acceleration_Hz = {rate}: samples every {interval:g} µs are too coarse; store more often, "
+            f"numerics.output_interval_us below {1e6 / rate:.4g}, or use a lower rate"
         )
     if ratio == 0 or abs(float(ratio) / (rate * interval * 1e-6) - 1.0) > 1e-9:
         raise UsageError(

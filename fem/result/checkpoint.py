@@ -39,7 +39,7 @@ def refuse_no_place(result: Path) -> None:
     """Refuse a result file beside which no checkpoint can stand. UsageError. OSError: its name is too long."""
     path = checkpoint_path(result)
     if path.is_symlink() or (path.exists() and not path.is_file()):
-        raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")
+        raise UsageError(f"{path}: is not a plain file, but the checkpoint goes there; name another --output")
     if path.exists() and not _is_ours(read_plain(path, LONGEST_START)):
         raise UsageError(
             f"{path}: is no checkpoint of this program and is not replaced; move it, or name another --output"
@@ -130,7 +130,7 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     if stored.samples > plan.n_samples:
         raise UsageError(
             f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
-            f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume takes at least that"
+            f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume needs at least that"
         )
     return state, stored
 
@@ -180,8 +180,8 @@ def _check(path: Path, meta: dict, plan: Plan) -> None:
         raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
     if changed := differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
         raise UsageError(
-            f"{path}: written by another version of the program, or on another processor, with which the results would "
-            f"have other bits ({'; '.join(changed)}); go on with that one, or start again without --resume"
+            f"{path}: written by another version of the program, or on another processor, whose results differ in the "
+            f"last bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
         )
     if before is None:
         raise UsageError(f"{path}: its scene can't be read; start again without --resume")

@@ -65,7 +65,7 @@ def cage_seat(
         raise UsageError(
             f"{clearances}: where rollers and rings are in equilibrium the cage does not fit: wherever it stands, a "
             f"contact of it is closed by {1e6 * left:.3g} µm, which takes {cage.stiffness * left:.3g} N, and raceways "
-            f"push with {force:.3g} N at most; take more clearance, a lighter load, stiffer rings, or "
+            f"push with {force:.3g} N at most; use more clearance, a lighter load, stiffer rings, or "
             'numerics.start = "rest"'
         )
     return place

@@ -97,16 +97,16 @@ def n_in_place(bearing: Bearing, give: float, samples: Samples) -> int:
 
 def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose bodies are out of place."""
-    hint = "without a cage few rollers gather on one side: give the scene a [cage], take more rollers or "
+    hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
     if plan.scene.cage is not None:
-        hint = "take a lighter load, more rollers, stiffer pockets of the cage or "
+        hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
     hint = _bare(plan.model.bearing, samples, at) or f"{hint}contact.friction_coefficient above 0"
     return f"the bearing has come apart {_hub_then(plan.time_step, samples, at)}; {hint}"
 
 
 def through_trouble(bearing: Bearing, time_step: float, samples: Samples, at: int) -> str:
     """What to say of a sample whose rigid bodies are in one another."""
-    hint = _bare(bearing, samples, at) or "take a lighter load, more or larger rollers or a stiffer material"
+    hint = _bare(bearing, samples, at) or "use a lighter load, more or larger rollers or a stiffer material"
     return f"rigid bodies have gone through one another {_hub_then(time_step, samples, at)}; {hint}"
 
 
@@ -118,7 +118,7 @@ def _bare(bearing: Bearing, samples: Samples, at: int) -> str | None:
 
 def _hub_then(time_step: float, samples: Samples, at: int) -> str:
     step, (hub_x, hub_y) = round(samples["time"][at] / time_step), from_outer_ring(samples, "inner")
-    place = f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle"
+    place = f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the centre"
     return f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is {place}"
 
 
@@ -126,7 +126,7 @@ def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose energy doesn't balance, or only grows."""
     step, imbalance = round(samples["time"][at] / plan.time_step), samples.relative_error()[at]
     fastest = int(np.argmax(np.abs(samples["roller_spin"][at] - plan.start.kinematics.roller)))
-    where = f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms (roller {fastest} strays furthest)"
+    where = f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms (roller {fastest} deviates most)"
     if abs(imbalance) <= IMBALANCE_LIMIT:
         return f"vibrations grow without end {where}: the time step is too long; lower numerics.time_step_safety"
     return (
@@ -140,8 +140,8 @@ def energy_warning(plan: "ElementPlan", missed: float, passed_on: float) -> tupl
     if missed <= DOUBTFUL * passed_on:
         return ()
     return (
-        f"the energy is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged ({1e3 * passed_on:.3g} "
-        f"mJ): the motion may be off by as much; {plan.finer}",
+        f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the exchanged energy "
+        f"({1e3 * passed_on:.3g} mJ), the motion perhaps by as much; {plan.finer}",
     )
 
 
@@ -174,13 +174,13 @@ def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
     return (
         f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
-        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): {MISTRUST}",
+        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm): {MISTRUST}",
     )
 
 
 MISTRUST = (
-    "forces and deformation near such contacts are not to be trusted; lower operation.radial_load_N, raise "
-    "numerics.load_ramp_ms or take a stiffer material"
+    "forces and deformation there are unreliable; lower operation.radial_load_N, raise numerics.load_ramp_ms or use a "
+    "stiffer material"
 )
 
 
@@ -195,6 +195,6 @@ def _ball_warnings(bearing: BallBearing, largest: np.ndarray) -> tuple[str, ...]
             where = f"{force:.4g} N on the {side} raceway"
             return (
                 f"the largest force of the run, {where}, makes a contact ellipse with semi-axes of {found} mm, beyond "
-                f"Hertz's theory and small strains (at most {most} mm here): {MISTRUST}",
+                f"Hertz's theory and small strains (at most {most} mm): {MISTRUST}",
             )
     return ()

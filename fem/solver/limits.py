@@ -34,8 +34,8 @@ def check_rollers(scene: Scene) -> None:
     """Refuse balls, which no plane section describes."""
     if scene.bearing.type == "ball":
         raise UsageError(
-            'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
-            "run-fem --model lagrange takes balls, and check-residual draws figures of its runs"
+            'bearing.type = "ball": finite elements and pictures are for cylindrical rollers only; use run-fem '
+            "--model lagrange, and check-residual for figures"
         )
 
 
@@ -71,13 +71,13 @@ def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:
     if angle > 0.0 and not kind.is_of_mesh_alone:
         raise UsageError(
             f"bearing.contact_angle_deg = {angle:g}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so "
-            "fine that contacts are spread over points, on circles of bodies' curvature; take a coarser mesh"
+            "fine that contacts are spread over points, on circles of bodies' curvature; use a coarser mesh"
         )
     if (mounting.points is not None or mounting.bore is not None) and not kind.is_of_mesh_alone:
         given = 'kind = "points"' if mounting.bore is None else "fit_clearance_um"
         raise UsageError(
             f"support.{given}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so fine that "
-            "contacts are spread over points, which takes rings that are held all around; take a coarser mesh"
+            "contacts are spread over points, which takes rings that are held all around; use a coarser mesh"
         )
 
 
@@ -105,7 +105,7 @@ def check_contact_model(kind: "type[Model]", scene: Scene, expected: ExpectedFor
             raise UsageError(
                 f"contact.model = '{scene.contact.model}': the narrowest of the most loaded contacts is "
                 f"{1e3 * min(widths):.3g} mm wide on either side, the mesh {1e3 * mesh_size:.3g} mm; "
-                f"numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, or take contact.model = 'subgrid'"
+                f"numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, or use contact.model = 'subgrid'"
             )
         return
     if max(widths) > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
@@ -166,7 +166,7 @@ def _check_width(pair: Pair, force: float, bearing: Bearing) -> None:
         raise UsageError(
             f"the largest static force, {force:.4g} N on the {pair.kind} raceway, makes a contact of half-width "
             f"{1e3 * half_width:.3g} mm, beyond Hertz's theory (at most {1e3 * widest:.3g} mm here); lower "
-            "operation.radial_load_N or operation.speed_rpm, or take a stiffer material"
+            "operation.radial_load_N or operation.speed_rpm, or use a stiffer material"
         )
 
 

@@ -32,7 +32,11 @@ def pace(model: str) -> float:
 def in_words(model: str, seconds: float) -> str:
     """A time to expect, and whether a run of the model has been timed here."""
     text = f"about {seconds:.2g} s"
-    return text if _read().get(_key(model)) else f"{text}, or three times that: no run has been timed here yet"
+    return (
+        text
+        if _read().get(_key(model))
+        else (f"{text}, perhaps three times that: no run has been timed on this machine yet")
+    )
 
 
 def remember(model: str, expected: float, took: float) -> None:

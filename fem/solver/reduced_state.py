@@ -114,9 +114,9 @@ class ReducedState(RigidState):
             return ()
         key = "output_interval_us" if self.plan.stride == 1 else "time_step_safety"  # what makes steps shorter
         return (
-            "steps in which contacts open or close give the hub what keeps the energy, and at such samples that is up "
-            f"to {most:.3g} N off the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner "
-            f"ring): the momentum balance there misses as much; a smaller numerics.{key} makes it less",
+            f"when contacts open or close, the energy-conserving step gives the hub up to {most:.3g} N more or less "
+            f"than the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner ring), and the "
+            f"momentum balance is off by as much; lower numerics.{key}",
         )
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:

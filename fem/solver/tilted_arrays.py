@@ -105,7 +105,7 @@ def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
     )  # fmt: skip
 
 
-LESS = "lower what makes rollers strike and tilt, or leave [axial] out"  # where tables go no further
+LESS = "reduce impacts and tilt of the rollers, or leave [axial] out"  # where tables go no further
 
 
 def beyond_tables(tilts: TiltArrays | None, tables: tuple[TiltedLaw, ...]) -> str | None:

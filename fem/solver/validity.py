@@ -53,9 +53,9 @@ def law_warning(contacts: Condensed, largest: np.ndarray) -> str | None:
     if error <= LARGEST_LAW_ERROR:
         return None
     return (
-        f"under the largest force of the run, {force:.4g} N, the contact on the {kind} raceway is so wide beside its "
-        f"ring and roller that its law is about {100.0 * error:.1g} % too stiff: forces and the hub's place err by as "
-        "much or, where few rollers carry, twice; lower operation.radial_load_N or take a stiffer material"
+        f"under the largest force of the run, {force:.4g} N, the contact on the {kind} raceway is so wide that its law "
+        f"is about {100.0 * error:.1g} % too stiff: forces and hub displacement are off by as much, with few loaded "
+        "rollers by twice that; lower operation.radial_load_N or use a stiffer material"
     )
 
 
@@ -129,7 +129,6 @@ def vibration_warning(bearing: Bearing, hub_mass: float, sums: np.ndarray) -> st
     off = f"{100.0 * error:.2g} % too slow" if error < 1.0 else "far too slow"
     return (
         f"{100.0 * vibrates:.0f} % of the hub's displacement is vibration, at {1e-3 * omega / (2.0 * pi):.2g} kHz: "
-        f"{off}, because the rings' elastic motion has no mass in the reduced model; the hub's path goes out of step "
-        f"with that, and its mean place may be off by {100.0 * error * vibrates:.2g} %; where that matters use "
-        'model = "fem"'
+        f"{off}, because the rings have no inertia of their own in the reduced model; the hub's mean displacement may "
+        f'be off by {100.0 * error * vibrates:.2g} %; if that matters use model = "fem"'
     )

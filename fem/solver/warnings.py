@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
 RIGID_CORE = (
-    f"bearing.bore_diameter_mm = 0: meshes take the core of the solid shaft, {CORE:g} of its radius, as rigid: "
-    'the hub\'s displacement is off by up to 1 % and loads by up to 3 %; model = "reduced" has the whole shaft, exactly'
+    f"bearing.bore_diameter_mm = 0: the mesh has a rigid core in the solid shaft, {CORE:g} of its radius: the hub's "
+    'displacement is off by up to 1 % and loads by up to 3 %; model = "reduced" has the whole shaft elastic'
 )
 WIDEST_CLEARANCE = 0.05  # of a roller's diameter: beyond C5 of ISO 5753-1, which is up to 0.04 (needles)
 LIGHTEST = 1e-3  # of the static load rating: loads below are hardly meant, but for none at all
@@ -67,8 +67,8 @@ def _clearance(bearing: Bearing) -> str | None:
     if not exceeds(clearance, WIDEST_CLEARANCE * diameter):
         return None
     return (
-        f"the clearance, {1e6 * clearance:.4g} µm in operation, is {100.0 * clearance / diameter:.2g} % of a roller's "
-        "diameter, and ISO 5753-1's group C5 has at most 4 %; is bearing.clearance_um meant in µm?"
+        f"the operating clearance, {1e6 * clearance:.4g} µm, is {100.0 * clearance / diameter:.2g} % of a roller's "
+        "diameter; group C5 of ISO 5753-1 has at most 4 %; is bearing.clearance_um in µm?"
     )
 
 
@@ -84,8 +84,8 @@ def _light(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
     if load + mass * scene.operation.gravity_m_s2 >= LIGHTEST * rating:
         return None
     return (
-        f"operation.radial_load_N = {load:g}: below a thousandth of the static load rating, C0 = {1e-3 * rating:.3g} "
-        "kN, rollers hardly touch; is it meant in N?"
+        f"operation.radial_load_N = {load:g} is below a thousandth of the static load rating, C0 = {1e-3 * rating:.3g} "
+        "kN: rollers hardly touch; is it in N?"
     )
 
 
@@ -97,8 +97,8 @@ def _brief(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
     if cage == 0.0 or passages >= FEWEST_PASSAGES or scene.is_given("numerics", "duration_ms"):
         return None
     return (
-        f"numerics.duration_ms = {scene.numerics.duration_ms:g}, the default, holds {cage * seconds:.2g} turns of the "
-        f"cage: what repeats with it does not show; one turn takes {1e3 / cage:.3g} ms"
+        f"numerics.duration_ms = {scene.numerics.duration_ms:g} (default) is {cage * seconds:.2g} turns of the cage, "
+        f"too short for lines of the cage; one turn takes {1e3 / cage:.3g} ms"
     )
 
 
@@ -115,8 +115,8 @@ def _undamped(scene: Scene, operation: Operation) -> str | None:
     if not named or scene.damping.acts or takes_none or scene.numerics.duration_ms == 0.0:
         return None
     return (
-        f"{' and '.join(named)} without [damping]: vibration that is excited hardly decays; give "
-        f"damping.contact_time_us, e.g. {USUAL_TIME_US:g}"
+        f"{' and '.join(named)} without [damping]: excited vibration hardly decays; give damping.contact_time_us, e.g. "
+        f"{USUAL_TIME_US:g}"
     )
 
 
@@ -129,10 +129,9 @@ def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:
     if worst <= ISO_76_PRESSURE:
         return None
     return (
-        f"the largest static force, {force:.4g} N on the {name} raceway, makes a Hertz pressure of "
-        f"{1e-6 * worst:.0f} MPa, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load rating: steel "
-        "yields there, the model stays elastic; lower operation.radial_load_N, or the preload (a larger "
-        "bearing.outer_raceway_diameter_mm)"
+        f"the largest static force, {force:.4g} N on the {name} raceway, gives a Hertz pressure of {1e-6 * worst:.0f} "
+        f"MPa, above ISO 76's {1e-6 * ISO_76_PRESSURE:.0f} MPa; real steel would yield; lower operation.radial_load_N, "
+        "or the preload (a larger bearing.outer_raceway_diameter_mm)"
     )
 
 
@@ -151,8 +150,8 @@ def _sampling(model: "Model", operation: Operation, equilibrium: "Equilibrium", 
     if 2.0 * resonance * interval < 1.0:
         return None
     return (
-        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to follow the hub's vibration on its contacts, "
-        f"about {1e-3 * resonance:.3g} kHz; check-residual needs less than {0.5e6 / resonance:.3g}"
+        f"numerics.output_interval_us = {1e6 * interval:g}: too coarse for the hub's vibration on its contacts, about "
+        f"{1e-3 * resonance:.3g} kHz; check-residual needs less than {0.5e6 / resonance:.3g}"
     )
 
 
@@ -171,11 +170,10 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
     if worst is None or (pressure := pressure_on(worst)) <= ISO_76_PRESSURE:
         return None
     sharpest, force = worst.edge_radius, on_body[worst.body]
-    size = "has no bound" if pressure == inf else f"is {1e-6 * pressure:.0f} MPa"
+    size = "an unlimited pressure" if pressure == inf else f"{1e-6 * pressure:.0f} MPa"
     return (
-        f"[[spall]] edge_radius_mm = {1e3 * sharpest:g}: where an edge carries the largest static force, {force:.4g} "
-        f"N, the Hertz pressure {size}, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load "
-        "rating: steel yields there, the model stays elastic"
+        f"[[spall]] edge_radius_mm = {1e3 * sharpest:g}: under the largest static force, {force:.4g} N, the edge would "
+        f"carry {size}, above ISO 76's {1e-6 * ISO_76_PRESSURE:.0f} MPa; real steel would yield"
     )
 
 
@@ -185,6 +183,6 @@ def _waves(bearing: Bearing, operation: Operation, interval: float) -> str | Non
     if interval <= longest:
         return None
     return (
-        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to show a [[waviness]] passed; at most "
+        f"numerics.output_interval_us = {1e6 * interval:g}: too coarse to resolve a [[waviness]]; at most "
         f"{1e6 * longest:.3g}"
     )

@@ -113,8 +113,8 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
         put(name, values, *QUANTITIES[name])
     for name, marked in marks.items():
         put(name, marked, UNITS[name], f"label: {name.replace('_', ' ')}")
-    put("status", status, "1", f"what became of the point: complete, failed, stopped (time limit) or {MISSING}")
-    put("message", text, "1", "why the point is not complete")
+    put("status", status, "1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}")
+    put("message", text, "1", "reason if the point is not complete")
     put("seconds", seconds, "s", "wall time of the point")
     names, counts = np.unique(status.astype(str), return_counts=True)
     return dict(zip(names.tolist(), counts.tolist(), strict=True))

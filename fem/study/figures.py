@@ -74,7 +74,7 @@ def _lines(table: Table) -> Iterator[Figure]:
     if lines is not none:
         axes[0, -1].legend(title=textwrap.fill(lines.label, 18), loc="upper left", bbox_to_anchor=(1.01, 1.0))
         over += f", a line for each {lines.meaning}"
-    yield finished(figure, "lines", "Results", f"Every point, over {over}.")
+    yield finished(figure, "lines", "Results", f"All points, over {over}.")
 
 
 def _is_geometric(values: np.ndarray) -> bool:
@@ -110,9 +110,8 @@ def _main_effects(table: Table) -> Iterator[Figure]:
         figure,
         "main-effects",
         "Main effects",
-        "Grey: every point. Blue: means over the points with the same value of the parameter, or in the same eighth of "
-        "the points."
-        + (" Above: the share of the quantity's variance that these means explain." if len(parameters) > 1 else ""),
+        "Grey: every point. Blue: means of points with the same value of the parameter, or in the same eighth of the "
+        "points." + (" Above: share of variance." if len(parameters) > 1 else ""),
     )
 
 
@@ -154,7 +153,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
         figure,
         "heat-map",
         "Two parameters at a time",
-        "Each quantity over the two parameters that explain most of it, means over all others.",
+        "Each quantity over its two strongest parameters, averaged over all others.",
     )
 
 
@@ -188,8 +187,8 @@ def _scatter_matrix(table: Table) -> Iterator[Figure]:
     yield finished(
         figure,
         "scatter-matrix",
-        "Everything against everything",
-        "Complete points. On the diagonal how often values occur: parameters blue, quantities orange.",
+        "Scatter matrix",
+        "Complete points. Diagonal: histograms of parameters (blue) and quantities (orange).",
     )
 
 
@@ -209,8 +208,8 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
         figure,
         "sobol-indices",
         "Sobol indices",
-        "The share of a quantity's variance that a parameter explains alone, and with all that it does together with "
-        "others (Saltelli 2010, scipy.stats.sobol_indices).",
+        "Share of a quantity's variance due to a parameter alone, and including its interactions (Saltelli 2010, "
+        "scipy.stats.sobol_indices).",
     )
 
 

@@ -114,8 +114,8 @@ def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:
     if indices or table.points.study.sampling.method != "sobol":
         return ""
     if not table.points.design.base:
-        return "There are no Sobol indices: they take points of their own, indices = true in [sampling]."
-    return "There are no Sobol indices: they need every point, and not all are complete, or nothing varies."
+        return "No Sobol indices: they need their own points; set indices = true in [sampling]."
+    return "No Sobol indices: some points are not complete, or nothing varies."
 
 
 def _speed(dataset: Collected) -> list[tuple[str, str]]:
@@ -124,10 +124,10 @@ def _speed(dataset: Collected) -> list[tuple[str, str]]:
     if not len(seconds):
         return []
     return [
-        ("Work, all points one after the other", f"{number(float(seconds.sum()))} s"),
+        ("Processor time, all points", f"{number(float(seconds.sum()))} s"),
         (
-            "A point: shortest, median, longest",
+            "Per point: shortest, median, longest",
             " / ".join(f"{number(float(f(seconds)))} s" for f in (np.min, np.median, np.max)),
         ),
-        ("Points an hour and process", number(3600.0 / float(seconds.mean()))),
+        ("Points per hour and process", number(3600.0 / float(seconds.mean()))),
     ]

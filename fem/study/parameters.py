@@ -70,7 +70,7 @@ class Range(Parameter):
 
     def drawn(self, shares: np.ndarray) -> list[Value]:
         if self.count is not None:
-            raise UsageError(f'parameters."{self.key}": count is of a grid; a drawn range has samples instead')
+            raise UsageError(f'parameters."{self.key}": count is only for a grid; give samples for a drawn range')
         if self.whole:  # each whole number has the same share
             return [min(int(self.low + s * (self.high - self.low + 1)), int(self.high)) for s in shares]
         return self._at(shares).tolist()
@@ -129,7 +129,7 @@ def read_parameter(key: str, spec: Any) -> Parameter:
 
 def _values(key: str, given: Sequence[Any]) -> tuple[Value, ...]:
     if not 1 <= len(given) <= MOST_VALUES:
-        raise UsageError(f'parameters."{key}": holds {len(given)} values; 1 to {MOST_VALUES} are taken')
+        raise UsageError(f'parameters."{key}": holds {len(given)} values; 1 to {MOST_VALUES} are allowed')
     for value in given:
         if not is_value(value):
             raise UsageError(f'parameters."{key}": {quoted(value)} is no value of a scene')
@@ -179,10 +179,10 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
     except TypeError:
         shapes = known.shapes or "none"
         raise UsageError(
-            f"{place}.{name}: {len(numbers)} arguments; it takes shapes ({shapes}), then location and scale"
+            f"{place}.{name}: {len(numbers)} arguments; give shapes ({shapes}), then location and scale"
         ) from None
     except (ArithmeticError, ValueError, RuntimeError):  # of a search for what has no closed form
         middle = nan
     if not isfinite(middle):
-        raise UsageError(f"{place}.{name} = {quoted(arguments)}: outside what the distribution is defined for")
+        raise UsageError(f"{place}.{name} = {quoted(arguments)}: outside the distribution's domain")
     return found

@@ -77,7 +77,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
     moving = [name for name in keep.quantities if not name.startswith(("first_", "static_", "rating_"))]
     if moving and sample_count(scene) < 2:
         raise UsageError(
-            "numerics.duration_ms = 0: at rest there are only the quantities first_…, static_… and rating_…; keep no "
+            "numerics.duration_ms = 0: a run at rest has only the quantities first_…, static_… and rating_…; keep no "
             "others, or run longer"
         )
     if not keep.signals:
@@ -97,13 +97,13 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
     for key, value in sizes.items():
         if first.setdefault(key, value) != value:
             raise UsageError(
-                f"{key} = {value}: signals are as long in every point; the first one has {first[key]}; give all the "
-                "same in [fixed]"
+                f"{key} = {value}: signals must have the same length in every point; the first one has {first[key]}; "
+                "fix it in [fixed]"
             )
     if one_of > 1 and (count := sample_count(scene)) <= one_of:
         raise UsageError(
             f"keep.signal_rate_kHz = {rate:g}: keeps one of {one_of} samples, but the run has {count}; "
-            "take a higher rate, or run longer (numerics.duration_ms)"
+            "use a higher rate, or run longer (numerics.duration_ms)"
         )
     stored = 1e3 / interval  # kHz
     if rate is not None and rate > stored * (1.0 + 1e-9):

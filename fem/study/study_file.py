@@ -47,7 +47,7 @@ class SamplingTable(Table):
             yield f'indices = true: only for method = "sobol", not for "{self.method}"; leave it out'
         if self.method == "sobol" and self.samples is not None and self.samples & (self.samples - 1):
             near = 2 ** self.samples.bit_length()
-            yield f"samples = {self.samples}: a Sobol sequence is even at powers of two; take {near // 2} or {near}"
+            yield f"samples = {self.samples}: a Sobol sequence is uniform at powers of two; use {near // 2} or {near}"
 
     def _points(self) -> Iterator[str]:
         if (self.method == "list") != (self.file is not None):

@@ -14,7 +14,7 @@ MOST_NAMED = 5  # points that have failed
 
 
 def _megabytes(size: float) -> str:
-    return "unknown here" if isnan(size) else f"about {1e-6 * size:.0f} MB"
+    return "unknown" if isnan(size) else f"about {1e-6 * size:.0f} MB"
 
 
 def print_plan(points: Points, pending: list[int], found: Expected | None, options: StudyOptions) -> None:
@@ -33,7 +33,7 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
         processes = workers_for(options, total)
         where = f"{processes} processes" if processes else "this process"
         rows |= {
-            "a point takes": f"about {found.seconds:.2g} s of one processor",
+            "time per point": f"about {found.seconds:.2g} s of one processor",
             "processor time": f"about {total / 3600.0:.2g} hours ({total:.3g} s)",
             "solved by": where if options.scheduler is None else f"the workers of {options.scheduler}",
             "memory": _megabytes(found.memory * (1 + processes)),

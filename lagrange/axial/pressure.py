@@ -11,7 +11,7 @@ from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing
 from lagrange.contact.hertz import Pair
 
-SHARP = "a roller's end is loaded, and its profile ends there with an edge, where pressure has no limit"
+SHARP = "a loaded end of a roller has an edge, where pressure has no limit"
 STEPS, HALVINGS = 100, 30  # of Newton's method
 SETTLED = 1e-6  # of a force: it comes from a table
 UNEVEN = 1.15  # times an even load, that last slices bear beside it at most: 1.05 to 1.11 under the load itself

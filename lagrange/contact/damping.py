@@ -33,7 +33,7 @@ class ContactDamping(NamedTuple):
         if self.time > 0.0:
             return f"{1e6 * self.time:.4g} µs times its stiffness"
         if self.hunt_crossley > 0.0:
-            return f"by Hunt and Crossley, {self.hunt_crossley:.4g} s/m"
+            return f"Hunt–Crossley {self.hunt_crossley:.4g} s/m"
         return f"{self.constant:.4g} N s/m"
 
 

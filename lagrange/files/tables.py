@@ -193,9 +193,9 @@ class TextTable:
 
     def _remedy(self, cell: str) -> str:
         if self.keyed and self.decimal == "." and _number(cell, ",", False) is not None:
-            return '; give decimal = "," where commas are decimal'
+            return '; give decimal = "," if commas are decimal signs'
         if self.decimal == "," and "." in cell:
-            return '; with decimal = "," no point may stand in it' if self.keyed else "; its decimals take a comma"
+            return '; with decimal = "," no point may stand in it' if self.keyed else "; its decimal sign is a comma"
         return "; write digits 0 to 9 without marks between thousands"
 
 

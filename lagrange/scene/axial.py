@@ -126,7 +126,7 @@ def measured(text: str, decimal: str = ".") -> Points:
     """The drops of a table's text. ValueError: a sentence on the text."""
     z, drop = columns(text, NAMES, decimal).T
     if not FEWEST <= len(z) <= MOST:
-        raise ValueError(f"it holds {len(z)} points; at least {FEWEST} and at most {MOST} are taken")
+        raise ValueError(f"it holds {len(z)} points; at least {FEWEST} and at most {MOST} are allowed")
     if not np.all(np.isfinite(z)) or not np.all(np.isfinite(drop)):
         raise ValueError("a value is not finite")
     if np.abs(drop).max() > LARGEST_DROP:

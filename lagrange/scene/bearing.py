@@ -221,8 +221,8 @@ class BearingTable(Table):
     def _pitch_twice(self) -> Iterator[str]:
         if self.pitch_diameter_mm is not None:  # else it has become a raceway's diameter
             yield (
-                f"pitch_diameter_mm = {self.pitch_diameter_mm:g}: raceways, clearance and it say the same thing twice; "
-                "give it with roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm"
+                f"pitch_diameter_mm = {self.pitch_diameter_mm:g}: raceways and clearance already give the pitch; give "
+                "it with roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm"
             )
 
     def _missing(self) -> Iterator[str]:
@@ -260,7 +260,7 @@ class BearingTable(Table):
         if exceeds(-LARGEST_PRELOAD * roller, clearance):
             yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
-                f"bears (at least {-LARGEST_PRELOAD * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
+                f"allows (at least {-LARGEST_PRELOAD * roller:.4g} mm); raise outer_raceway_diameter_mm = {outer}"
             )
         if exceeds(clearance, LARGEST_CLEARANCE * roller):
             yield (
@@ -329,7 +329,7 @@ class BodiesTable(Table):
             yield (
                 f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
                 'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
-                "between them, leave [bodies] out and take run-fem --model lagrange"
+                "between them, leave [bodies] out and use run-fem --model lagrange"
             )
 
     @property

@@ -150,5 +150,5 @@ def cage_faults(bearing: Bearing, table: CageTable) -> Iterator[str]:
     if given is not None and not exceeds(room, MM * given):
         yield (
             f"cage.pocket_clearance_mm = {given:g}: neighbouring rollers are {1e3 * room:.4g} mm "
-            "apart, and a bar of the cage has to stand between them; take less, or fewer rollers"
+            "apart, and a bar of the cage has to stand between them; reduce it, or use fewer rollers"
         )

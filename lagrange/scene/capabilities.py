@@ -82,12 +82,12 @@ EITHER = "; leave one of them out"
 SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
 COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
 FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
-AXIAL_MESH = '{given}: not together with [axial] on meshes; take model = "reduced", or leave one of them out'
+AXIAL_MESH = '{given}: not together with [axial] on meshes; use model = "reduced", or leave one of them out'
 RADIAL = f"{{given}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
 REFUSED = (
     ("fields", "no mesh", "{given}: model = '{model}' has no mesh and no fields; leave it out or 0"),
     ("rigid body", "other contacts", f"{SUBGRID}, whose points of pressure sit on meshes"),
-    ("points", "no mesh", f'{FEM} does not bend as a whole; take kind = "housing", or leave one of them out'),
+    ("points", "no mesh", f'{FEM} does not bend as a whole; use kind = "housing", or leave one of them out'),
     ("points", "rigid outer ring", f"{{given}}: a rigid outer ring is held as well by any{EITHER}"),
     ("points", "other contacts", f"{SUBGRID}{EITHER}"),
     ("shaft", "other contacts on meshes", COMPARES),
@@ -97,7 +97,7 @@ REFUSED = (
     ("bore", "rigid outer ring", f'{{given}}: only for an elastic outer ring, bodies.outer_ring is "rigid"{EITHER}'),
     ("bore", "other contacts", f"{SUBGRID}{EITHER}"),
     ("bodies' damping", "no mesh",
-     "{given}: only for bodies with meshes, which model = '{model}' has none of; leave it out, or take model = 'fem'"),
+     "{given}: only for bodies with meshes, which model = '{model}' has none of; leave it out, or use model = 'fem'"),
     ("contacts' damping", "other contacts on meshes",
      f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
     ("fit in the housing", "outer ring moves",

@@ -78,7 +78,7 @@ def _bore(scene: SceneTables) -> Iterator[str]:
             f"{-most:g} and {most:g}"
         )
     if scene.cage is not None and scene.cage.guidance == "outer_ring":
-        yield f'cage.guidance = "outer_ring": not with {given}, in which that ring moves; take another guidance'
+        yield f'cage.guidance = "outer_ring": not with {given}, in which that ring moves; choose another guidance'
 
 
 def _fit(scene: SceneTables) -> Iterator[str]:
@@ -109,7 +109,7 @@ def _fit(scene: SceneTables) -> Iterator[str]:
 
 def _cage(scene: SceneTables) -> Iterator[str]:
     if scene.cage is not None and scene.cage.guidance == "outer_ring" and (key := scene.operation.turns_outer_ring):
-        yield f'cage.guidance = "outer_ring": not with operation.{key}, of a guide that turns; take another guidance'
+        yield f'cage.guidance = "outer_ring": not with operation.{key}, of a guide that turns; choose another guidance'
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
 

@@ -21,7 +21,7 @@ MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some mi
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "axial loads": ("axial", "thrust"),
-    "temperatures that follow from heat ([fit] takes given ones)": ("temperature", "thermal", "heat"),
+    "temperatures computed from heat ([fit] has given ones)": ("temperature", "thermal", "heat"),
     "applied moments": ("moment",),
     "grease": ("grease",),
     "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),

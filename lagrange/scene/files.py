@@ -44,8 +44,8 @@ def content_in_place(data: dict[str, Any], folder: Path) -> None:
         text = _text(named, folder / named.table[named.name])
         if named.table.setdefault(named.digest, digest(text)) != digest(text):
             raise ValueError(
-                f"{named.described}: its sha256 is {digest(text)}, another than the scene gives; leave that out for "
-                "this file"
+                f"{named.described}: its sha256 is {digest(text)}, another than the scene gives; leave the sha256 out "
+                "for this file"
             )
         named.table[named.content] = text
 
@@ -135,8 +135,8 @@ def _hint(text: str, reason: str) -> str:
     line = shown(lines[int(number[1]) - 1].strip())
     value = line.partition("=")[2].strip()
     if re.match(r"[-+]?\d+,\d", value):
-        return f": {line}: decimals take a point"
-    return f": {line}: texts take quotes" if re.match(r"[A-Za-z]", value) else f": {line}"
+        return f": {line}: write a decimal point"
+    return f": {line}: put text in quotes" if re.match(r"[A-Za-z]", value) else f": {line}"
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:

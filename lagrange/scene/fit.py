@@ -114,7 +114,7 @@ def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
     if 0.0 < fit.housing_outside_diameter_mm <= outside:
         yield (
             f"fit.housing_outside_diameter_mm = {fit.housing_outside_diameter_mm:g} must be above "
-            f"bearing.outside_diameter_mm = {outside:g}; 0: as wide as it takes to be stiff"
+            f"bearing.outside_diameter_mm = {outside:g}; 0: so thick that it is stiff"
         )
     for name, diameter in (("shaft", bore), ("housing", outside)):
         given, most = getattr(fit, f"{name}_interference_um"), 1e3 * LARGEST_INTERFERENCE * diameter

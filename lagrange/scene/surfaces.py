@@ -241,7 +241,7 @@ def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iter
             yield (
                 f"{place} at z_mm = {table.z_mm:g} goes over {'all' if over.all() else 'no'} middles of axial.slices = "
                 f"{slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; "
-                + ("leave length_mm out" if over.all() else "take more slices, or a longer spall within the rollers")
+                + ("leave length_mm out" if over.all() else "use more slices, or a longer spall within the rollers")
             )
             continue
         for raceway in ("inner_ring", "outer_ring") if table.body == "roller" else (table.body,):

@@ -168,9 +168,9 @@ def interval_warning(bearing: Bearing, operation: Operation, interval: float) ->
     if interval <= longest:
         return None
     return (
-        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom for the strikes in a [[spall]], where rollers "
-        f"vibrate on their contacts at {1e-3 / (SAMPLES * longest):.3g} kHz: peak forces will be missed; at most "
-        f"{1e6 * longest:.2g}"
+        f"numerics.output_interval_us = {1e6 * interval:g}: too coarse to resolve impacts in a [[spall]], where "
+        f"rollers vibrate on their contacts at {1e-3 / (SAMPLES * longest):.3g} kHz: peak forces will be missed; at "
+        f"most {1e6 * longest:.2g}"
     )
 
 

@@ -49,7 +49,7 @@
   });
   socket.addEventListener("open", () => send({ frame: true }));
   socket.addEventListener("close", () => {
-    say("ended", "The program has ended, or the connection to it. Start run-live again and open its new address.");
+    say("ended", "The program or the connection has ended. Start run-live again and open its new address.");
     $("play").disabled = $("step").disabled = true;
   });
 
@@ -71,14 +71,14 @@
     $("magnified").textContent = "displacements and clearance × " + magnified;
     $("ramp-high").textContent = top + " N";
     $("time").textContent = frame.time.toFixed(2) + " ms";
-    $("turned").textContent = ((Math.abs(bearing.values.speed_rpm) / 6e4) * frame.time).toFixed(2) + " times";
+    $("turned").textContent = ((Math.abs(bearing.values.speed_rpm) / 6e4) * frame.time).toFixed(2) + " turns";
     $("off").textContent = Math.hypot(...frame.hub).toFixed(2) + " µm";
     $("largest").textContent = largest.toFixed(0) + " N";
     $("loaded").textContent = frame.outer.filter((force, j) => Math.max(force, frame.inner[j]) > 0.01 * largest).length + " of " + bearing.rollers;
     $("balance").textContent = percent(frame.imbalance);
     $("balance").classList.toggle("bad", !frame.balanced);
     $("rate").textContent = pace.playing ? rate.toFixed(0) : "–";
-    $("record").textContent = frame.frequency.length ? "over the last " + frame.record.toFixed(0) + " ms, in bins of " + round(1e3 / frame.record, 2) + " Hz" : "(after some 3 ms)";
+    $("record").textContent = frame.frequency.length ? "over the last " + frame.record.toFixed(0) + " ms, in bins of " + round(1e3 / frame.record, 2) + " Hz" : "(after about 3 ms)";
     const risen = Object.entries(frame.envelope.lines).map(([name, value]) => name + " " + round(value, 2) + " g");
     $("risen").textContent = risen.length ? "Now: " + risen.join(", ") + "." : "(after eight rollers have passed)";
     tellPace(frame.slowness);
@@ -92,9 +92,9 @@
     $("factor").textContent = factor < 1.15 ? "real time" : "1/" + round(factor, factor < 10 ? 2 : 3);
     const shown = 1e3 / factor;
     let text = "One second here is " + (shown < 1 ? round(1e3 * shown, 2) + " µs" : round(shown, 3) + " ms") + " of the bearing.";
-    if (turning() / factor > BLUR) text += " Faster than the eye: these are snapshots.";
-    if (factor > 1.15 * pace.slowness) text += " Asked for " + (pace.slowness === 1 ? "real time" : "1/" + pace.slowness) + ": this is as fast as it can be computed here.";
-    if (!pace.playing) text = "Paused. Step goes on by a twentieth of a second at 1/" + pace.slowness + ".";
+    if (turning() / factor > BLUR) text += " Too fast for the eye: snapshots are shown.";
+    if (factor > 1.15 * pace.slowness) text += " Asked for " + (pace.slowness === 1 ? "real time" : "1/" + pace.slowness) + ": this is the fastest this machine computes.";
+    if (!pace.playing) text = "Paused. Step advances by a twentieth of a second at 1/" + pace.slowness + ".";
     $("pace").textContent = text;
   }
 

@@ -53,7 +53,7 @@ def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, n
 
 
 def _too_fine(why: str) -> str:
-    return f"[axial]: the mesh {why}, where slices have no law of their own; take a larger numerics.mesh_size_mm"
+    return f"[axial]: the mesh {why}, where slices have no law of their own; use a larger numerics.mesh_size_mm"
 
 
 def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) -> None:

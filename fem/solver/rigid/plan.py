@@ -148,12 +148,12 @@ class RigidPlan(CompiledPlan):
             return {
                 "time step": long,
                 "steps": f"{self.steps} for {duration}",
-                "samples": f"{self.n_samples}, one each {self.stride} steps",
+                "samples": f"{self.n_samples}, one every {self.stride} steps",
                 **memory,
             }
         return {
-            "time step": f"{long}, {1e6 * self.time_step:.3g} µs near edges and until strikes have died away",
+            "time step": f"{long}, {1e6 * self.time_step:.3g} µs near edges and until impacts have decayed",
             "steps": f"about {self.steps} for {duration}",
-            "samples": f"{self.n_samples}, one each {self.stride} steps at most",
+            "samples": f"{self.n_samples}, one every {self.stride} steps at most",
             **memory,
         }

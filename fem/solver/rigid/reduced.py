@@ -139,7 +139,7 @@ class ReducedPlan(RigidPlan):
     critical_time_step: float  # s
     model_name = MODEL_NAMES["reduced"]
     finer = "lower numerics.time_step_safety"
-    lacks = "elastic waves, but for what strikes lose to them; it warns where shocks excite them"
+    lacks = "elastic waves, except the energy that impacts lose to them; warns if that matters"
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -272,11 +272,11 @@ def _check(scene: Scene) -> None:
     check_rollers(scene)
     if scene.bodies.rigid:
         raise UsageError(
-            f'bodies.{scene.bodies.rigid[0]} = "rigid": the reduced model takes elastic bodies alone; leave it out, or '
-            'take model = "fem"'
+            f'bodies.{scene.bodies.rigid[0]} = "rigid": the reduced model has elastic bodies only; leave it out, or '
+            'use model = "fem"'
         )
     if scene.contact.model != "subgrid":
         raise UsageError(
-            f'contact.model = "{scene.contact.model}" is of meshes, and the reduced model has none; leave it out, or '
-            'take model = "fem"'
+            f'contact.model = "{scene.contact.model}" is only for meshes, which the reduced model does not have; leave '
+            'it out, or use model = "fem"'
         )

@@ -70,7 +70,7 @@ class Shaft:
 
     @property
     def words(self) -> str:
-        return f"{self.stiffness:.4g} N/m, {self.damping:.4g} N s/m beside the bearing"
+        return f"{self.stiffness:.4g} N/m, {self.damping:.4g} N s/m parallel to the bearing"
 
     def force(self, place, velocity):
         """On the hub along an axis, N, at its place, m, and velocity, m/s, along it; any shape."""

@@ -47,7 +47,7 @@ def _command(
         Path | None, Parameter(help="compare with another record (e.g. of the healthy bearing), a result file, or a "
                                     "scene to simulate")
     ] = None,
-    output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration beside the record")] = None,
+    output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration next to the record")] = None,
     no_figures: Annotated[bool, Parameter(negative="", help="draw no figures")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
 ) -> int:  # fmt: skip

@@ -60,7 +60,7 @@ def _command(
     ] = None,
     /,
     *,
-    output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
+    output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual next to the run")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
     resample: Annotated[bool, Parameter(negative="", help="resample a table to equal time steps")] = False,
     kinematic_rollers: Annotated[

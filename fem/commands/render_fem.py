@@ -47,7 +47,7 @@ def _render(
     run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
     /,
     *,
-    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
+    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png next to the run")] = None,
     time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
     view: Annotated[
         Literal["bearing", "close-up", "axial"], Parameter(help="view; axial: pressure along the rollers")

@@ -12,7 +12,7 @@ OWN = {  # controls of what not every scene has, by key of its table: table, lab
     "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt–Crossley coefficient α"),
     "mass_kg": ("support", "Housing's mass", "kg", "without the outer ring"),
     "stiffness_N_per_m": ("support", "Housing's stiffness", "N/m", "springs to the ground, x and y"),
-    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "dashpots beside the springs"),
+    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "dashpots parallel to the springs"),
     "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "undamped"),
     "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
 }

@@ -75,9 +75,9 @@ class LagrangianState(RigidState):
             return found
         return (
             *found,
-            f"the energy is off by up to {100.0 * self._missed / self._passed_on:.2g} % of the largest that was "
-            f"exchanged: impacts and dampers are short beside the step of {1e6 * self.plan.time_step:.3g} µs; "
-            "single impacts are no better",
+            f"the energy balance is off by up to {100.0 * self._missed / self._passed_on:.2g} % of the largest "
+            f"exchanged energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; "
+            "single impacts are off by as much",
         )
 
     @property

@@ -60,8 +60,8 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
     nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
     if nodes > MOST_NODES:
         raise UsageError(
-            f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are taken; at "
-            f"least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
+            f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are allowed; "
+            f"at least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
         )
 
 
@@ -150,7 +150,7 @@ def check_speed(bearing: Bearing, ideal: Kinematics) -> None:
             most = fastest * sqrt(LARGEST_STRAIN / strain) * 60.0 / (2.0 * pi)
             raise UsageError(
                 f"operation.{key}: {name} would strain by {strain:.2g} under centrifugal load, beyond the "
-                f"{LARGEST_STRAIN} that linear elasticity bears; at most {most:.6g} rpm"
+                f"{LARGEST_STRAIN} of linear elasticity; at most {most:.6g} rpm"
             )
 
 

@@ -139,7 +139,7 @@ class ReducedState(RigidState):
         nearest = min(from_hub.min(), np.hypot(*(bodies.centre[:, :n] - ring[:, None])).min())
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
-            raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
+            raise ValueError("rollers outside the bearing, or turned too far")
         if self.forces.radiation is not None and np.any(self.forces.radiation.owed < 0.0):
             raise ValueError("contacts with a negative energy loss to waves")
 

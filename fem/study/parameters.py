@@ -166,7 +166,7 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
 
     place = f'parameters."{key}"'
     if name == "uniform":
-        raise UsageError(f"{place}.uniform: write {{ from = …, to = … }}, which nobody takes for location and scale")
+        raise UsageError(f"{place}.uniform: write {{ from = …, to = … }}")
     known = getattr(stats, SHORTHAND.get(name, name), None)
     if not isinstance(known, stats.rv_continuous):
         raise UsageError(f"{place}.{name}: no range and no continuous distribution of scipy.stats; must be {SPECS}")

@@ -95,7 +95,7 @@ def design_of(study: "Study") -> Design:
 
 def _check_count(count: int, parameters: int, what: str) -> None:
     if count > MOST_POINTS:
-        raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are taken")
+        raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are allowed")
     if count * parameters > MOST_NUMBERS:
         raise UsageError(
             f"{what}: {count:,} points of {parameters:,} parameters; points times parameters may be {MOST_NUMBERS:,}"

@@ -290,7 +290,7 @@ def warning(name: str, bearing: Bearing) -> str | None:
     The empirical laws are measurements on steel. A fitted law may be far from its table.
     """
     if name == OWN and bearing.own_law is not None and bearing.own_law.misfit > MISFIT:
-        return f"the contact law power is {bearing.own_law.range}: no power law is near that table"
+        return f"the contact law power is {bearing.own_law.range}: no power law fits that table"
     bodies = {"roller": bearing.roller, "inner ring": bearing.inner_ring, "outer ring": bearing.outer_ring}
     other = [f"the {body} is rigid" if material.rigid else f"the {body} has {1e-9 * material.youngs_modulus:.4g} GPa"
              for body, material in bodies.items()
@@ -298,6 +298,6 @@ def warning(name: str, bearing: Bearing) -> str | None:
     if name not in STEEL_LAWS or not other:
         return None
     return (
-        f"the contact law {name} was measured on steel, but {', '.join(other)}; johnson, houpert and "
-        "teutsch_sauer know the material"
+        f"the contact law {name} was measured on steel, but {', '.join(other)}; johnson, houpert and teutsch_sauer "
+        "include the material"
     )

@@ -21,7 +21,7 @@ SURFACES = ("roller", "inner_raceway", "outer_raceway")  # before _profile
 FEWEST, MOST = 3, 10_000  # points of a measured profile
 NAMES = ("z_mm", "drop_um")
 LARGEST_DROP = 1e5  # µm
-PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a CSV file beside the scene with the '
+PROFILE = '"none", "logarithmic" (ISO/TS 16281), "crowned", "lundberg", or a CSV file next to the scene with the '
 PROFILE += "columns z_mm, drop_um"
 
 

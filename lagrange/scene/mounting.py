@@ -49,7 +49,7 @@ class SupportTable(Table):
         None, ge=1e3, le=1e12, description="stiffness of the housing's springs, along x and y; default 15.1e6"
     )
     damping_N_s_m: float | None = Field(
-        None, ge=0.0, le=1e9, description="damping of the dashpots beside the springs; default 2210.7"
+        None, ge=0.0, le=1e9, description="damping of the dashpots parallel to the springs; default 2210.7"
     )
     fit_clearance_um: float | None = Field(
         None,

@@ -82,11 +82,11 @@ class OperationTable(Table):
         None, ge=0.0, le=1e12, description="stiffness of the shaft's springs, along x and y; required with them"
     )
     shaft_damping_N_s_m: float | None = Field(
-        None, ge=0.0, le=1e9, description="damping of the dashpots beside the springs; default 0"
+        None, ge=0.0, le=1e9, description="damping of the dashpots parallel to the springs; default 0"
     )
     speed_table: FileName | None = Field(
         None,
-        description="CSV file beside the scene with the columns time_ms, speed_rpm (or time_s, speed_rad/s), instead "
+        description="CSV file next to the scene with the columns time_ms, speed_rpm (or time_s, speed_rad/s), instead "
         "of speed_rpm",
     )
     speed_table_sha256: Digest = None
@@ -97,7 +97,7 @@ class OperationTable(Table):
     speed_table_content: FileText = None
     outer_ring_speed_table: FileName | None = Field(
         None,
-        description="CSV file beside the scene with the columns time_ms, speed_rpm, instead of outer_ring_speed_rpm",
+        description="CSV file next to the scene with the columns time_ms, speed_rpm, instead of outer_ring_speed_rpm",
     )
     outer_ring_speed_table_sha256: Digest = None
     outer_ring_speed_table_decimal: DecimalSign = None
@@ -107,7 +107,7 @@ class OperationTable(Table):
     outer_ring_speed_table_content: FileText = None
     load_table: FileName | None = Field(
         None,
-        description="CSV file beside the scene with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN), instead "
+        description="CSV file next to the scene with the columns time_ms, x_N, y_N (or time_s, x_kN, y_kN), instead "
         "of radial_load_N",
     )
     load_table_sha256: Digest = None

@@ -99,7 +99,7 @@ class LagrangeTable(Table):
     contact_exponent: float | None = Field(None, ge=1.0, le=3.0, description="exponent n in Q = K δⁿ")
     law_table: FileName | None = Field(
         None,
-        description="CSV file beside the scene with the columns force [N], approach [um] of one contact; K and n are "
+        description="CSV file next to the scene with the columns force [N], approach [um] of one contact; K and n are "
         "fitted to it",
     )
     law_table_sha256: Digest = None

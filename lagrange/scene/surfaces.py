@@ -141,7 +141,7 @@ class ProfileTable(SurfaceTable):
     `content` is the file's text, which whoever reads the scene puts in.
     """
 
-    file: FileName = Field(description="CSV file beside the scene with the columns angle_deg, height_um")
+    file: FileName = Field(description="CSV file next to the scene with the columns angle_deg, height_um")
     sha256: Digest = None
     angle_deg: float = Field(
         0.0,

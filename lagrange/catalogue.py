@@ -171,7 +171,7 @@ def _advice(written: str, of_scene: bool) -> str:
             return found.expand(advice)
     for name, members in _series().items():
         if _row_of(written).startswith(name):
-            return f"the table has of its series {members[0]} to {members[-1]}"
+            return f"of its series the table has {members[0]} to {members[-1]}"
     known = ", ".join(f"{members[0]} to {members[-1]}" for members in _series().values())
     return f"the table has {known}, and N, NJ, NUP as NU"
 

@@ -176,12 +176,12 @@ def test_series_types_and_letters_are_told_apart(written, known):
         ("NNU4920", "give its sizes and rows = 2"),
         ("30206", "pitch_diameter_mm and contact_angle_deg"),
         ("7206B", 'type = "ball", pitch_diameter_mm and contact_angle_deg'),
-        ("22208", "rows of barrels that align themselves are not in this program"),
+        ("22208", "spherical roller bearings are not supported"),
         ("NK25/16", "inner_raceway_diameter_mm = 25, .* of its needles"),
         ("HK0810", r"inner_raceway_diameter_mm = 8, bore_diameter_mm = 0, .*below the width, 10 mm"),
         ("NK 100/36", r"inner_raceway_diameter_mm = 100, .*below the width, 36 mm"),
         ("K20x24x10", "inner_raceway_diameter_mm = 20, .* outer_raceway_diameter_mm = 24"),
-        ("NKI 25/20", "give its sizes; of needles number, diameter and length"),
+        ("NKI 25/20", "give its sizes, and number, diameter and length of its needles"),
         ("RNA4905", "NA4905 without inner ring"),
         ("6405", "the table has .* 6200 to 6220, 6300 to 6320, and N, NJ, NUP as NU"),
     ],
@@ -195,7 +195,7 @@ def test_what_is_not_in_the_table_is_answered_with_what_to_give(written, advice)
     ("written", "kind"),
     [("51110", "thrust ball"), ("81107", "thrust roller"), ("29412E", "spherical thrust"), ("RB3010", "crossed roller"),
      ("QJ206", "four-point contact"), ("NATR 17", "track roller"), ("UC205", "inside it is the ball bearing 6205"),
-     ("1206", "self-aligning"), ("22208", "barrels"), ("GE 20 ES", "plain bearing")],
+     ("1206", "self-aligning"), ("22208", "spherical"), ("GE 20 ES", "plain bearing")],
 )  # fmt: skip
 def test_kinds_that_are_not_here_are_named_and_not_asked_for_rollers(written, kind):
     with pytest.raises(SceneError, match=kind) as raised:

@@ -215,7 +215,7 @@ def test_a_written_scene_is_read_back():
 
 REFUSED = {
     "thrust bearings": ({"bearing": ZA_2115 | {"contact_angle_deg": 60.0}}, "less than or equal to 45"),
-    "two pitches": ({"bearing": ZA_2115 | {"inner_raceway_diameter_mm": 63.0}}, "say the same thing twice"),
+    "two pitches": ({"bearing": ZA_2115 | {"inner_raceway_diameter_mm": 63.0}}, "already give the pitch"),
     "a roller's spall": ({"bearing": ZA_2115, "spall": [{"body": "roller", "roller": 1}]}, "turn faster than those"),
     "a fit": ({"bearing": ZA_2115, "support": {"kind": "bore"}}, "only for rings whose contacts are radial"),
     "springs": ({"bearing": ZA_2115, "contact": {"model": "penalty"}}, "as curved as bodies"),

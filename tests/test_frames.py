@@ -179,4 +179,4 @@ def test_fields_more_often_than_samples_are_refused():
 
 def test_the_dry_run_says_what_fields_will_take(capsys):
     assert run_main(["--mesh-size", "2", "--duration", "4", "--dry-run", *EVERY]) == 0
-    assert "9, one each 0.5 ms, 0.151 MB" in capsys.readouterr().out
+    assert "9, one every 0.5 ms, 0.151 MB" in capsys.readouterr().out

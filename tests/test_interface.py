@@ -222,7 +222,7 @@ def test_an_unusable_variation_is_refused_by_its_key(changes, told):
 
 
 def test_what_a_model_cannot_take_is_refused():
-    with pytest.raises(UsageError, match="takes balls"):
+    with pytest.raises(UsageError, match="cylindrical rollers only"):
         simulate(Scene(model="fem", bearing={"type": "ball"}))
 
 

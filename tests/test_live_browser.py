@@ -187,5 +187,5 @@ def test_the_page_says_when_the_program_has_ended(browser):
         page.goto(address)
         wait_for_frames(page, 1)
     page.locator("#ended").wait_for()
-    assert "The program has ended" in page.locator("#ended").inner_text()
+    assert "The program or the connection has ended" in page.locator("#ended").inner_text()
     page.close()

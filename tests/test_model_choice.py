@@ -19,7 +19,7 @@ def test_elastic_models_are_near_the_exact_series_and_rigid_bodies_are_not():
     assert found["fem"].hub_error == pytest.approx(1.0e-3, rel=0.2)
     assert found["lagrange"].hub_error == pytest.approx(0.14, abs=0.01)
     assert min(each.seconds for each in found.values()) > 0.0  # what they are is the machine's
-    assert suggestion(list(found.values())).startswith('begin with model = "reduced"')
+    assert suggestion(list(found.values())).startswith('start with "reduced"')
 
 
 def test_what_a_model_refuses_is_told_with_its_reason():
@@ -37,7 +37,7 @@ def test_without_load_no_error_is_named():
 def test_a_dry_run_shows_the_models(capsys):
     assert run_main(["--dry-run", "--mesh-size", "2"]) == 0
     told = capsys.readouterr().out
-    assert "Models for this scene" in told and "begin with model" in told
+    assert "Models for this scene" in told and "start with" in told
 
 
 def test_balls_leave_no_choice(capsys):

@@ -47,17 +47,17 @@ def checked_run(folder, interval_us):
 
 def test_folded_vibration_of_rollers_is_warned_of_and_the_interval_named_cures_it(tmp_path):
     coarse = checked_run(tmp_path, 10)
-    (note,) = [note for note in coarse.notes if "false frequencies" in note]
+    (note,) = [note for note in coarse.notes if "aliased" in note]
     named = float(note.rpartition("= ")[2])
     fine = checked_run(tmp_path, named)
-    assert not any("false frequencies" in note for note in fine.notes)
+    assert not any("aliased" in note for note in fine.notes)
     for direction, floor in zip(fine.directions, floor_newtons(fine), strict=True):
         assert direction.balance.rms < 1.5 * floor
     assert fine.y.balance.rms < 0.3 * coarse.y.balance.rms
 
 
 def test_a_run_that_is_told_well_enough_is_not_warned_of(coarse_run):
-    assert not any("false frequencies" in note for note in evaluate(read_result(coarse_run)).notes)
+    assert not any("aliased" in note for note in evaluate(read_result(coarse_run)).notes)
 
 
 SPALLED = """

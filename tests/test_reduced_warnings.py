@@ -124,7 +124,7 @@ def test_a_run_whose_energy_is_off_says_so():
     while state.done < plan.n_samples:
         samples = state.advance(100).samples
         worst = max(worst, np.abs(samples.imbalance).max())
-    said = next(sentence for sentence in state.warnings if sentence.startswith("the energy is off"))
+    said = next(sentence for sentence in state.warnings if sentence.startswith("the energy balance is off"))
     share = float(re.search(r"by up to ([\d.]+) %", said).group(1))
     assert share == pytest.approx(100.0 * worst / samples.exchanged[-1], rel=0.06)  # two digits are told
     assert said.endswith("lower numerics.time_step_safety")

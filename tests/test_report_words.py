@@ -97,7 +97,7 @@ def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_r
     found = verdict(told)
     assert found.startswith("The trajectories are not sound") and found.count(".") < 20
     worst, peak = max(e.rms for e in told.judged), max(e.max_abs for e in told.judged)
-    assert f"{text(100 * worst / 2000, 3)} % of the load, and at most {text(peak)} N" in found
+    assert f"{text(100 * worst / 2000, 3)} % of the load, and at most by {text(peak)} N" in found
     assert verdict(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
 
 

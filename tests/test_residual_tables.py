@@ -176,8 +176,8 @@ REMEDIES = {
     "xlsx": (b"PK\x03\x04" + bytes(99), "save the sheet as CSV UTF-8"),
     "parquet": (b"PAR1" + bytes(99), "pandas.read_parquet"),
     "mat": (b"MATLAB 5.0 MAT-file" + bytes(99), "writetable"),
-    "accelerations": ("time,inner_ax,inner_ay\n0,1,2", "accelerations alone do not do"),
-    "orbit": ("time,inner_x,inner_y\n0,1,2", "the hub's orbit alone does not do"),
+    "accelerations": ("time,inner_ax,inner_ay\n0,1,2", "accelerations are not enough"),
+    "orbit": ("time,inner_x,inner_y\n0,1,2", "the hub's orbit is not enough"),
 }
 
 
@@ -304,11 +304,11 @@ def test_orbit_alone_is_checked_with_rollers_that_roll_without_slip(tmp_path, ca
     assert errors.rms < 1e-3 * 2000.0
     (tmp_path / "scene.toml").write_text('model = "lagrange"\n', encoding="utf-8")
     words = [str(tmp_path / "orbit.csv"), "--scene", str(tmp_path / "scene.toml"), "--no-figures", "--quiet"]
-    assert main(words) == 2 and "--kinematic-rollers takes rollers" in capsys.readouterr().err
+    assert main(words) == 2 and "--kinematic-rollers assumes rollers" in capsys.readouterr().err
     assert main([*words, "--kinematic-rollers"]) == 0
     assert main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
     (tmp_path / "scene.toml").write_text("[[spall]]\nwidth_mm = 1.0\n", encoding="utf-8")
-    assert main([*words, "--kinematic-rollers"]) == 2 and "only of perfect rings" in capsys.readouterr().err
+    assert main([*words, "--kinematic-rollers"]) == 2 and "only for perfect rings" in capsys.readouterr().err
 
 
 CLOSER = "inner_raceway_diameter_mm = 36.04\nouter_raceway_diameter_mm = 56.04"
@@ -329,10 +329,10 @@ def test_a_table_of_another_scene_is_told_before_any_verdict(run, tmp_path, caps
     scene.write_text(change, encoding="utf-8")
     assert main([str(table), "--scene", str(scene), "--no-figures"]) == 0
     printed = capsys.readouterr().out
-    assert printed.startswith("The table is not of this scene") == bool(told)
+    assert printed.startswith("The table contradicts the scene") == bool(told)
     assert all(words in printed.partition("Residual of")[0] for words in told)
     page = (tmp_path / "t-residual" / "report.html").read_text(encoding="utf-8")
-    assert ("The table is not of this scene" in page.partition("the contact law harris misses")[0]) == bool(told)
+    assert ("The table contradicts the scene" in page.partition("with the contact law harris")[0]) == bool(told)
     assert len(json.loads((tmp_path / "t-residual" / "summary.json").read_text())["contradictions"]) >= bool(told)
 
 

@@ -45,7 +45,7 @@ def test_a_made_up_run_is_told_as_it_was_made():
     assert "700.0 N (" in told["largest loads"] and "706.0 N (" in told["largest loads"]
     # above 1 % of 700 N where cos(1.5 off) is: 119.2°, to a degree of either side
     assert float(told["load zone"].partition("°")[0]) == pytest.approx(119.2, abs=1.5)
-    assert told["roller orbit"].endswith("Hz, 2 % slower than rolling: no cage, rollers coast")
+    assert told["roller orbit"].endswith("Hz, 2 % slower than pure rolling (no cage: rollers coast)")
     cage = 0.98 * kinematics(bearing, speed).cage / tau
     assert f"(BPFO) {N * cage:.4g} Hz" in told["ball passes"]
     assert f"(BPFI) {N * (75.0 - cage):.4g} Hz" in told["ball passes"]

@@ -154,11 +154,15 @@ def test_what_fails_is_collected_with_its_text(here, capsys):
     assert run(FAILING) == 1
     first, second, third = capsys.readouterr().err.splitlines()[-3:]  # --quiet keeps no reason back
     assert first == "4 points: 2 complete, 2 failed"
-    assert "model = 'reduced'): failed: " in second and "takes balls" in second and "model = 'reduced'" in third
+    assert (
+        "model = 'reduced'): failed: " in second
+        and "cylindrical rollers only" in second
+        and "model = 'reduced'" in third
+    )
     with xarray.open_dataset("studies/study/study.nc") as found:
         failed = found.sel(model="reduced")
         assert np.all(failed.status == "failed") and np.all(np.isnan(failed.largest_force))
-        assert "takes balls" in str(failed.message.values.ravel()[0])
+        assert "cylindrical rollers only" in str(failed.message.values.ravel()[0])
         assert np.all(found.sel(model="lagrange").status == "complete")
         assert np.all(found.sel(model="lagrange").largest_force > 0.0)
 
@@ -166,7 +170,9 @@ def test_what_fails_is_collected_with_its_text(here, capsys):
 def test_a_study_whose_plans_are_all_refused_is_not_begun(here, capsys):
     assert run(FAILING.replace('"lagrange", ', "")) == 2
     said = capsys.readouterr().err
-    assert "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in said and "takes balls" in said
+    assert (
+        "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in said and "cylindrical rollers only" in said
+    )
     assert not Path("studies").exists()
 
 

@@ -53,12 +53,12 @@ BAD = {  # what is wrong: the study and what must be told
     "distribution of a grid": (change("[1500, 3000]", "{ normal = [1500, 5] }"), "needs a list or a range"),
     "unknown distribution": (change("[1500, 3000]", "{ gauss = [1500, 5] }"), ".gauss: no range and no continuous"),
     "uniform by location and scale": (change("[1500, 3000]", "{ uniform = [1, 2] }"), "write { from"),
-    "distribution of nothing": (change("[1500, 3000]", "{ normal = [1500, -5] }"), "outside what the distribution"),
+    "distribution of nothing": (change("[1500, 3000]", "{ normal = [1500, -5] }"), "outside the distribution"),
     "arguments of a distribution": (change("[1500, 3000]", "{ normal = [1, 2, 3, 4] }"), "4 arguments"),
     "two things at once": (change("[1500, 3000]", "{ normal = [1, 2], gamma = [1] }"), "must be a list"),
     "count of a draw": (
         change('"grid"', '"lhs"\nsamples = 4').replace("[1500, 3000]", "{ from = 1, to = 2, count = 3 }"),
-        "count is of a grid",
+        "count is only for a grid",
     ),
     "lengths of a zip": (
         change('"grid"', '"zip"').replace(SPEED, SPEED + '\n"operation.radial_load_N" = [1, 2, 3]'),
@@ -81,9 +81,9 @@ BAD = {  # what is wrong: the study and what must be told
     "signals of other lengths": (
         change(SPEED, '"numerics.duration_ms" = [1.0, 2.0]').replace('"numerics.duration_ms" = 1.0', "", 1)
         + 'signals = ["inner_ay"]',
-        "signals are as long in every point",
+        "signals must have the same length in every point",
     ),
-    "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "at rest there are only the quantities"),
+    "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "a run at rest has only the quantities"),
     "a key fixed and varied": (change("model =", '"operation.speed_rpm" = 1\nmodel ='), "stands in [fixed] and in"),
     "no time": (GOOD + "[limits]\nseconds_per_point = 0", "limits.seconds_per_point = 0"),
     "a scene that is missing": ('scene = "none.toml"\n' + GOOD, "none.toml: no such file"),
@@ -117,7 +117,7 @@ def test_every_fault_of_the_points_is_told_with_its_point(tmp_path, monkeypatch,
     [
         ([], "name a study file"),
         (["study.toml", "--workers", "0"], "--workers 0"),
-        (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "workers of its own"),
+        (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "its own workers"),
         (["study.toml", "--export", "shards"], "training sets are no longer exported; study.nc holds"),
         (["--collect", "nowhere"], "nowhere: no study"),
         (["--collect", ".", "--resume"], "--collect solves nothing"),

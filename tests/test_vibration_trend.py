@@ -63,4 +63,4 @@ def test_short_or_unusable_series_are_refused(tmp_path, capsys):
     assert main([*paths, *NU206]) == 2
     assert "a series of 2 usable records; at least 3 are needed" in capsys.readouterr().err
     assert main([*paths, *NU206, "--against", paths[0]]) == 2
-    assert "name one record" in capsys.readouterr().err
+    assert "only with one record" in capsys.readouterr().err

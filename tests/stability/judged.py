@@ -47,13 +47,15 @@ def faults_of(path: Path) -> list[str]:
         check = evaluate(record)
     except InputError as error:  # values that are not finite, or nowhere near
         return [f"the checker refuses it: {error}"]
-    wide = any("beyond Hertz's theory" in note or "no small approach" in note for note in record.notes)  # it says so
+    wide = any(
+        "beyond Hertz's theory" in note or "too large for a contact law" in note for note in record.notes
+    )  # it says so
     found = [] if wide else _misplaced(record)
     forces = {"inner_force": record.inner_force, "outer_force": record.outer_force}
     found += [f"{name} pulls" for name, force in forces.items() if force is not None and np.min(force) < 0.0]
     imbalance, exchanged, kinetic = _energy(record)
     if not imbalance <= LARGEST_IMBALANCE * max(exchanged, ROUND_OFF * kinetic, 1e-30):
-        if not any("energy is off" in note for note in record.notes):
+        if not any("energy balance is off" in note for note in record.notes):
             found.append(f"energy imbalance {100.0 * imbalance / max(exchanged, 1e-30):.2g} % unnoticed")
     load = max(float(np.max(check.force)), record.operation.inner_mass * float(np.max(np.abs(record.inner_ay))), 1.0)
     for direction in check.directions:

@@ -221,10 +221,9 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         + f"; with the Hann window, lines nearer than {text(reach, 3)} Hz merge."
     )
     notes.append(
-        f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
-        f"{evaluation.order // 2} samples at either end; by the record's own spectrum it errs by about "
-        f"{text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y (what vibrates beyond the Nyquist frequency "
-        "comes on top). The momentum balance is stated without these samples at the ends."
+        f"Differentiation: central stencil of order {evaluation.order}, one-sided in the last {evaluation.order // 2} "
+        f"samples at either end, which the momentum balance leaves out; estimated error {text(floor_x, 2)} N rms in x "
+        f"and {text(floor_y, 2)} N rms in y, vibration above the Nyquist frequency excluded."
     )
     if x.away and y.away:
         notes.append(
@@ -232,17 +231,16 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
             f"{text(x.away.rms)} N rms in x and {text(y.away.rms)} N rms in y."
         )
     notes.append(
-        f"The law ({evaluation.law.source}) takes each contact alone and was not made for this run: even an exact "
-        "simulation leaves a mean error with it. The momentum balance, where the run tells its forces, does not depend "
-        "on it."
+        f"The law ({evaluation.law.source}) treats each contact alone and was not fitted to this run: even an exact "
+        "simulation leaves a mean error with it. The momentum balance does not depend on it."
         if evaluation.identification is None
-        else "The law was fitted to the first part of this record: the numbers of the whole record include that part; "
-        "those of the part held back don't."
+        else "The law was fitted to the first part of this record; numbers of the whole record include that part, "
+        "those of the held-back part do not."
     )
     if x.peaks or y.peaks:
         notes.append(
-            "A peak bears the name of the nearest kinematic line within Δf; that is a matter of frequency, "
-            "not a cause. Not resolved: zero frequency or another line lies within the window's reach."
+            "A peak is named after the nearest kinematic line within Δf, by frequency and not by cause. Not resolved: "
+            "zero frequency or another line lies within the window's main lobe."
         )
     return [note[0].upper() + note[1:] for note in notes]
 
@@ -258,8 +256,8 @@ def fit_sentences(evaluation: Evaluation) -> list[str]:
         + ("" if found.damping is None else f", d = {_interval(found.damping)} N s/m")
         + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width).",
         f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "
-        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law misses "
-        f"the run's forces by {text(found.scatter, 3)} N rms per contact. A passage counts as one observation.",
+        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law's error "
+        f"is {text(found.scatter, 3)} N rms per contact. A passage counts as one observation.",
         _disappears(evaluation),
     ]
     return [*sentences, _remains(evaluation, found)] if evaluation.budget.y.terms else sentences
@@ -294,8 +292,8 @@ def _remains(evaluation: Evaluation, found: Identification) -> str:
         terms = [f"{term_label(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
         parts.append(f"in {d.name} {', '.join(terms)}")
     return (
-        f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
-        "(coupling through the ring, damping); the rest no contact law can change."
+        f"What remains, N rms: {'; '.join(parts)}. Contact law: effects that a law of this form cannot represent "
+        "(coupling through the ring, damping). No contact law can change the rest."
     )
 
 
@@ -311,18 +309,18 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     sentences = [f"{scene} {diagnosis_words(evaluation)}"]
     found = evaluation.x.vibration.envelope
     if found is None:
-        why = "the bearing stands, or the record is too short or too coarse for one"
+        why = "the bearing stands still, or the record is too short or too coarse"
         if evaluation.record.varies_speed:
             why = "the speed changes, and lines are given in orders"
         return [f"{sentences[0]} No envelope: {why}."]
     return [
         *sentences,
         _high_lines(evaluation),
-        f"Envelope (Hilbert) of the {evaluation.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} to "
-        f"{text(1e-3 * found.high, 3)} kHz; where --band gives no other, from {ENVELOPE_FROM:g} BPFI up to 0.9 "
-        "of the Nyquist frequency, at most 50 kHz. Amplitudes, not rms. Ratio: to the floor, the median at multiples "
-        f"of FTF from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing has a "
-        "line at BPFO too, because passing rollers change its stiffness.",
+        f"Envelope (Hilbert) of the {evaluation.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} "
+        f"to {text(1e-3 * found.high, 3)} kHz (default without --band: {ENVELOPE_FROM:g} BPFI to 0.9 of the Nyquist "
+        "frequency, at most 50 kHz). Amplitudes, not rms. Ratio: line over floor, the median at multiples of FTF "
+        f"from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing also has a "
+        "line at BPFO, because passing rollers change its stiffness.",
     ]
 
 
@@ -353,7 +351,7 @@ def _high_lines(evaluation: Evaluation) -> str:
         words.append(f"{line.name} at {text(line.frequency)} Hz, {text(ratio, 2)} times in {axis}")
         if not line.resolved:
             needed = f"{text(1e3 * line.record_needed, 3)} ms"
-            words[-1] += f" (it may be {line.nearest}: a record of {needed} tells them apart)"
+            words[-1] += f" (it may be {line.nearest}: a record of {needed} separates them)"
     return f"Lines of the envelope above their floors: {'; '.join(words)}."
 
 
@@ -363,7 +361,7 @@ def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:
     if isinstance(fault, Spall):
         return f"a spall {text(1e3 * fault.width)} mm wide on {place}"
     if isinstance(fault, Waviness):
-        return f"waves of order {fault.order} and {text(1e6 * fault.amplitude)} µm on {place}"
+        return f"waviness of order {fault.order}, amplitude {text(1e6 * fault.amplitude)} µm, on {place}"
     if isinstance(fault, MeasuredSurface):
         return f"measured heights ({shown(fault.file)}) on {place}"
     return f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm"
@@ -385,8 +383,8 @@ def _found(found: FoundSpall) -> str:
     return (
         f"Found a spall on {body_name(found.place)}: {1e3 * found.width:.2f} ± {1e3 * found.width_error:.2f} mm wide, "
         f"its middle at {angle} ± {degrees(found.angle_error):.2f}° {reference} (95 %). It explains "
-        f"{100 * found.explained:.0f} % of what rollers depart there from their motion on perfect circles, "
-        f"and stands out {text(found.stands_out, 2)} times."
+        f"{100 * found.explained:.0f} % of the rollers' deviation there from their motion on perfect circles, and is "
+        f"{text(found.stands_out, 2)} times the background."
     )
 
 
@@ -396,12 +394,13 @@ def _left(search: FaultSearch) -> str:
     times = clearest.deepest[1]
     if search.says_more:
         return (
-            f"There is more: {body_name(clearest.place)} stands out {text(times, 2)} times, no spall was matched to it."
+            f"There is more: {body_name(clearest.place)} has a place at {text(times, 2)} times the background to which "
+            "no spall was matched."
         )
     nothing, places = ("No other spall", "no other place") if search.found else ("No spall", "no place")
     return (
-        f"{nothing} found: {places} of any body stands out {MAP_STANDS_OUT:g} times of the rest of that body "
-        f"(at most {text(times, 2)} times)."
+        f"{nothing} found: {places} of any body is above {MAP_STANDS_OUT:g} times its background (at most "
+        f"{text(times, 2)} times)."
     )
 
 
@@ -423,7 +422,7 @@ def _seen(search: FaultSearch) -> str:
             shares.append(f"{100 * each.seen:.0f} % of {body_name(each.place)}{unseen_in_words(each)}")
     low, high = min(rollers), max(rollers)
     span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
-    return f"Seen by rollers that touch it: {', '.join([*shares, span])}."
+    return f"Examined by rollers in contact: {', '.join([*shares, span])}."
 
 
 def unseen_in_words(each: SinkageMap) -> str:
@@ -467,7 +466,7 @@ def _other_speed(evaluation: Evaluation) -> str:
     if outer == 0.0:
         words += f" ({text(inner / RPM)} rpm; {turns} Hz would take {text(found / per_turn / RPM)} rpm)"
     if 0.0 < found / rolling < 1.0:
-        words += "; rollers that slip would do so too"
+        words += "; slipping rollers would look the same"
     return words
 
 

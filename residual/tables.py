@@ -63,7 +63,7 @@ def law_table(e: Evaluation) -> Section:
             f"to {text(1e3 * time[0])} to {text(1e3 * time[first - 1])} ms"
         )
     else:
-        within = ", no finding within the noise of its positions" if e.within_noise else ""
+        within = ", within the noise of its positions" if e.within_noise else ""
         note = f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms{within}"
     return Section(
         title="Error force by contact law, N", sum="(in use)", rows=rows,
@@ -79,7 +79,7 @@ def peak_name(peak: Peak) -> str:
 
 def peak_table(peaks: list[Peak]) -> Section:
     return Section(
-        columns=("frequency", "density, N²/Hz", "N rms", "what it may be", "resolved"),
+        columns=("frequency", "density, N²/Hz", "N rms", "nearest line", "resolved"),
         rows=[[hertz(p.frequency), text(p.psd, 3), text(p.rms, 3), peak_name(p), yes_no(p.resolved)] for p in peaks],
     )
 
@@ -201,7 +201,7 @@ def difference_table(evaluation: Evaluation, other: Evaluation, equations: bool 
         both = (text(scale * value, 5) for value in (ours, theirs))
         rows.append([name, *both, text(scale * (ours - theirs), 3, scale * noise), _in_words(ours, theirs)])
     columns = ("", *map(shown, (first, second, f"{first} − {second}")), "")
-    return Section(title="Beside each other", columns=columns, rows=rows)
+    return Section(title="Comparison", columns=columns, rows=rows)
 
 
 def _in_words(value: float, beside: float) -> str:
@@ -260,7 +260,7 @@ def line_differences(evaluation: Evaluation, other: Evaluation) -> Section:
             for name, (a, b) in pairs.items()
             if a > 0.0 and b > 0.0
         ]
-    title = f"Vibration of the {evaluation.y.vibration.body}, lines of its envelope"
+    title = f"Vibration of the {evaluation.y.vibration.body}: lines of its envelope"
     columns = ("", *map(shown, named(evaluation, other)), "difference, dB")
     return Section(title=title, columns=columns, rows=rows)
 
@@ -293,7 +293,7 @@ def fact_table(e: Evaluation) -> Section:
         facts += [
             ("Largest tilt of a roller", f"{text(1e3 * e.tilt.largest_tilt)} mrad"),
             ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m with the run's own moments"),
-            ("Moment on the shaft beside contacts, mean", f"{text(x)} N m along x, {text(y)} N m along y"),
+            ("Mean moment on the shaft besides the contacts'", f"{text(x)} N m along x, {text(y)} N m along y"),
         ]
     for key, label in (("degrees_of_freedom", "Degrees of freedom"), ("status", "Status of the run")):
         if key in t.attributes:
@@ -340,7 +340,7 @@ def _cage(e: Evaluation) -> list[tuple[str, str]]:
     turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
     mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
     if t.reverses:
-        mean = "turns both ways, its centre moves"
+        mean = "turns both ways; its centre moves"
     sentence = f"{mean} up to {text(farthest)} µm from the bearing's, pockets push with up to {text(force)} N"
     return [*rows, ("Cage", sentence)]
 

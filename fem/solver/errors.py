@@ -286,8 +286,8 @@ def suggestion(choices: list[Choice]) -> str | None:
         return None
     if "reduced" not in able:
         return 'model = "fem" for elastic bodies, "lagrange" for a quick look' if "fem" in able else None
-    later = ' where elastic waves matter, of which it warns, take "fem"' if "fem" in able else " it warns of shocks"
-    return f'begin with model = "reduced";{later}'
+    later = '; if it warns about elastic waves, use "fem"' if "fem" in able else "; it warns about elastic waves"
+    return f'start with "reduced"{later}'
 
 
 def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:

@@ -1,4 +1,4 @@
-"""Figures of loads, motion and energy, and of two checks laid over each other."""
+"""Figures of loads, motion and energy, and of two checks overlaid."""
 
 from pathlib import Path
 

@@ -165,7 +165,7 @@ class ElementPlan(CompiledPlan):
     warnings: tuple[str, ...] = ()
 
     model_name = MODEL_NAMES["fem"]
-    lacks = "waves shorter than its mesh"
+    lacks = "waves shorter than the mesh"
 
     @property
     def interval(self) -> float:
@@ -228,7 +228,7 @@ class ElementPlan(CompiledPlan):
             "time step": f"{1e9 * self.time_step:.2f} ns ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e9 * self.critical_time_step:.2f} ns{slowed})",
             "steps": f"{self.steps} for {1e3 * intervals * self.interval:g} ms",
-            "samples": f"{self.n_samples}, one each {self.stride} steps",
+            "samples": f"{self.n_samples}, one every {self.stride} steps",
         }
         damping = self.scene.damping
         if damping.contacts.acts:
@@ -241,7 +241,7 @@ class ElementPlan(CompiledPlan):
         if self.frame_stride:  # before compression
             frames, every = 1 + intervals // self.frame_stride, 1e3 * self.frame_stride * self.interval
             size = 1e-6 * frames * model.n_nodes * BYTES_PER_NODE
-            rows["fields"] = f"{frames}, one each {every:g} ms, {size:.3g} MB"
+            rows["fields"] = f"{frames}, one every {every:g} ms, {size:.3g} MB"
         rows |= {
             "memory of the arrays": f"{1e-6 * self.arrays().nbytes:.1f} MB",
             "expected time": in_words("fem", self.expected_seconds),

@@ -148,8 +148,8 @@ class Judge:
             return ()
         return (
             f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, {soon / first:.2g} times the "
-            "largest static force: the motion does not begin as the equilibrium moves; leave out the beginning "
-            "(check-residual --start), or give the contacts damping",
+            "largest static force: the motion does not start in equilibrium; leave out the beginning (check-residual "
+            "--start), or add contact damping",
         )
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
@@ -294,7 +294,7 @@ class LagrangianPlan(RigidPlan):
     reach: int = 1  # times the usual, forces up to which tables of tilted contacts go
     model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
-    lacks = "rings that bend, elastic waves"
+    lacks = "bending of the rings, elastic waves"
 
     def halved(self, times: int) -> "LagrangianPlan":
         """The same with a step halved so many times."""

@@ -1,4 +1,4 @@
-"""Resolution and noise of a table's positions, found in them, and the error forces that they make: residuals mean nothing."""
+"""Resolution and noise of a table's positions, found in them, and the error forces that they make."""
 
 import json
 from dataclasses import replace

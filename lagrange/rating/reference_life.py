@@ -211,7 +211,9 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
     acting = operation.at(time)
     speeds = acting.speed - acting.outer_speed + np.zeros(time.size)
     if not speeds.any():
-        raise Unavailable("the rings of the run do not turn against each other; rate-bearing takes its scene instead")
+        raise Unavailable(
+            "the rings of the run do not turn relative to each other; give rate-bearing the scene instead"
+        )
     aside, up = (samples[f"roller_{axis}"] - samples[f"inner_{axis}"][:, None] for axis in "xy")
     distance = np.hypot(aside, up)
     load = np.hypot((force * aside / distance).sum(axis=1), (force * up / distance).sum(axis=1))

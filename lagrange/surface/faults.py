@@ -44,7 +44,7 @@ def height_table(text: str, decimal: str = ".") -> HeightTable:
         raise ValueError(f"a value is not finite, or no {ANGLE} of a turn")
     angle, height = found.T
     if not FEWEST_POINTS <= len(angle) <= MOST_ROWS:
-        raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_ROWS} are taken")
+        raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_ROWS} are allowed")
     steps = np.diff(angle)
     if np.any(steps <= 0.0):
         at = int(np.argmax(steps <= 0.0))

@@ -4,25 +4,27 @@ import base64
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
-from lagrange.files.pages import as_it_is, render_page
+from lagrange.files.pages import as_it_is
 from lagrange.findings import Section, print_section
 from lagrange.kinematics import turned
 from lagrange.messages import shown
 from residual import interpretation as words
 from residual import tables
 from residual.evaluation import Evaluation
-from residual.figures.saved import LARGEST_SVG, LINE_COLOURS, SavedFigure, family
+from residual.figures.saved import LINE_COLOURS, family
 from residual.formatting import hertz, text
 from residual.load_zone import QuasiStatic
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
 
 TEMPLATES = Path(__file__).parent / "templates"
+TEMPLATE = TEMPLATES / "report.html.j2"
 LARGEST = 2_000_000  # bytes  # of a picture of the run
 MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
 ALL_BELOW = 2000.0  # Hz: here every bin is kept
@@ -70,14 +72,8 @@ def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, 
     say(f"Report: {shown(folder / 'report.html')}")
 
 
-def render_report(
-    evaluation: Evaluation,
-    figures: dict[str, list[SavedFigure]],
-    options: ReportOptions,
-    version: str,
-    statics: QuasiStatic | None = None,
-) -> str:
-    """Write the page's HTML text."""
+def page_of(evaluation: Evaluation, options: ReportOptions, statics: QuasiStatic | None = None) -> dict[str, Any]:
+    """What the page's template shows beside figures."""
     e, t, other, equations = evaluation, evaluation.record, options.other, options.equations
     clearance = t.scene.operating_clearance()
     found = {
@@ -94,10 +90,8 @@ def render_report(
         found["against"] = tables.difference_table(e, other, equations)
         if not tables.same_run(e, other):
             found["against_lines"] = tables.line_differences(e, other)
-    return render_page(
-        TEMPLATES / "report.html.j2",
+    return dict(
         name=t.name,
-        version=version,
         contradiction=words.contradiction_sentence(e),
         verdict=words.verdict(e, options.tolerance, equations),
         outcome=None if options.tolerance is None else ("fails" if e.fails(options.tolerance) else "passes"),
@@ -113,7 +107,6 @@ def render_report(
         notes=words.honest_notes(e),
         meaning=words.interpretation(e, statics),
         picture=picture_of(t.source) if t.attributes else None,
-        figures={group: [(f, embedded(f)) for f in drawn] for group, drawn in figures.items()},
         resolution=text(e.x.spectrum.resolution),
         spectra=Markup(spectra_json(e, equations)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
@@ -124,14 +117,6 @@ def render_report(
         spectrum_of="the error forces" if equations else "the hub's acceleration",
         scene=t.scene.to_toml(),
     )
-
-
-def embedded(figure: SavedFigure) -> str:
-    """Encode the figure as a data address: vectors unless they are many and take more room than pixels."""
-    vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
-    small = vectors <= LARGEST_SVG or vectors <= pixels
-    path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")
-    return f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,27 +1,42 @@
-"""Writer of the report folder, residual.nc, summary.json, figures, report.html, which appears whole or not at all."""
+"""Writers of folders that appear whole or not at all: page, figures and summary.json of a command; a check's arrays."""
 
 import json
 import os
 import secrets
 import shutil
-from collections.abc import Callable, Iterator
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.input import read_plain
 from lagrange.files.output import named, real_path
-from lagrange.files.pages import load_matplotlib
+from lagrange.files.pages import load_matplotlib, render_page
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
+from residual.figures.saved import LARGEST_SVG
 from residual.formatting import term_label
 from residual.spectrum import Envelope
 from residual.summary import PROGRAM, ReportOptions, summarise
 
-OURS = {"residual.nc", "summary.json", "report.html"}
+if TYPE_CHECKING:
+    from residual.figures.saved import SavedFigure
+
 WHOLE = ReportOptions()
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page to be written."""
+
+    name: str  # of its file
+    template: Path
+    shown: Mapping[str, Any]
 
 
 def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
@@ -36,18 +51,63 @@ def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOpti
     InputError: the folder holds something that is not an earlier report. OSError: it can't be written. Either
     way an earlier report stays as it was and no part of a new one is left.
     """
-    return write_folder(folder, lambda fresh: _fill(evaluation, fresh, options))
+    from residual.load_zone import quasi_static
+    from residual.report import TEMPLATE, page_of
+
+    statics = quasi_static(evaluation.record, evaluation.law.name)
+
+    def draw(fresh: Path) -> "dict[str, list[SavedFigure]]":
+        from residual.figures.drawing import draw_figures
+
+        return draw_figures(evaluation, statics, options, fresh)
+
+    def more(fresh: Path) -> None:
+        _write_arrays(evaluation, fresh / "residual.nc")
+        if options.signals:
+            _write_signals(evaluation, fresh / "signals.csv")
+
+    page = Page("report.html", TEMPLATE, page_of(evaluation, options, statics))
+    return write_folder(folder, PROGRAM, summarise(evaluation, options), page, draw if options.figures else None, more)
 
 
-def write_folder(folder: str | Path, fill: Callable[[Path], dict], program: str = PROGRAM) -> dict:
-    """Make a folder by `fill`, which gives what it has written as summary.json, in the place of an earlier one."""
+def write_folder(
+    folder: str | Path,
+    program: str,
+    summary: dict[str, Any],
+    page: Page,
+    draw: "Callable[[Path], dict[str, list[SavedFigure]]] | None" = None,
+    more: Callable[[Path], None] = lambda fresh: None,
+) -> dict[str, Any]:
+    """Write a page, its figures and summary.json into a folder, which appears whole or not at all; gives the summary.
+
+    Parameters
+    ----------
+    summary : numbers of summary.json, to which program, version and names of all files are added
+    page : of its file's name, its template, and what that shows beside figures
+    draw : draws into a folder, by matplotlib, figures by groups; None: no figures
+    more : writes what else the folder is to hold
+
+    Errors
+    ------
+    InputError: the folder holds something else. OSError: it can't be written.
+    """
     folder = real_path(Path(folder))
     check_replaceable(folder, program)
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = fill(fresh)
+        if draw is not None:
+            load_matplotlib()
+        drawn = {} if draw is None else draw(fresh)
+        more(fresh)
+        figures = {group: [(figure, embedded(figure)) for figure in found] for group, found in drawn.items()}
+        html = render_page(page.template, version=VERSION, figures=figures, **page.shown)
+        (fresh / page.name).write_text(html, encoding="utf-8")
+        files = sorted({path.name for path in fresh.iterdir()} | {"summary.json"})
+        summary = {"program": program, "program_version": VERSION} | summary | {"files": files}
+        said = json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False)
+        (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -58,6 +118,14 @@ def write_folder(folder: str | Path, fill: Callable[[Path], dict], program: str 
             raise named(error, folder, fresh) from None
         raise
     return summary
+
+
+def embedded(figure: "SavedFigure") -> str:
+    """Encode the figure as a data address: vectors unless they are many and take more room than pixels."""
+    vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
+    small = vectors <= LARGEST_SVG or vectors <= pixels
+    path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")
+    return f"data:image/{kind};base64,{b64encode(path.read_bytes()).decode('ascii')}"
 
 
 def check_replaceable(folder: Path, program: str = PROGRAM) -> None:
@@ -74,13 +142,12 @@ def check_replaceable(folder: Path, program: str = PROGRAM) -> None:
         summary = json.loads(read_plain(folder / "summary.json"))
         if summary["program"] != program:
             raise ValueError
-        ours = set(summary.get("files", ()))
+        ours = set(summary["files"])
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         raise InputError(
             f"{folder}: not empty and no report of {program}; choose another --output or empty it"
         ) from None
-    foreign = sorted(names - OURS - ours)
-    if foreign:
+    if foreign := sorted(names - ours):
         raise InputError(
             f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"
         )
@@ -99,31 +166,6 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
         old.rename(folder)
         raise
     shutil.rmtree(old, ignore_errors=True)
-
-
-def _fill(evaluation: Evaluation, folder: Path, options: ReportOptions) -> dict:
-    """Write every file of the report."""
-    from residual.load_zone import quasi_static
-    from residual.report import render_report
-
-    statics = quasi_static(evaluation.record, evaluation.law.name)
-    figures = {}
-    if options.figures:
-        load_matplotlib()
-        from residual.figures.drawing import draw_figures
-
-        figures = draw_figures(evaluation, statics, options, folder)
-    _write_arrays(evaluation, folder / "residual.nc")
-    if options.signals:
-        _write_signals(signals(evaluation), folder / "signals.csv")
-    page = render_report(evaluation, figures, options, VERSION, statics)
-    (folder / "report.html").write_text(page, encoding="utf-8")
-    files = sorted({path.name for path in folder.iterdir()} | OURS)
-    summary = summarise(evaluation, options, VERSION) | {"files": files}
-    (folder / "summary.json").write_text(
-        json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
-    )
-    return summary
 
 
 def _write_arrays(evaluation: Evaluation, path: Path) -> None:
@@ -191,20 +233,12 @@ def _band(found: Envelope) -> str:
     return f"{found.low:.4g} to {found.high:.4g} Hz"
 
 
-def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:
-    """Time series, SI, each (n_times,) or (n_times, n_rollers), by the names of the result file and of residual.nc."""
-    t = evaluation.record
-    found = {"time": t.time, "inner_x": t.inner_x, "inner_y": t.inner_y}
-    found |= dict(zip(("inner_ax", "inner_ay"), evaluation.hub_acceleration, strict=True))
-    found |= {"error_x": evaluation.budget.x.error, "error_y": evaluation.budget.y.error}
-    return found | {"roller_x": t.roller_x, "roller_y": t.roller_y, "inner_force": evaluation.force}
-
-
-def _write_signals(found: dict[str, np.ndarray], path: Path) -> None:
-    """One column for each signal, `name_<j>` for those of roller j."""
-    names, columns = [], []
-    for name, values in found.items():
-        one = values.ndim == 1
-        names += [name] if one else [f"{name}_{j}" for j in range(values.shape[1])]
-        columns.append(values[:, None] if one else values)
-    np.savetxt(path, np.hstack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")
+def _write_signals(evaluation: Evaluation, path: Path) -> None:
+    """Time series, SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j."""
+    t, e = evaluation.record, evaluation
+    names = ["time", "inner_x", "inner_y", "inner_ax", "inner_ay", "error_x", "error_y"]
+    columns = [t.time, t.inner_x, t.inner_y, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
+    for name, values in (("roller_x", t.roller_x), ("roller_y", t.roller_y), ("inner_force", e.force)):
+        names += [f"{name}_{j}" for j in range(values.shape[1])]
+        columns += list(values.T)
+    np.savetxt(path, np.column_stack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")

@@ -121,13 +121,11 @@ def numbers(found: Any) -> Any:
     return [numbers(each) for each in found] if isinstance(found, list | tuple) else found
 
 
-def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> dict:
+def summarise(evaluation: Evaluation, options: ReportOptions) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
     t, directions, tolerance, search = evaluation.record, evaluation.directions, options.tolerance, options.search
     noise, (low, high) = numbers(evaluation.position_noise), evaluation.loaded_range
     summary = {
-        "program": PROGRAM,
-        "program_version": version,
         "run": t.name,
         "source": shown(t.source.name),
         "law": evaluation.law.name,

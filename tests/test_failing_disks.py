@@ -212,7 +212,8 @@ def test_a_full_disk_at_a_page_names_the_page(tmp_path, monkeypatch, capsys):
     """A write's own error names no file."""
     from fem.commands.rate_bearing import rate_main
     from fem.commands.run_study import study_main
-    from residual.store import write_folder
+    from residual.report import TEMPLATE
+    from residual.store import Page, write_folder
     from tests.reference.small_study import TWO_SPEEDS
 
     def full(path, data, real=Path.write_bytes):
@@ -230,7 +231,11 @@ def test_a_full_disk_at_a_page_names_the_page(tmp_path, monkeypatch, capsys):
     assert study_main(["study.toml", "--quiet", "--workers", "1"]) == 2
     assert capsys.readouterr().err == "error: studies/study/study.html: No space left on device\n"
     with pytest.raises(OSError) as raised:
-        write_folder(tmp_path / "report", lambda fresh: full(fresh / "report.html", b"<!DOCTYPE html>"))
+        page = Page("report.html", TEMPLATE, {})
+        write_folder(
+            tmp_path / "report", "check-residual", {}, page,
+            more=lambda fresh: full(fresh / "report.html", b"<!DOCTYPE html>"),
+        )  # fmt: skip
     assert raised.value.filename == str(tmp_path / "report")
 
 

@@ -68,7 +68,7 @@ def test_a_cage_that_rollers_guide_leaves_the_hub_alone(tmp_path):
 
 
 def test_the_summary_tells_slip_whirl_and_forces(made):
-    cage = summarise(made[1], ReportOptions(), "0")["cage"]
+    cage = summarise(made[1], ReportOptions())["cage"]
     assert cage["speed_Hz"] == pytest.approx(180.0 / (2.0 * np.pi))
     assert cage["whirl_Hz"] == pytest.approx(100.0 / (2.0 * np.pi))
     assert cage["slip"] == pytest.approx(1.0 - 180.0 / (0.5 * 150.0 * np.pi * 36.0 / 46.0))
@@ -79,7 +79,7 @@ def test_the_summary_tells_slip_whirl_and_forces(made):
 
 def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(made, monkeypatch):
     monkeypatch.setattr(Record, "reverses", True)
-    summary = summarise(made[1], ReportOptions(), "0")
+    summary = summarise(made[1], ReportOptions())
     assert summary["cage_Hz"]["rolling_without_slip"] is None
     assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
     assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
@@ -91,14 +91,14 @@ def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(
 def test_within_one_turn_no_slip_of_the_cage_is_told(tmp_path):
     _, path = made_file(tmp_path, samples=3001)
     evaluation = evaluate(read_result(path))
-    assert summarise(evaluation, ReportOptions(), "0")["cage"]["slip"] is None
+    assert summarise(evaluation, ReportOptions())["cage"]["slip"] is None
     assert "turns less than once and has no mean slip" in cage_figure(evaluation, tmp_path).caption
 
 
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):
     evaluation = evaluate(recorded(tmp_path / "free.nc", make_run(n_times=3001)))
     assert "cage" not in evaluation.budget.x.terms
-    assert "cage" not in summarise(evaluation, ReportOptions(), "0")
+    assert "cage" not in summarise(evaluation, ReportOptions())
 
 
 def test_damaged_columns_of_the_cage_are_refused(tmp_path):

@@ -12,11 +12,12 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from lagrange.files.pages import render_page
 from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import quasi_static
-from residual.report import MOST_POINTS, picture_of, render_report, spectra_json
+from residual.report import MOST_POINTS, TEMPLATE, page_of, picture_of, spectra_json
 from residual.sources import read_result
 from residual.summary import ReportOptions
 from residual.tables import stated_error_table
@@ -112,10 +113,10 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
         file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
     found = evaluate(read_result(path))
     assert stated_error_table(found).rows == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
-    page = render_report(found, {}, ReportOptions(), "0")
+    page = render_page(TEMPLATE, version="0", figures={}, **page_of(found, ReportOptions()))
     assert "Discretisation error" in page and "0.0018 µm" in page
-    assert "Discretisation error" not in render_report(evaluate(read_result(
-        write_result(tmp_path / "plain.nc", run))), {}, ReportOptions(), "0")  # fmt: skip
+    plain = page_of(evaluate(read_result(write_result(tmp_path / "plain.nc", run))), ReportOptions())
+    assert "Discretisation error" not in render_page(TEMPLATE, version="0", figures={}, **plain)
 
 
 def _png(path, source):

@@ -1,20 +1,17 @@
 """What check-vibration prints and writes: the verdict first, the evidence beside it."""
 
-import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.findings import Section
 from lagrange.messages import G, shown
-from lagrange.version import VERSION
 from residual.formatting import hertz, text
 from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
-from residual.measured.strikes import Width
-from residual.store import write_folder
+from residual.store import Page, write_folder
 
 if TYPE_CHECKING:
     from residual.figures.saved import SavedFigure
@@ -23,56 +20,24 @@ PROGRAM = "check-vibration"
 TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
 
 
-def write_page(
-    folder: Path,
-    template: Path,
-    draw: "Callable[[Path], list[SavedFigure]] | None",
-    facts: Mapping[str, Any],
-    summary: dict[str, Any],
-) -> dict[str, Any]:
-    """Write vibration.html of these facts, its figures and summary.json into a folder that appears whole or not at all.
-
-    `draw` : draws into a folder, by matplotlib; None: no figures
-
-    Errors
-    ------
-    InputError: the folder holds something else. OSError: it can't be written.
-    """
-
-    def fill(fresh: Path) -> dict[str, Any]:
-        from residual.report import embedded
-
-        drawn = []
-        if draw is not None:
-            load_matplotlib()
-            drawn = draw(fresh)
-        figures = [(figure, embedded(figure)) for figure in drawn]
-        page = render_page(template, version=VERSION, figures=figures, **facts)
-        (fresh / "vibration.html").write_text(page, encoding="utf-8")
-        whole = summary | {"files": sorted({path.name for path in fresh.iterdir()} | {"summary.json"})}
-        said = json.dumps(whole, indent=1, allow_nan=False, ensure_ascii=False)
-        (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
-        return whole
-
-    return write_folder(folder, fill, PROGRAM)
-
-
 def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, Any]:
-    """Write the page of a check; as `write_page`."""
+    """Write vibration.html, its figures and summary.json; errors as of `write_folder`."""
 
-    def draw(fresh: Path) -> "list[SavedFigure]":
+    def draw(fresh: Path) -> "dict[str, list[SavedFigure]]":
         from residual.figures.measured import measured_figures
 
-        return measured_figures(check, fresh)
+        first, *others = measured_figures(check, fresh)
+        return {"evidence": [first], "others": others}
 
     record, found = check.record, check.record.diagnosis
-    shown_facts = dict(
+    values = dict(
         name=record.signal.name, headline=found.headline, reasons=found.reasons, notes=notes(record),
-        facts=facts(check), findings=findings(check), lines=line_rows(record), comparison=comparison(check),
-        assumed=assumed_rows(check), command=check.command,
-        other=None if check.other is None else check.other.signal.name, gates=(DECOYS, CLEAR, DEEP),
+        gates=(DECOYS, CLEAR, DEEP), prominent=check.part, command=check.command,
+        tables={"findings": finding_table(check), "lines": line_table(record), "facts": facts(check),
+                "comparison": comparison(check), "assumed": assumed_table(check)},
     )  # fmt: skip
-    return write_page(folder, TEMPLATE, draw if figures else None, shown_facts, summarise(check))
+    page = Page("vibration.html", TEMPLATE, values)
+    return write_folder(folder, PROGRAM, summarise(check), page, draw if figures else None)
 
 
 def print_check(check: Check, folder: Path) -> None:
@@ -81,13 +46,13 @@ def print_check(check: Check, folder: Path) -> None:
     print(f"Verdict: {found.verdict}. {found.headline}")
     for sentence in (*found.reasons, *notes(check.record)):
         print(f"  {shown(sentence)}")
-    for row in findings(check):
+    for row in finding_table(check).rows:
         print(f"  {row[0]:6} {row[1]:>9} Hz by kinematics, {row[2]:>9} found; depth {row[4]}, σ {row[5]}, p {row[6]}")
-    for name, value in facts(check):
+    for name, value in facts(check).rows:
         print(f"{name + ':':18} {shown(value)}")
-    for row in comparison(check):
+    for row in comparison(check).rows:
         print(f"{row[0] + ':':34} {row[1]:>12}   {row[2]:>12}")
-    for key, value, source, _ in assumed_rows(check):
+    for key, value, source, _ in assumed_table(check).rows:
         print(f"assumed: {key} = {value} ({source})")
     print(f"Page: {shown(folder / 'vibration.html')}")
 
@@ -97,9 +62,9 @@ def notes(judged: Judged) -> list[str]:
     return [*judged.signal.notes, *judged.diagnosis.notes]
 
 
-def facts(check: Check) -> list[tuple[str, str]]:
+def facts(check: Check) -> Section:
     """The record in words."""
-    judged, signal, found = check.record, check.record.signal, check.record.diagnosis
+    judged, signal, found, width = check.record, check.record.signal, check.record.diagnosis, check.record.width
     unit = f" {signal.unit}" if signal.unit else ", in the file's own unit"
     level = f"{text(1e3 * judged.rms)} mm/s rms" if signal.unit == "m/s" else f"{text(judged.rms)}{unit} rms"
     if signal.unit == "m/s²":
@@ -109,51 +74,47 @@ def facts(check: Check) -> list[tuple[str, str]]:
         level += f"; velocity {text(1e3 * judged.velocity, 3)} mm/s rms (10–1000 Hz, ISO 20816)"
     lines = ", ".join(f"{name} {text(found.lines[name], 5)}" for name in ("FTF", *BODIES))
     nominal = f"{text(60.0 * judged.shaft, 5)} rpm ± {100.0 * found.tolerance:.3g} %"
-    return [
+    wide = f"not measurable: {width.reason}"
+    if width.value is not None and width.low is not None and width.high is not None:
+        wide = f"{1e3 * width.value:.2f} mm ({1e3 * width.low:.2f} … {1e3 * width.high:.2f} mm)"
+    rows = [
         ("Record", f"{signal.name}: {text(signal.duration, 4)} s at {hertz(signal.rate, 5)}"),
         ("Level", level),
         ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {nominal}"),
         ("Lines, Hz", f"{lines}; resolution {text(found.spectrum.resolution, 3)}"),
-        ("Width", width_in_words(judged.width)),
+        ("Width", wide),
     ]
+    return Section(columns=(), rows=rows, kind="words")
 
 
-def width_in_words(width: Width) -> str:
-    """A width with its interval, or why there is none."""
-    if width.value is None or width.low is None or width.high is None:
-        return f"not measurable: {width.reason}"
-    return f"{1e3 * width.value:.2f} mm ({1e3 * width.low:.2f} … {1e3 * width.high:.2f} mm)"
-
-
-def findings(check: Check) -> list[tuple[str, ...]]:
+def finding_table(check: Check) -> Section:
     """Frequencies, depth, prominence and chance of each part of the bearing, most prominent first."""
-    return [
+    rows = [
         (each.name, text(each.expected, 5), text(each.found, 5), f"{100.0 * (each.found / each.expected - 1.0):+.2f} %",
-         text(each.depth, 2), text(each.clear, 3), text(each.p, 2), _sidebands(each))
+         text(each.depth, 2), text(each.clear, 3), text(each.p, 2),
+         "-" if each.sidebands is None else text(each.sidebands, 2))
         for each in check.record.diagnosis.findings
     ]  # fmt: skip
+    columns = (
+        "line", "kinematic, Hz", "found, Hz", "difference", "depth", "σ above others", "p", "sidebands over line",
+    )  # fmt: skip
+    return Section(columns=columns, rows=rows)
 
 
-def _sidebands(finding: Finding) -> str:
-    return "-" if finding.sidebands is None else text(finding.sidebands, 2)
-
-
-def line_rows(judged: Judged) -> list[tuple[str, ...]]:
+def line_table(judged: Judged) -> Section:
     """Harmonics of the most prominent part."""
-    return [
-        (line.name, text(line.expected, 5), text(line.found, 5), _decibels(line.level), text(line.depth, 2))
+    rows = [
+        (line.name, text(line.expected, 5), text(line.found, 5),
+         f"{20.0 * np.log10(line.level):.1f}" if line.level > 0.0 else "-", text(line.depth, 2))
         for line in judged.diagnosis.findings[0].lines
-    ]
+    ]  # fmt: skip
+    return Section(columns=("line", "kinematic, Hz", "found, Hz", "over background, dB", "depth"), rows=rows)
 
 
-def _decibels(ratio: float) -> str:
-    return f"{20.0 * np.log10(ratio):.1f}" if ratio > 0.0 else "-"
-
-
-def comparison(check: Check) -> list[tuple[str, str, str]]:
-    """Levels and lines of both records; none where there is one."""
+def comparison(check: Check) -> Section:
+    """Levels and lines of both records; no rows where there is one."""
     if check.other is None:
-        return []
+        return Section(columns=(), rows=[])
     pair, name = (check.record, check.other), check.part
     found = [judged.diagnosis for judged in pair]
     same = [each.of(name) for each in found]
@@ -172,7 +133,7 @@ def comparison(check: Check) -> list[tuple[str, str, str]]:
     units = [judged.signal.unit or "own unit" for judged in pair]
     shared = units[0] == units[1]
     first, second = (text(each.rms) + ("" if shared else f" {unit}") for each, unit in zip(pair, units, strict=True))
-    return [
+    rows = [
         ("verdict", pair[0].diagnosis.verdict, pair[1].diagnosis.verdict),
         (f"rms, {units[0]}" if shared else "rms, units differ", first, second),
         row("kurtosis", (judged.kurtosis for judged in pair)),
@@ -191,6 +152,7 @@ def comparison(check: Check) -> list[tuple[str, str, str]]:
         row("pulse, highest over lowest power", (None if j.pulse is None else j.pulse.contrast for j in pair)),
         row("standard deviations above others", (each.clear for each in same)),
     ]  # fmt: skip
+    return Section(columns=("", *(judged.signal.name for judged in pair)), rows=rows)
 
 
 def _over_first(finding: Finding, k: int) -> float | None:
@@ -204,21 +166,20 @@ def _background(finding: Finding) -> float | None:
     return 1.0 / level if level > 0.0 else None
 
 
-def assumed_rows(check: Check) -> list[tuple[str, str, str, str]]:
+def assumed_table(check: Check) -> Section:
     """Keys that a simulation needed beside the record, their values, where these come from, their meanings."""
-    return [
+    rows = [
         (each.key, str(each.value) if isinstance(each.value, str | list) else text(each.value, 6),
          "scene" if each.given else "default", each.meaning)
         for each in check.assumed
     ]  # fmt: skip
+    return Section(columns=("key of the scene", "value", "from", "meaning"), rows=rows, kind="words stacked keys")
 
 
 def summarise(check: Check) -> dict:
     """Content of summary.json."""
     found, width = check.record.diagnosis, check.record.width
     return {
-        "program": PROGRAM,
-        "program_version": VERSION,
         "record": shown(check.path.name),
         **_numbers(check.record),
         "width_mm": None if width.value is None else 1e3 * width.value,

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lagrange.findings import Section
 from lagrange.messages import shown
-from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.formatting import text
 from residual.measured.checks import Judged, Options, Question, check_record
 from residual.measured.diagnosis import BODIES, DEEP, HEADLINES, Verdict
-from residual.measured.report import PROGRAM, write_page
+from residual.measured.report import PROGRAM
+from residual.store import Page, write_folder
 
 if TYPE_CHECKING:
     from residual.figures.saved import SavedFigure
@@ -138,42 +139,42 @@ def growth(used: Sequence[Entry]) -> list[Growth]:
     return sorted(found, key=lambda each: -each.tau)
 
 
-def rows(trend: Trend) -> list[list[str]]:
-    """Rows of record, verdict, level, velocity, kurtosis, crest factor, speed, and depth of each line."""
-    found = []
+def record_table(trend: Trend) -> Section:
+    """Verdict, levels and depths of each record."""
+    rows = []
     for entry in trend.entries:
         if entry.reason is not None or entry.depths is None:
-            found.append([entry.name, f"not used: {entry.reason}", *["-"] * (5 + len(BODIES))])
+            rows.append([entry.name, f"not used: {entry.reason}", *["-"] * (5 + len(BODIES))])
             continue
         velocity = "-" if entry.velocity is None else text(1e3 * entry.velocity, 3)
-        numbers = (entry.rms, entry.kurtosis, entry.crest)
-        found.append(
-            [entry.name, entry.verdict, text(numbers[0], 3), velocity, *(text(value, 3) for value in numbers[1:]),
+        rows.append(
+            [entry.name, entry.verdict, text(entry.rms, 3), velocity, text(entry.kurtosis, 3), text(entry.crest, 3),
              text(entry.speed, 5), *(text(depth, 2) for depth in entry.depths.values())]
         )  # fmt: skip
-    return found
+    columns = (
+        "record", "verdict", f"rms, {trend.used[0].unit or 'own unit'}", "velocity, mm/s rms", "kurtosis",
+        "crest factor", "speed, rpm", *(f"depth of {line}" for line in BODIES),
+    )  # fmt: skip
+    return Section(columns=columns, rows=rows)
 
 
 def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict[str, Any]:
-    """Write the page of a series; as `residual.measured.report.write_page`."""
+    """Write the page of a series; as `residual.measured.report.write_check`."""
 
-    def draw(fresh: Path) -> "list[SavedFigure]":
+    def draw(fresh: Path) -> "dict[str, list[SavedFigure]]":
         from residual.figures.measured import trend_figure
 
-        return [trend_figure(trend, fresh)]
+        return {"growth": [trend_figure(trend, fresh)]}
 
-    facts = dict(
-        name=f"{trend.entries[0].name} to {trend.entries[-1].name}", sentences=trend.sentences, rows=rows(trend),
-        unit=trend.used[0].unit or "own unit", lines=list(BODIES), deep=DEEP,
-    )  # fmt: skip
-    return write_page(folder, TEMPLATE, draw if figures else None, facts, summarise(trend))
+    name = f"{trend.entries[0].name} to {trend.entries[-1].name}"
+    values = dict(name=name, sentences=trend.sentences, records=record_table(trend), deep=DEEP)
+    page = Page("vibration.html", TEMPLATE, values)
+    return write_folder(folder, PROGRAM, summarise(trend), page, draw if figures else None)
 
 
 def summarise(trend: Trend) -> dict[str, Any]:
     """Content of summary.json."""
     return {
-        "program": PROGRAM,
-        "program_version": VERSION,
         "verdict": trend.used[-1].verdict,
         "sentences": trend.sentences,
         "growth": [
@@ -198,6 +199,6 @@ def print_trend(trend: Trend, folder: Path) -> None:
     """Print what the series says, a line for each record, and where the page is."""
     for sentence in trend.sentences:
         print(shown(sentence))
-    for row in rows(trend):
+    for row in record_table(trend).rows:
         print(f"  {shown(row[0]):24} {shown(row[1]):16} rms {row[2]:>8}  depths {' '.join(row[7:])}")
     print(f"Page: {shown(folder / 'vibration.html')}")

@@ -173,4 +173,4 @@ def _evaluated(trajectory) -> None:
     from residual.evaluation import evaluate
     from residual.summary import ReportOptions, summarise
 
-    json.dumps(summarise(evaluate(trajectory), ReportOptions(), "0"), allow_nan=False)
+    json.dumps(summarise(evaluate(trajectory), ReportOptions()), allow_nan=False)

@@ -2,7 +2,7 @@
 # # A notebook: from a bearing to its fault line
 #
 # Executed anew whenever this site is built; its source is `docs/notebook.py`, a script that Jupyter opens as a notebook
-# (with jupytext). It needs `pip install .[analysis]` and, to run in Jupyter, a kernel.
+# (with jupytext). To run in Jupyter it needs a kernel.
 
 # %%
 import matplotlib.pyplot as plt

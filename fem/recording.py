@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from fem.commands.start_up import Outcome, need
+from fem.commands.start_up import Outcome
 from fem.quantities import Quantity, labels, run_quantities
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
 from fem.result.later_columns import events_of, sinkages
@@ -175,13 +175,7 @@ class Result:
         return {each.name: each for each in run_quantities(ideal, samples)}
 
     def to_xarray(self) -> "xarray.Dataset":
-        """The samples with dimensions, units and the result file's attributes.
-
-        Errors
-        ------
-        UsageError: xarray is not installed.
-        """
-        need("xarray", "to_xarray")
+        """The samples with dimensions, units and the result file's attributes."""
         import xarray
 
         variables = readable(self.scene)
@@ -230,13 +224,11 @@ class Result:
 
         Errors
         ------
-        UsageError: this machine can't draw off-screen; the request does not suit the run.
+        UsageError: the request does not suit the run.
         """
-        from fem.pictures.drawing_process import check_rendering
         from fem.pictures.recover import StoredRun
         from lagrange.files.pages import load_matplotlib
 
-        check_rendering()
         load_matplotlib()
         from fem.pictures.look import Request
         from fem.pictures.render import draw

@@ -199,13 +199,6 @@ def test_samples_become_an_xarray_with_units():
     assert float(found["inner_y"].sel(time=0.0)) == result["inner_y"][0]
 
 
-def test_an_xarray_without_its_package_names_the_command_that_installs_it(monkeypatch):
-    result = simulate(lagrangian())
-    monkeypatch.setattr("fem.commands.start_up.find_spec", lambda name: None)
-    with pytest.raises(UsageError, match=r"to_xarray: needs xarray.*python -m pip install xarray"):
-        result.to_xarray()
-
-
 @pytest.mark.parametrize(
     ("changes", "told"),
     [

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray
 
-from fem.study.dataset import read_dataset, write_dataset
+from fem.study.dataset import write_dataset
 from fem.study.effects import sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.page import write_page
@@ -54,7 +54,7 @@ def made_up(tmp_path, monkeypatch):
 
 
 def shares(points, folder):
-    table = table_of(points, read_dataset(folder.dataset, points.study.keep.quantities))
+    table = table_of(points, write_dataset(points, folder))
     return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
 
 
@@ -82,10 +82,10 @@ def test_shares_of_drawn_points_are_less_what_chance_explains_and_the_page_says_
     points, folder = made_up(lambda *_: rng.normal(), **DRAWN)
     found, _ = shares(points, folder)
     assert max(found.values()) < 0.04
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     assert "chance" in folder.page.read_text(encoding="utf-8")
     points, folder = made_up(lambda speed, load, length: speed, **GRID)
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     assert "chance" not in folder.page.read_text(encoding="utf-8")
 
 
@@ -113,7 +113,7 @@ def cells(page):
 
 def test_the_page_of_a_grid_has_a_line_for_each_value_and_a_table_of_points(made_up):
     points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID)
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     text = folder.page.read_text()
     assert "Varied: speed, radial load, roller length; 23 of 24 points are complete" in text
     assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
@@ -133,7 +133,7 @@ def test_lines_of_a_grid_go_through_every_point(made_up, speed, length):
 
     scene = GRID | dict(speed=speed, load="[250, 500, 1000, 2000]", length=length)
     points, folder = made_up(lambda speed, load, length: speed * load + length, **scene)
-    table = table_of(points, read_dataset(folder.dataset, points.study.keep.quantities))
+    table = table_of(points, write_dataset(points, folder))
     seen = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(figures, "finished", lambda figure, *_: seen.append(figure))
@@ -145,7 +145,7 @@ def test_lines_of_a_grid_go_through_every_point(made_up, speed, length):
 
 def test_drawn_points_have_clouds_with_means_of_groups(made_up):
     points, folder = made_up(lambda speed, load, length: speed + load, **DRAWN)
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     text = folder.page.read_text()
     assert re.findall('<figure id="([^"]*)"', text) == ["main-effects", "heat-map", "scatter-matrix", "sobol-indices"]
     assert ["largest force on the inner raceway", "radial load"] in [row[:2] for row in cells(folder.page)]
@@ -153,17 +153,17 @@ def test_drawn_points_have_clouds_with_means_of_groups(made_up):
 
 def test_one_parameter_has_no_shares_and_points_that_can_not_tell_are_left_out(made_up):
     points, folder = made_up(lambda speed, *_: 100.0 * speed, **{**GRID, "load": "[10]", "length": "[8.0]"})
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     assert ["largest force on the inner raceway, N", "100", "300", "3"] in cells(folder.page)
     assert "variance" not in folder.page.read_text(encoding="utf-8")
     points, folder = made_up(lambda speed, *_: np.nan if speed < 3.0 else speed, **GRID)
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     assert ["largest force on the inner raceway, N", "3", "3", "8", "-"] in cells(folder.page)
 
 
 def test_a_study_without_a_complete_point_has_a_page_too(made_up):
     points, folder = made_up(lambda *_: 1.0, failed=range(24), **GRID)
-    write_page(points, folder)
+    write_page(points, folder, write_dataset(points, folder))
     assert "0 of 24 points are complete" in folder.page.read_text()
     assert "Too few complete points" in folder.page.read_text()
 
@@ -181,7 +181,7 @@ def test_an_empty_cell_is_no_value_of_its_parameter(tmp_path, monkeypatch):
     folder = Folder(path=Path("out"))
     folder.begin(points)
     write_dataset(points, folder)
-    body, width = table_of(points, read_dataset(folder.dataset, points.study.keep.quantities)).parameters
+    body, width = table_of(points, write_dataset(points, folder)).parameters
     with xarray.open_dataset(folder.dataset, engine="netcdf4") as dataset:
         assert dataset.body.values.tolist() == ["", "outer_ring", "outer_ring"]
     assert body.words == ("-", "outer_ring") and np.isnan(width.values[0]) and width.values[2] == 2.0

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from xarray import Dataset
 
-from fem.study.dataset import Collected, unit_of_key
+from fem.study.dataset import unit_of_key
 from fem.study.solving import COMPLETE, Points
 from fem.study.study_file import QUANTITIES
 from lagrange.messages import engineering
@@ -105,19 +106,20 @@ class Table:
         return sorted(shares, key=lambda each: -each[1])
 
 
-def table_of(points: Points, dataset: Collected) -> Table:
+def table_of(points: Points, dataset: Dataset) -> Table:
     """Columns of a study from its dataset."""
     design = points.design
     parameters = [
         _column(name, unit_of_key(key), name_in_words(name), [point[i] for point in design.points])
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
-    quantities = [_quantity(name, *QUANTITIES[name], dataset.quantities[name]) for name in points.study.keep.quantities]
+    kept = points.study.keep.quantities
+    quantities = [_quantity(name, *QUANTITIES[name], dataset[name].values.ravel()) for name in kept]
     return Table(
         points=points,
         parameters=[each for each in parameters if len(np.unique(each.values[np.isfinite(each.values)])) > 1],
         quantities=quantities,
-        complete=np.array(dataset.status) == COMPLETE,
+        complete=dataset.status.values.ravel() == COMPLETE,
     )
 
 

@@ -17,156 +17,63 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    StrictBool,
-    StrictFloat,
-    StrictInt,
-    StrictStr,
-    ValidationError,
-    model_validator,
-)
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from fem.errors import UsageError
 from fem.result.durable import alone_in
-from fem.result.layout import Variables
 from fem.study.sampling import Design
-from fem.study.solving import COMPLETE, LOST, Points, Solved
-from fem.study.study_file import QUANTITIES, KeepTable, study_of
-from lagrange.columns import PER_ROLLER
+from fem.study.solving import LOST, Points, Solved
+from fem.study.study_file import study_of
 from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
 from lagrange.scene.faults import printable
 from lagrange.scene.scene import parse_scene_text
 
 PROGRAM: Literal["run-study"] = "run-study"
-LARGEST = 1e100  # of a quantity in its unit: none was ever computed
-LONGEST_NAME = 255
-Text = Annotated[StrictStr, Field(pattern=r"^[^\x00]*$")]  # which HDF5 can hold
-Key = Annotated[StrictStr, Field(pattern=r"^[^./\x00]+(\.[^./\x00]+)*$")]
-Whole = Annotated[StrictInt, Field(ge=-(2**63), lt=2**63)]
-Value = StrictBool | Whole | Annotated[StrictFloat, Field(allow_inf_nan=False)] | Text
+KEPT = "status", "text", "seconds", "quantities", "signal_interval"  # of a point beside its signals
+Value = bool | int | Annotated[float, Field(allow_inf_nan=False)] | str
 
 
-class StudyRecord(BaseModel):
-    """A study, its scene and the values and digests of its points; validated, as anybody may have made the file."""
+class StudyRecord(BaseModel, extra="forbid", strict=True):
+    """A study, its scene and the values and digests of its points."""
 
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    program: Literal["run-study"]
-    name: Text = Field(min_length=1, max_length=LONGEST_NAME)
+    program: Literal["run-study"] = PROGRAM
+    name: str = Field(min_length=1)
     study: str
     listed: str | None
     scene: str
     files: dict[str, str]
-    keys: tuple[Key, ...] = Field(min_length=1)
+    keys: tuple[str, ...] = Field(min_length=1)
     points: list[tuple[Value | None, ...]]
     axes: tuple[tuple[Value, ...], ...] | None
     base: int = Field(ge=0)
     digests: list[Annotated[str, Field(pattern="^[0-9a-f]{32}$")]] = Field(min_length=1)
-    made_by: Text = Field(max_length=LONGEST_NAME)
+    made_by: str
 
     @model_validator(mode="after")
     def _consistent(self):
-        n, d = len(self.points), len(self.keys)
-        if len(set(self.keys)) < d:
-            raise ValueError("keys: one is there twice")
-        if len(self.digests) != n or any(len(point) != d for point in self.points):
+        if any(len(point) != len(self.keys) for point in self.points) or len(self.points) != len(self.digests):
             raise ValueError("as many digests as points, of as many values as keys, are needed")
-        if self.axes is not None and (len(self.axes) != d or prod(len(axis) for axis in self.axes) != n):
+        if self.axes is not None and prod(len(axis) for axis in self.axes) != len(self.points):
             raise ValueError("axes: must make the points")
-        if self.base and self.base * (d + 2) != n:
-            raise ValueError("base: must make the points")
         return self
-
-
-class PointRecord(BaseModel):
-    """What became of a point; validated likewise."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-    digest: str  # of the point: a file under another name is not taken as that point's
-    status: Literal["complete", "failed", "stopped"]
-    text: Text
-    seconds: float = Field(ge=0.0)
-    quantities: dict[str, float]
-    signal_interval: float = Field(ge=0.0, allow_inf_nan=False)
-
-    @model_validator(mode="after")
-    def _possible(self):
-        for name, value in self.quantities.items():
-            if name not in QUANTITIES or abs(value) > LARGEST:
-                raise ValueError(f"quantities.{name[:LONGEST_NAME]} = {value:g}: was never computed")
-        return self
-
-
-def read_point(data: bytes, digest: str, keep: KeepTable, variables: Variables) -> Solved:
-    """A point out of its file's data.
-
-    Parameters
-    ----------
-    keep : what the study keeps of each point
-    variables : dimensions, unit and meaning of what may be a signal
-
-    Errors
-    ------
-    ValueError, KeyError, OSError, zipfile.BadZipFile and more: damage has no end.
-    """
-    with _arrays(data) as arrays:
-        facts = _facts(arrays, digest)
-        signals = {name: arrays[name] for name in arrays.files if name != "facts"}
-    wanted = set(keep.signals) if facts.status == COMPLETE else set()
-    if not set(facts.quantities) <= set(keep.quantities) or set(signals) != wanted:
-        raise ValueError("other quantities or signals than the study's")
-    for name, values in signals.items():
-        if values.dtype != np.float64 or values.ndim != (2 if variables[name].dimensions == PER_ROLLER else 1):
-            raise ValueError(f"{name}: no signal")
-    if len({len(values) for values in signals.values()}) > 1:
-        raise ValueError("signals of several lengths")
-    return Solved(signals=signals, **facts.model_dump(exclude={"digest"}))
-
-
-def _arrays(data: bytes) -> np.lib.npyio.NpzFile:
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        if sum(member.file_size for member in archive.infolist()) > len(data):
-            raise ValueError("packed, which no point's file is")
-    return np.load(io.BytesIO(data), allow_pickle=False)
-
-
-def _facts(arrays: np.lib.npyio.NpzFile, digest: str) -> PointRecord:
-    facts = PointRecord.model_validate_json(arrays["facts"].tobytes())
-    if facts.digest != digest:
-        raise ValueError("another point's")
-    return facts
 
 
 def _record_of(points: Points) -> StudyRecord:
-    """UsageError: a name or value that no dataset can hold."""
     study, design = points.study, points.design
-    try:
-        return StudyRecord(
-            program=PROGRAM,
-            name=study.name,
-            study=study.text,
-            listed=study.listed,
-            scene=study.scene.to_written_toml(),
-            files=study.scene.files,
-            keys=design.keys,
-            points=design.points,
-            axes=design.axes,
-            base=design.base,
-            digests=points.digests,
-            made_by=points.made_by,
-        )
-    except ValidationError as error:
-        raise UsageError(f"{study.name}: {_first(error)}") from None
-
-
-def _first(error: ValidationError) -> str:
-    first = error.errors(include_url=False)[0]
-    return printable(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
+    return StudyRecord(
+        name=study.name,
+        study=study.text,
+        listed=study.listed,
+        scene=study.scene.to_written_toml(),
+        files=study.scene.files,
+        keys=design.keys,
+        points=design.points,
+        axes=design.axes,
+        base=design.base,
+        digests=points.digests,
+        made_by=points.made_by,
+    )
 
 
 MISSING = "missing"  # the status of a point that has not been solved
@@ -214,7 +121,9 @@ class Folder:
         except OSError as error:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
         except ValidationError as error:
-            raise UsageError(f"{self._about}: damaged, or not of this version: {_first(error)}") from None
+            first = error.errors(include_url=False)[0]
+            fault = printable(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
+            raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
 
     def run(self, digest: str) -> Path:
         """A point's result file."""
@@ -270,13 +179,15 @@ class Folder:
             (self.path / "points").mkdir(parents=True, exist_ok=True)
             write_whole(self._about, _record_of(points).model_dump_json().encode())
 
-    def done(self, digest: str) -> bool:
-        """Whether a point has been solved, well or not."""
+    def read(self, digest: str) -> Solved | None:
+        """What became of a point; None: not solved yet, or its file is damaged."""
         try:
-            with _arrays(read_sealed(self._point(digest)) or b"") as arrays:
-                return bool(_facts(arrays, digest))
-        except Exception:  # an archive can be damaged in more ways than there are errors to name here
-            return False
+            with np.load(io.BytesIO(read_sealed(self._point(digest)) or b"")) as arrays:
+                found = {name: arrays[name] for name in arrays.files}
+            facts = json.loads(found.pop("facts").tobytes())
+            return Solved(signals=found, **facts["solved"]) if facts["digest"] == digest else None
+        except (OSError, LookupError, TypeError, ValueError, EOFError, zipfile.BadZipFile):
+            return None
 
     def add(self, digest: str, solved: Solved) -> None:
         """Keep what became of a point; of one lost with its worker nothing, so that it is tried again.
@@ -287,8 +198,7 @@ class Folder:
         """
         if solved.status == LOST:
             return
-        facts = {name: getattr(solved, name) for name in PointRecord.model_fields if name != "digest"}
-        facts["digest"] = digest
+        facts = {"digest": digest, "solved": {name: getattr(solved, name) for name in KEPT}}
         archive = io.BytesIO()
         arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
         np.savez(archive, **arrays)
@@ -297,14 +207,6 @@ class Folder:
                 self.run(digest).parent.mkdir(exist_ok=True)
                 write_whole(self.run(digest), solved.run)
             write_sealed(self._point(digest), archive.getvalue())
-
-    def read(self, points: Points, i: int, variables: Variables) -> Solved | None:
-        """What became of point i; None: not solved yet, or its file is damaged. `variables`: which may be signals."""
-        try:
-            data = read_sealed(self._point(points.digests[i]))
-            return None if data is None else read_point(data, points.digests[i], points.study.keep, variables)
-        except Exception:  # an archive can be damaged in more ways than there are errors to name here
-            return None
 
     @contextmanager
     def _named(self) -> Iterator[None]:

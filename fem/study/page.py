@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import numpy as np
+from xarray import Dataset
 
-from fem.study.dataset import Collected, read_dataset
+from fem.study.dataset import incomplete
 from fem.study.effects import NOTHING, Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.solving import Points
@@ -17,15 +18,14 @@ MOST_ROWS = 200  # of a table of points
 TELLING = 0.05  # of a quantity's variance: parameters that explain less are not named
 
 
-def write_page(points: Points, folder: Folder) -> None:
+def write_page(points: Points, folder: Folder, dataset: Dataset) -> None:
     """Write a study's page from its dataset. OSError: it can't be written; an earlier page stays."""
     load_matplotlib()
     from fem.study.figures import study_figures
 
-    dataset = read_dataset(folder.dataset, points.study.keep.quantities)
     table = table_of(points, dataset)
     indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
-    failed = [(points.design.describe(i), status, text) for i, status, text in dataset.incomplete]
+    failed = [(points.design.describe(i), status, text) for i, status, text in incomplete(dataset)]
     columns = [*table.parameters, *table.quantities]
     text = render_page(
         TEMPLATE,
@@ -44,7 +44,7 @@ def write_page(points: Points, folder: Folder) -> None:
         failed=failed[:MOST_ROWS],
         left_out=max(0, len(failed) - MOST_ROWS),
         speed=_speed(dataset),
-        version=dataset.attributes["program_version"],
+        version=dataset.attrs["program_version"],
         study=points.study.text,
         scene=points.study.scene.to_toml(),
     )
@@ -63,7 +63,7 @@ def _verdict(table: Table) -> str:
     return f"Varied: {names}; {state}."
 
 
-def _facts(table: Table, dataset: Collected) -> list[tuple[str, str]]:
+def _facts(table: Table, dataset: Dataset) -> list[tuple[str, str]]:
     study, design = table.points.study, table.points.design
     shape = "" if design.axes is None else ", " + " × ".join(str(size) for size in design.shape)
     drawn = study.sampling.method in ("lhs", "sobol")
@@ -74,7 +74,7 @@ def _facts(table: Table, dataset: Collected) -> list[tuple[str, str]]:
         ("Varied", "; ".join(f"{key}: {_span(table.points, i)}" for i, key in enumerate(design.keys))),
         ("Quantities in the dataset", "; ".join(f"{each.name}: {each.meaning}" for each in table.quantities)),
         ("Signals", ", ".join(study.keep.signals) or "none kept"),
-        ("Program", f"{dataset.attributes['program_version']}, text {dataset.attributes['program_digest']}"),
+        ("Program", f"{dataset.attrs['program_version']}, text {dataset.attrs['program_digest']}"),
     ]
 
 
@@ -118,9 +118,8 @@ def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:
     return "No Sobol indices: some points are not complete, or nothing varies."
 
 
-def _speed(dataset: Collected) -> list[tuple[str, str]]:
-    seconds = dataset.seconds
-    seconds = seconds[np.isfinite(seconds)]
+def _speed(dataset: Dataset) -> list[tuple[str, str]]:
+    seconds = dataset.seconds.values[np.isfinite(dataset.seconds.values)]
     if not len(seconds):
         return []
     return [

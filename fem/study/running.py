@@ -48,7 +48,7 @@ class StudyOptions:
 def pending_points(points: Points, folder: Folder) -> list[int]:
     """Points that have not been solved, each digest once."""
     first = {digest: i for i, digest in reversed(list(enumerate(points.digests)))}
-    return sorted(i for digest, i in first.items() if not folder.done(digest))
+    return sorted(i for digest, i in first.items() if folder.read(digest) is None)
 
 
 def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:

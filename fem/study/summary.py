@@ -1,10 +1,12 @@
 """What run-study prints: of a study that is planned, and of one that is done."""
 
+from collections import Counter
 from math import isnan
 
 from rich.console import Console
+from xarray import Dataset
 
-from fem.study.dataset import read_dataset
+from fem.study.dataset import incomplete
 from fem.study.folder import Folder
 from fem.study.running import Expected, StudyOptions, workers_for
 from fem.study.solving import Points
@@ -44,19 +46,19 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
         console.print(f"{name + ':':16s} {shown(value)}", soft_wrap=True, markup=False)
 
 
-def outcome_lines(points: Points, folder: Folder, found: dict[str, int]) -> list[str]:
+def outcome_lines(points: Points, found: Dataset) -> list[str]:
     """How many points there are of each status, and the first that failed, a line each."""
-    lines = [f"{len(points)} points: {', '.join(f'{count} {status}' for status, count in sorted(found.items()))}"]
-    incomplete = read_dataset(folder.dataset).incomplete
-    lines += [f"{points.design.describe(i)}: {status}: {text}" for i, status, text in incomplete]
+    counts = sorted(Counter(found.status.values.flat).items())
+    lines = [f"{len(points)} points: {', '.join(f'{count} {status}' for status, count in counts)}"]
+    lines += [f"{points.design.describe(i)}: {status}: {text}" for i, status, text in incomplete(found)]
     more = ["… more are on the page"] if len(lines) > 1 + MOST_NAMED else []
     return [*lines[: 1 + MOST_NAMED], *more]
 
 
-def print_outcome(points: Points, folder: Folder, found: dict[str, int]) -> None:
+def print_outcome(points: Points, folder: Folder, found: Dataset) -> None:
     """What came of a study, and where its dataset is."""
     console = Console(highlight=False)
-    for line in outcome_lines(points, folder, found):
+    for line in outcome_lines(points, found):
         console.print(shown(line), soft_wrap=True, markup=False)
     console.print(f"Dataset: {shown(folder.dataset)}", soft_wrap=True, markup=False)
     console.print(f"Page: {shown(folder.page)}", soft_wrap=True, markup=False)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.commands.progress import progress_display
-from fem.commands.start_up import Outcome, imported, stop_signals
+from fem.commands.start_up import Outcome, stop_signals
 from fem.commands.summary import print_estimates, print_plan, print_run, size_warning
 from fem.errors import RunFailed, UsageError
 from fem.result.checkpoint import (
@@ -89,9 +89,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 
 def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
     with said_if_long(PATIENCE, PLANNING, tell):
-        plan = programs_named(lambda: make_plan(scene))
-    imported()
-    return plan
+        return programs_named(lambda: make_plan(scene))
 
 
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:

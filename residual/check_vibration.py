@@ -7,8 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from residual.cli import main as run_app_main
-from residual.cli import new_app
+from lagrange.commands import entry, new_app, run_app_main
 from residual.errors import InputError
 
 app = new_app(
@@ -95,10 +94,8 @@ def _share(option: str, text: str) -> float:
         raise InputError(f"{option} {text}: must be a number of per cent, as 2%") from None
 
 
-main = partial(run_app_main, command=app)
+main = partial(run_app_main, app)
 
 
 if __name__ == "__main__":
-    from residual.cli import check_residual
-
-    check_residual(app)
+    entry(main)()

@@ -1,44 +1,15 @@
 """The command `check-residual`. Imports little: everything heavy waits until a run is read."""
 
-import gc
-import os
-import signal
-import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import Parameter
 
+from lagrange.commands import entry, new_app, run_app_main
 from residual.errors import InputError
 
 RUNS = Path("runs")
-BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
-
-
-def _version() -> str:
-    from lagrange.version import VERSION
-
-    return VERSION
-
-
-def new_app(name: str, text: str) -> App:
-    """A command of this package."""
-    app = App(
-        name=name, version=_version, suppress_keyboard_interrupt=False, result_action="return_value",
-        help_format="plaintext", help=text,
-    )  # fmt: skip
-
-    @app.command(name="--install-completion", help="install completion of options for this shell: bash, zsh or fish")
-    def _install_completion() -> None:
-        from cyclopts.completion.detect import ShellDetectionError
-
-        try:
-            print(f"written: {app.install_completion()}; it works in new shells")
-        except ShellDetectionError:
-            raise InputError("--install-completion: the shell is none of bash, zsh and fish") from None
-
-    return app
-
 
 app = new_app(
     "check-residual",
@@ -226,72 +197,8 @@ def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):
     return read_table(path, scene, resample, kinematic)
 
 
-def _signals(how: str) -> None:
-    """Let Ctrl-C and SIGTERM wait, or take those that have waited: see `entry`."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(getattr(signal, how), {signal.SIGINT, signal.SIGTERM})
-
-
-def _terminated(number, frame):
-    raise SystemExit(128 + number)
-
-
-def main(arguments: list[str] | None = None, command: App = app) -> int:
-    """Run a command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
-    try:
-        _signals("SIG_UNBLOCK")
-        result = command(arguments, exit_on_error=False, print_error=False)
-        if sys.stdout is not None:
-            sys.stdout.flush()
-        return result if isinstance(result, int) else 0
-    except KeyboardInterrupt:
-        print("interrupted; no report was written", file=sys.stderr)
-        return 130
-    except (BrokenPipeError, SystemExit) as error:  # whoever reads what is only printed has had enough
-        if isinstance(error, SystemExit) and error.code != BROKEN_PIPE:
-            raise
-        from lagrange.messages import close_output
-
-        close_output()
-        return 0
-    except OSError as error:
-        reason = f"{error.filename or 'output'}: {error.strerror or error}"
-    except ImportError as error:
-        if "failed to map segment" not in str(error):  # the loader's words where memory is lacking
-            raise
-        reason = "not enough memory to load the program"
-    except MemoryError:
-        reason = "not enough memory; check a shorter part of the run (--start)"
-    except CycloptsError as error:
-        reason = str(error)
-    except ValueError as error:
-        from lagrange.files.hdf5 import Damaged
-        from lagrange.scene.scene import SceneError  # loaded by whatever raised it
-
-        if not isinstance(error, InputError | SceneError | Damaged):
-            raise
-        reason = str(error)
-    from lagrange.messages import say, telling  # with it come libraries that --help does without
-
-    say(f"error: {reason}")
-    with telling():
-        pass
-    return 2
-
-
-def check_residual(command: App = app) -> None:
-    """Entry point of an installed command."""
-    signal.signal(signal.SIGTERM, _terminated)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
-    gc.disable()  # a report's only garbage is its figures, 20 MB; looking for it takes a tenth of the time
-    code = main(command=command)
-    _signals("SIG_BLOCK")
-    gc.freeze()  # nor is all that libraries have made searched once more as the process ends
-    sys.exit(code)
-
+main = partial(run_app_main, app)
+check_residual = entry(main)
 
 if __name__ == "__main__":
     check_residual()

@@ -1,5 +1,7 @@
 """Exception for input that the checker can't use."""
 
+from lagrange.errors import UsageError
 
-class InputError(ValueError):
+
+class InputError(UsageError):
     """The run can't be used; the message names the file, the value, the limit and what to do."""

@@ -14,8 +14,8 @@ import lagrange
 import meshes
 import residual
 from fem.commands.run_fem import run_main
-from fem.commands.start_up import new_app, run_app_main
-from fem.errors import RunFailed
+from lagrange.commands import new_app, run_app_main
+from lagrange.errors import RunFailed
 from lagrange.version import VERSION
 from residual.cli import main as check_main
 from tests.reference.commands import command, environment, started_as
@@ -58,7 +58,7 @@ def own_exceptions():
 OWN = own_exceptions()
 
 
-@pytest.mark.parametrize("name", [name for name in OWN if not name.startswith("residual.")])
+@pytest.mark.parametrize("name", OWN)
 def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(name, capsys):
     for kind in (OWN[name], type("Derived", (OWN[name],), {})):
         app = new_app("some", "")
@@ -73,7 +73,9 @@ def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(
 
 
 def test_the_programs_errors_are_found():
-    assert {"fem.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(OWN)
+    assert {"lagrange.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(
+        OWN
+    )
 
 
 def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_complete_run(tmp_path):
@@ -159,7 +161,7 @@ def test_values_of_a_scene_are_told_printable_and_not_endless(scene, tmp_path, c
 
 
 @pytest.mark.slow
-def test_half_a_character_in_a_files_name_hinders_no_command(can_draw, tmp_path):
+def test_half_a_character_in_a_files_name_hinders_no_command(tmp_path):
     name, strict = "\udcff.nc", {"PYTHONIOENCODING": "utf-8:strict"}
     for called, arguments in (
         ("run-fem", [*COARSE, "--duration", "1", "--output", name]),
@@ -207,26 +209,3 @@ def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys
 def test_python_m_fem_is_run_fem():
     done = subprocess.run([sys.executable, "-m", "fem", "--version"], env=environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout.strip()) == (0, VERSION)
-
-
-def test_twice_the_settings_take_twice_the_work(capsys):
-    """Counted in calls, which no other process changes; the parser's grow by the square of its options."""
-
-    def calls(count):
-        found = 0
-
-        def seen(frame, event, argument):
-            nonlocal found
-            found += event == "call"
-
-        settings = [word for i in range(count) for word in ("--set", f"spall.{i}.width_mm=0.1")]
-        sys.setprofile(seen)
-        try:
-            assert run_main(["--dry-run", *settings]) == 2
-        finally:
-            sys.setprofile(None)
-        assert "List must have at most 200 items" in capsys.readouterr().err
-        return found
-
-    calls(300)
-    assert calls(600) < 2.2 * calls(300)

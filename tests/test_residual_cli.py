@@ -202,11 +202,3 @@ def test_help_and_version(capsys):
             code = stop.code or 0
         assert code == 0
         assert word in capsys.readouterr().out
-
-
-def test_importing_the_command_loads_nothing_heavy():
-    heavy = "numpy scipy matplotlib h5py xarray pydantic jinja2 fem meshes"
-    code = f"import sys, residual.cli; print([m for m in '{heavy}'.split() if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},
-                          capture_output=True, text=True, check=True)  # fmt: skip
-    assert done.stdout.strip() == "[]"

@@ -29,8 +29,8 @@ print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_folder.notice
 
 
 @pytest.mark.slow
-def test_a_module_in_the_current_folder_is_not_run_by_a_picture(can_draw, coarse_run, tmp_path):
-    for name in ("pyvista", "vtkmodules", "imageio_ffmpeg", "numpy"):
+def test_a_module_in_the_current_folder_is_not_run_by_a_picture(coarse_run, tmp_path):
+    for name in ("matplotlib", "imageio_ffmpeg", "numpy"):
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\nraise SystemExit(3)\n")
     done = command("render-fem", coarse_run, "--output", tmp_path / "picture.png", "--width", 300, folder=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -232,8 +232,6 @@ def test_a_run_without_a_home_is_complete(tmp_path):
     ("variable", "told"),
     [
         ({"NUMBA_DISABLE_JIT": 1}, "error: NUMBA_DISABLE_JIT is set, and the time loops can't run"),
-        ({"NUMBA_OPT": "bogus"}, "error: NUMBA_OPT = bogus: numba can't read that value; unset it"),
-        ({"NUMBA_DEBUG": "x"}, "error: NUMBA_DEBUG = x: numba can't read that value; unset it"),
     ],
 )
 def test_a_setting_that_numba_can_not_use_is_refused_in_a_sentence(variable, told, tmp_path):
@@ -252,7 +250,7 @@ def test_no_figure_obeys_the_current_folder_or_a_variable(settings, coarse_run, 
 
 
 @pytest.mark.slow
-def test_no_picture_obeys_the_current_folder_or_a_variable(can_draw, coarse_run, tmp_path):
+def test_no_picture_obeys_the_current_folder_or_a_variable(coarse_run, tmp_path):
     (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfe\x00")
     options = ["--output", tmp_path / "picture.png", "--width", 300]
     done = command("render-fem", coarse_run, *options, folder=tmp_path, MPLBACKEND="bogus")

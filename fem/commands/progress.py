@@ -13,99 +13,54 @@ PLAIN_SECONDS = 10.0
 @contextmanager
 def progress_display(plan: Plan, quiet: bool) -> Iterator[Callable[[Progress], None]]:
     """Gives the function to call with every `Progress`."""
-    if quiet or plan.n_samples == 1:
-        yield lambda progress: None
-    elif sys.stderr.isatty():
-        with _bar(plan) as show:
-            yield show
-    else:
-        yield _plain_lines(plan)
+    total = 1e3 * (plan.n_samples - 1) * plan.interval
+    with _display(plan.n_samples, quiet or plan.n_samples == 1) as show:
 
+        def told(progress: Progress) -> None:
+            pace = f"{progress.speed:,.0f} steps/s, energy imbalance {progress.imbalance:+.1e}"
+            show(progress.samples, f"{1e3 * progress.simulated:.2f} of {total:.2f} ms, {pace}")
 
-@contextmanager
-def _display(*columns):
-    """A line of such columns on standard error that goes when it is done."""
-    from rich.console import Console
-    from rich.progress import Progress as RichProgress
-
-    with RichProgress(*columns, console=Console(stderr=True), transient=True) as display:
-        yield display
-
-
-@contextmanager
-def _bar(plan: Plan):
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    pace = "{task.fields[speed]} steps/s, energy imbalance {task.fields[imbalance]}"
-    columns = (TextColumn("{task.fields[simulated]}"), BarColumn(), TaskProgressColumn(), TextColumn(pace))
-    with _display(*columns, TimeRemainingColumn()) as display:
-        task = display.add_task("", total=plan.n_samples, simulated="0 ms", speed="-", imbalance="-")
-
-        def show(progress: Progress) -> None:
-            display.update(
-                task,
-                completed=progress.samples,
-                simulated=f"{1e3 * progress.simulated:.2f} ms",
-                speed=f"{progress.speed:,.0f}",
-                imbalance=f"{progress.imbalance:+.1e}",
-            )
-
-        yield show
+        yield told
 
 
 @contextmanager
 def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
     """Gives the function to call after each of `total` things."""
+    done = 0
+    with _display(total, quiet) as show:
+
+        def count() -> None:
+            nonlocal done
+            done += 1
+            show(done, f"{what}: {done} of {total}")
+
+        yield count
+
+
+@contextmanager
+def _display(total: int, quiet: bool) -> Iterator[Callable[[int, str], None]]:
+    """Gives the function to call with how many of `total` steps are done, and words on them."""
     if quiet:
-        yield lambda: None
+        yield lambda done, words: None
     elif sys.stderr.isatty():
-        from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
 
-        with _display(what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as display:
+        columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+        with Bar(*columns, console=Console(stderr=True), transient=True) as display:
             task = display.add_task("", total=total)
-            yield lambda: display.advance(task)
+            yield lambda done, words: display.update(task, completed=done, description=words)
     else:
-        yield _plain_count(what, total)
+        began, first = time.monotonic(), None  # a resumed run begins with samples
+        last = began
 
+        def show(done: int, words: str) -> None:
+            nonlocal last, first
+            first = done if first is None else min(first, done)
+            if (now := time.monotonic()) - last > PLAIN_SECONDS:
+                last = now
+                left = (total - done) * (now - began) / max(done - first, 1)
+                print(f"{words}, {left:.0f} s left", file=sys.stderr, flush=True)
 
-def _is_due() -> Callable[[], bool]:
-    """Gives the function that says whether PLAIN_SECONDS have gone since the last line."""
-    last = time.monotonic()
-
-    def is_due() -> bool:
-        nonlocal last
-        if time.monotonic() - last < PLAIN_SECONDS:
-            return False
-        last = time.monotonic()
-        return True
-
-    return is_due
-
-
-def _plain_count(what: str, total: int) -> Callable[[], None]:
-    began, done, is_due = time.monotonic(), 0, _is_due()
-
-    def show() -> None:
-        nonlocal done
-        done += 1
-        if is_due():
-            left = (total - done) * (time.monotonic() - began) / done
-            print(f"{what}: {done} of {total}, {left:.0f} s left", file=sys.stderr, flush=True)
-
-    return show
-
-
-def _plain_lines(plan: Plan) -> Callable[[Progress], None]:
-    total, is_due = (plan.n_samples - 1) * plan.interval, _is_due()
-
-    def show(progress: Progress) -> None:
-        if is_due():
-            left = progress.steps_left / max(progress.speed, 1e-9)
-            print(
-                f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {progress.speed:,.0f} steps/s, {left:.0f} s "
-                f"left, energy imbalance {progress.imbalance:+.1e}",
-                file=sys.stderr,
-                flush=True,
-            )
-
-    return show
+        yield show

@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from fem.commands.run_fem import result_name
-from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of, standard_bearing
-from fem.errors import UsageError
+from fem.commands.start_up import run_app_main, standard_bearing
+from lagrange.commands import entry, new_app
+from lagrange.errors import UsageError
 
 CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
 LONGEST = 10_000_000  # bytes of a duty cycle
@@ -74,7 +75,7 @@ def _rate(
 
     if reliability not in RELIABILITY:
         raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
-    settings = settings_of(set)
+    settings = set or []
     overrides = [*standard_bearing(bearing), *settings]
     run = None
     if scene is not None and scene.suffix == ".nc":
@@ -122,7 +123,7 @@ def _rate(
             print_rating(rated)
             for path in written:
                 print(f"wrote {shown(path)}")
-    return Outcome.COMPLETE.code
+    return 0
 
 
 def _run(path: Path):

@@ -1,5 +1,6 @@
 """The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
 
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -7,18 +8,10 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from fem.commands.run_fem import RUNS
-from fem.commands.start_up import (
-    Outcome,
-    hear_termination,
-    imported,
-    importing,
-    interrupted,
-    leave,
-    new_app,
-    open_streams,
-    run_app_main,
-)
-from fem.errors import UsageError
+from fem.commands.start_up import run_app_main
+from lagrange.commands import entry, new_app
+from lagrange.errors import UsageError
+from lagrange.messages import shown, telling
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
 SIGNALS = (".csv", ".wav")  # of `fem.result.acceleration`
@@ -192,13 +185,10 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
     from fem.pictures.film import write_film
     from fem.pictures.render import Renderer
 
-    imported()
     shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * shown) if shown > 0.0 else inf
-    with (
-        Renderer(stored, request, samples, f"{slower:.3g} × slower") as renderer,
-        count_display("frames", len(samples), quiet) as count,
-    ):
+    renderer = Renderer(stored, request, samples, f"{slower:.3g} × slower")
+    with count_display("frames", len(samples), quiet) as count:
 
         def images():
             for sample in samples:
@@ -213,7 +203,6 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
     from fem.commands.progress import count_display
     from fem.pictures.export import write_instant, write_series
 
-    imported()
     with count_display("instants", len(samples), quiet) as count:
         if _holds_series(target):
             write_series(stored, target, samples, count)
@@ -235,42 +224,13 @@ def _signals(stored, target: Path) -> int:
 
 def _done(text: str) -> int:
     """Say what has been written; the exit code."""
-    from lagrange.messages import shown, telling
-
     with telling():
         print(shown(text))
-    return Outcome.COMPLETE.code
+    return 0
 
 
-def render_main(arguments: list[str] | None = None) -> int:
-    """`render-fem`, its exit code."""
-    with importing():
-        return run_app_main(render_app, arguments)
-
-
-def render_here() -> None:
-    """`render-fem` in this process, which ends."""
-    hear_termination()
-    leave(render_main())
-
-
-def render_fem() -> None:
-    """Entry point."""
-    hear_termination()
-    open_streams()
-    try:
-        from fem.pictures.drawing_process import run_apart
-
-        code = run_apart(render_here)
-    except KeyboardInterrupt as error:
-        code = interrupted(error)
-    except UsageError as error:
-        from lagrange.messages import say
-
-        say(Outcome.UNUSABLE.sentence(reason=error))
-        code = Outcome.UNUSABLE.code
-    leave(code)
-
+render_main = partial(run_app_main, render_app)
+render_fem = entry(render_main)
 
 if __name__ == "__main__":
     render_fem()

@@ -4,14 +4,16 @@ import json
 import re
 import zlib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, entry, importing, new_app, run_app_main, settings_of, standard_bearing
-from fem.errors import UsageError
+from fem.commands.start_up import run_app_main, standard_bearing
 from fem.solver.simulate import SOLVERS
+from lagrange.commands import entry, new_app
+from lagrange.errors import UsageError
 
 RUNS = Path("runs")
 EXAMPLES = ("paper", "NU206", "spindle", "faults", "table", "all")  # of fem.examples, which imports much for --help
@@ -76,9 +78,9 @@ def _run(
 
     if schema:
         print(json.dumps(Scene.model_json_schema(), indent=1, ensure_ascii=False))
-        return Outcome.COMPLETE.code
+        return 0
 
-    settings = settings_of(set)
+    settings = set or []
     keys = {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
     given = (f"{key}={value}" for key, value in keys.items() if value is not None)
     chosen = read_scene(scene, (*standard_bearing(bearing), *settings, *given))
@@ -108,7 +110,7 @@ def _show_meshes(scene, name: str) -> int:
     found = mesh_table(scene)
     with telling():
         print_meshes(name, found)
-    return Outcome.COMPLETE.code
+    return 0
 
 
 def _write_example(name: str, path: Path | None, force: bool) -> int:
@@ -120,7 +122,7 @@ def _write_example(name: str, path: Path | None, force: bool) -> int:
         print(f"wrote {shown(file)}")
     checked = f"check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"run-fem {shown(scene)}"
     print(f"next: {checked}")
-    return Outcome.COMPLETE.code
+    return 0
 
 
 def result_name(scene_name: str, settings: Sequence[str]) -> str:
@@ -140,12 +142,7 @@ def result_name(scene_name: str, settings: Sequence[str]) -> str:
     return whole if len(whole) <= LONGEST_NAME else f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
 
 
-def run_main(arguments: list[str] | None = None) -> int:
-    """`run-fem`, its exit code."""
-    with importing():
-        return run_app_main(run_app, arguments)
-
-
+run_main = partial(run_app_main, run_app)
 run_fem = entry(run_main)
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, entry, new_app, run_app_main, settings_of, standard_bearing
+from fem.commands.start_up import run_app_main, standard_bearing
+from lagrange.commands import entry, new_app
 
 live_app = new_app(
     "run-live",
@@ -33,7 +34,7 @@ def _live(
     from lagrange.messages import say, telling
     from lagrange.scene.scene import read_scene
 
-    chosen = read_scene(scene, (*standard_bearing(bearing), *settings_of(set), "model=reduced"))
+    chosen = read_scene(scene, (*standard_bearing(bearing), *(set or ()), "model=reduced"))
     import asyncio
 
     from fem.live.player import Player
@@ -44,7 +45,7 @@ def _live(
             print(f"Live: {address}\nCtrl-C ends it.")
 
     asyncio.run(LiveServer(Player(chosen, say)).run(announce))
-    return Outcome.COMPLETE.code
+    return 0
 
 
 live_main = partial(run_app_main, live_app)

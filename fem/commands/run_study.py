@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, entry, need, new_app, run_app_main
-from fem.errors import UsageError
+from fem.commands.start_up import Outcome, need, run_app_main, stop_signals
+from lagrange.commands import entry, new_app
+from lagrange.errors import UsageError
 
 if TYPE_CHECKING:
     from fem.study.folder import Folder
@@ -104,11 +105,10 @@ def _show(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     found = expected(points, pending) if pending else None
     with telling():
         print_plan(points, pending, found, options)
-    return Outcome.COMPLETE.code
+    return 0
 
 
 def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
-    from fem.commands.start_up import stop_signals
     from fem.study.running import expected, pending_points, solve_points
     from lagrange.messages import say
 
@@ -127,7 +127,7 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
         with folder.held(points, options.resume):  # the study's text may have changed
             pass
     code = _collect(points, folder, options.quiet)
-    return Outcome.FAILED.code if lost else code
+    return 1 if lost else code
 
 
 def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
@@ -140,16 +140,16 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     from lagrange.messages import say, telling
 
     with count_display("points collected", len(points), quiet) as count:
-        statuses = write_dataset(points, folder, count)
-    write_page(points, folder)
-    is_complete = set(statuses) == {COMPLETE}
+        found = write_dataset(points, folder, count)
+    write_page(points, folder, found)
+    is_complete = bool((found.status == COMPLETE).all())
     if not quiet:
         with telling():
-            print_outcome(points, folder, statuses)
+            print_outcome(points, folder, found)
     elif not is_complete:
-        for line in outcome_lines(points, folder, statuses):
+        for line in outcome_lines(points, found):
             say(line)
-    return (Outcome.COMPLETE if is_complete else Outcome.FAILED).code
+    return 0 if is_complete else 1
 
 
 study_main = partial(run_app_main, study_app)

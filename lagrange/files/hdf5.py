@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lagrange.errors import UsageError
 from lagrange.files.input import LARGEST_FILE, digest
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ MOST_SCENE_FILES = 200
 WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
 
 
-class Damaged(ValueError):
+class Damaged(UsageError):
     """What a file holds can't be used; the text says what is wrong, without the file's name."""
 
 

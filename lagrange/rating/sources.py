@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+from lagrange.errors import UsageError
 
-class Unavailable(ValueError):
+
+class Unavailable(UsageError):
     """A rating that can't be computed; the text is the reason, for people."""
 
 

@@ -14,6 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import ErrorDetails
 
+from lagrange.errors import UsageError
+
 SMALLEST = 1e-15  # of a number that is not 0, in its key's unit
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MOST_FAULTS = 15  # named at once: a file that is no scene may have thousands
@@ -51,7 +53,7 @@ Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
 
 
-class SceneError(ValueError):
+class SceneError(UsageError):
     """The scene can't be used; the text names file, key, value and limit, one fault a line."""
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from lagrange.errors import UsageError
 from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array
 from lagrange.files.input import read_plain
 from lagrange.files.tables import MOST_NUMBERS, TextTable, decoded
@@ -129,7 +130,7 @@ def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, pa
     return found
 
 
-class _Refused(ValueError):
+class _Refused(UsageError):
     """A sentence of our own."""
 
 

@@ -5,12 +5,9 @@ Plain arrays and a line of JSON, which the solver's state gives and takes back; 
 """
 
 import json
-import zipfile
-from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
-from numpy.lib import format as npy
 
 from fem.errors import UsageError
 from fem.result.durable import put_in_place
@@ -20,11 +17,10 @@ from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
 from lagrange.files.input import read_plain
 from lagrange.files.output import real_path
-from lagrange.scene.scene import Scene, SceneError, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene_text
 from lagrange.version import VERSION
 
 FORMAT = 17
-LONGEST_META = 2**20  # bytes
 FIRST = b"meta.npy"  # in the archive
 LONGEST_START = 30 + len(FIRST)  # bytes of an archive up to the end of its first file's name
 
@@ -69,7 +65,7 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
     arrays, numbers = state.to_keep()
     meta = {
         "format": FORMAT,
-        "versions": _versions(plan),
+        "versions": {"program": VERSION, **plan.versions()},
         "samples": stored.samples,
         "checksums": stored.checksums,
         "wall_seconds": state.wall,
@@ -86,11 +82,6 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
 
 
-def _versions(plan: Plan) -> dict[str, str]:
-    """Of everything that decides the bits of a run."""
-    return {"program": VERSION, **plan.versions()}
-
-
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     """The state to go on from, and what the result file must hold.
 
@@ -103,24 +94,17 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     path = checkpoint_path(result)
     state = plan.first_state()
     try:
-        with zipfile.ZipFile(path) as archive:
-            meta = json.loads(_read(archive, "meta", np.uint8, None).tobytes())
+        with np.load(path) as archive:  # its members' checksums are verified
+            meta = json.loads(archive["meta"].tobytes())
             _check(path, meta, plan)
-            state.done = int(meta["samples"])
+            samples, checksums = int(meta["samples"]), meta["checksums"]
+            state.done, state.void_steps = samples, int(meta["void_steps"])
+            state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
             expected, _ = state.to_keep()
-            arrays = {name: _read(archive, name, value.dtype, value.shape) for name, value in expected.items()}
-        for name, value in arrays.items():
-            _check_numbers(name, value, expected[name])
-        stored = Stored(
-            samples=int(meta["samples"]),
-            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene)},
-        )
-        if stored.samples < 0:
-            raise ValueError("no number of samples")
-        state.done, state.void_steps = stored.samples, int(meta["void_steps"])
-        state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
-        if not (0.0 <= state.wall < inf and isfinite(state.imbalance) and state.void_steps >= 0):
-            raise ValueError("no times and numbers of steps")
+            arrays = {name: archive[name] for name in expected}
+        if any((arrays[name].dtype, arrays[name].shape) != (a.dtype, a.shape) for name, a in expected.items()):
+            raise ValueError("arrays of another plan")
+        stored = Stored(samples=samples, checksums={name: int(checksums[name]) for name in variables_of(plan.scene)})
         state.take_back(arrays, meta["numbers"])
     except UsageError as error:
         text = str(error)
@@ -135,39 +119,6 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     return state, stored
 
 
-def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | None) -> np.ndarray:
-    """One array, of the type and shape it must have; zipfile verifies its checksum.
-
-    Errors
-    ------
-    Whatever damage makes of an archive: KeyError, ValueError, OSError, zipfile.BadZipFile and more.
-    """
-    with archive.open(f"{name}.npy") as file:
-        if npy.read_magic(file) != (1, 0):
-            raise ValueError(f"{name} is of another format")
-        found, fortran, kind = npy.read_array_header_1_0(file)
-        if kind != dtype or fortran or (found != shape if shape is not None else len(found) != 1):
-            raise ValueError(f"{name} is {kind} {found}")
-        size = int(np.prod(found)) * kind.itemsize
-        if shape is None and size > LONGEST_META:
-            raise ValueError(f"{name} is too long")
-        data = file.read(size + 1)  # to the end, so that the checksum is looked at
-        if len(data) != size:
-            raise ValueError(f"{name} is cut short, or too long")
-    return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found).copy()
-
-
-def _check_numbers(name: str, found: np.ndarray, first: np.ndarray) -> None:
-    """Refuse infinite numbers and what is none, but in arrays that begin with such. ValueError."""
-    if found.dtype.names:
-        for field in found.dtype.names:
-            _check_numbers(f"{name}.{field}", found[field], first[field])
-        return
-    for kind in (np.isnan, np.isinf):
-        if kind(found).any() and not kind(first).any():
-            raise ValueError(f"{name} holds what is not a number, or infinite")
-
-
 def _check(path: Path, meta: dict, plan: Plan) -> None:
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
@@ -176,18 +127,14 @@ def _check(path: Path, meta: dict, plan: Plan) -> None:
         before = parse_scene_text(meta["scene"], str(path))
     except SceneError:
         before = None
-    if before and (changed := differences(*(_without_duration(scene) for scene in (before, plan.scene)))):
+    longer = {"numerics.duration_ms": None}
+    if before and (changed := differences(*(scene_keys(scene) | longer for scene in (before, plan.scene)))):
         raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
-    if changed := differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
+    now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
+    if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):
         raise UsageError(
             f"{path}: written by another version of the program, or on another processor, whose results differ in the "
             f"last bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
         )
     if before is None:
         raise UsageError(f"{path}: its scene can't be read; start again without --resume")
-
-
-def _without_duration(scene: Scene) -> dict:
-    keys = scene_keys(scene)
-    del keys["numerics.duration_ms"]
-    return keys

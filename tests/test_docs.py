@@ -214,7 +214,7 @@ def test_the_tutorials_commands_run_in_order(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.slow
-def test_the_whole_tutorial_runs(tmp_path, monkeypatch, can_draw):
+def test_the_whole_tutorial_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, *arguments in tutorial():
         assert MAINS[name](arguments) == 0

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fem.commands.render_fem import render_fem, render_main
-from fem.errors import UsageError
+from fem.commands.render_fem import render_main
 from fem.pictures.canvas import Panel
-from fem.pictures.drawing_process import rendering_failure
 
 
-def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):
+def test_the_command_writes_a_png_of_the_width_asked_for(coarse_run, tmp_path, capsys):
     target = tmp_path / "new folder" / "bearing.png"
     options = ["--time", "2", "--output", str(target), "--width", "400", "--magnification", "100"]
     assert render_main([str(coarse_run), *options]) == 0
@@ -31,7 +29,7 @@ def _frames(path):
         return frames, film.info
 
 
-def test_pictures_name_model_and_damping(can_draw, coarse_run, tmp_path, monkeypatch):
+def test_pictures_name_model_and_damping(coarse_run, tmp_path, monkeypatch):
     """In the picture itself and in the text of its file, which the report takes for its caption."""
     said, text = [], Panel.text
     monkeypatch.setattr(Panel, "text", lambda panel, words, *where, **how: said.append(words) or text(
@@ -45,7 +43,7 @@ def test_pictures_name_model_and_damping(can_draw, coarse_run, tmp_path, monkeyp
         said.clear()
 
 
-def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(can_draw, coarse_run, tmp_path, capsys):
+def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(coarse_run, tmp_path, capsys):
     films = [tmp_path / "a.gif", tmp_path / "b.gif"]
     for film in films:
         options = ["--animation", str(film), "--frames", "4", "--fps", "10", "--width", "400", "--quiet"]
@@ -60,7 +58,7 @@ def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(can_
     assert all(np.array_equal(frame[45:108, 275:310], frames[0][45:108, 275:310]) for frame in frames)
 
 
-def test_an_mp4_has_the_frames_asked_for(can_draw, coarse_run, tmp_path):
+def test_an_mp4_has_the_frames_asked_for(coarse_run, tmp_path):
     import imageio_ffmpeg
 
     film = tmp_path / "film.mp4"
@@ -73,7 +71,7 @@ def test_an_mp4_has_the_frames_asked_for(can_draw, coarse_run, tmp_path):
     assert images[0][:20].mean() > 200 and images[0].std() > 20  # the title's white, and a picture
 
 
-def test_a_film_that_fails_leaves_nothing(can_draw, coarse_run, tmp_path, monkeypatch):
+def test_a_film_that_fails_leaves_nothing(coarse_run, tmp_path, monkeypatch):
     from fem.pictures.render import Renderer
 
     def fail(self, sample):
@@ -82,19 +80,6 @@ def test_a_film_that_fails_leaves_nothing(can_draw, coarse_run, tmp_path, monkey
     monkeypatch.setattr(Renderer, "image", fail)
     assert render_main([str(coarse_run), "--animation", str(tmp_path / "film.gif"), "--frames", "3", "--quiet"]) == 2
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_command_on_a_machine_that_cannot_draw_exits_2(monkeypatch, capsys):
-    def crash(command):
-        raise UsageError(rendering_failure("the renderer crashed"))
-
-    monkeypatch.setattr("fem.pictures.drawing_process.run_apart", crash)
-    monkeypatch.setattr("fem.commands.render_fem.hear_termination", lambda: None)
-    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
-    with pytest.raises(SystemExit) as ended:
-        render_fem()
-    told = capsys.readouterr().err
-    assert ended.value.code == 2 and "apt-get install" in told and "Traceback" not in told
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,7 @@ def test_only_a_picture_of_this_very_run_is_shown(tmp_path):
     assert picture_of(run) is None
 
 
-def test_render_fem_s_picture_is_shown(can_draw, coarse_run, tmp_path):
+def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
     from fem.commands.render_fem import render_main
 
     run = Path(shutil.copy(coarse_run, tmp_path / "run.nc"))

@@ -1,8 +1,4 @@
-"""Pictures of a run, drawn off-screen; the same run and request give the same picture.
-
-Call `fem.pictures.drawing_process.check_rendering` before importing this, or use it in a process of its own, as by
-`fem.pictures.drawing_process`: where system libraries are missing, the renderer does not raise but ends the process.
-"""
+"""Pictures of a run; the same run and request give the same picture."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,7 +24,7 @@ PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room
 
 
 class Renderer:
-    """Draws samples of a run with scales that fit all of those it is made for; use as a context manager.
+    """Draws samples of a run with scales that fit all of those it is made for.
 
     Errors
     ------
@@ -39,7 +35,7 @@ class Renderer:
         self._run = run
         self._view = closeup if request.view == "close-up" else bearing
         self.look = chosen_look(run, request, samples, pace)
-        self._canvas = Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), self._view.views(self.look))
+        self._size = request.width, 2 * round(0.5 * request.width / ASPECT)
 
     @property
     def palette(self) -> np.ndarray:
@@ -59,15 +55,9 @@ class Renderer:
     def image(self, sample: int) -> np.ndarray:
         """(height, width, 3) bytes."""
         instant = self._run.instant(sample)
-        self._canvas.clear()
-        self._view.paint(self._canvas, instant, drawn_bearing(instant), self.look)
-        return self._canvas.image()
-
-    def __enter__(self) -> "Renderer":
-        return self
-
-    def __exit__(self, *_) -> None:
-        self._canvas.__exit__()
+        canvas = Canvas(*self._size, self._view.views(self.look))
+        self._view.paint(canvas, instant, drawn_bearing(instant), self.look)
+        return canvas.image()
 
 
 def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
@@ -77,9 +67,9 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     ------
     OSError: `target` can't be written. UsageError: as `Renderer`.
     """
-    with Renderer(run, request, [sample]) as renderer:
-        image = renderer.image(sample)
-        seen = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
+    renderer = Renderer(run, request, [sample])
+    image = renderer.image(sample)
+    seen = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
     about = PngInfo()
     about.add_text("Software", MARK)
     about.add_itxt("Source", shown(run.path.name))

@@ -5,6 +5,7 @@ from math import floor, log10
 from typing import Literal
 
 import numpy as np
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fem.elastic.bodies import max_shear, von_mises
@@ -47,26 +48,19 @@ class Scale:
         return float(ROUND.tick_values(0.0, self.largest / FIELDS[self.field][2] or 1.0)[-1])
 
     @property
-    def limits(self) -> tuple[float, float]:
-        """Values at the colour map's ends."""
-        return (log10(FAINTEST * self.end), log10(self.end)) if self.logarithmic else (0.0, self.end)
+    def norm(self) -> Normalize:
+        """From its unit to the colour map."""
+        return LogNorm(FAINTEST * self.end, self.end, clip=True) if self.logarithmic else Normalize(0.0, self.end)
 
     def values(self, drawn: DrawnBearing) -> np.ndarray:
-        """The nodes' values, to be coloured between `limits`."""
-        found = quantity(self.field, drawn) / FIELDS[self.field][2]
-        return np.log10(np.maximum(found, 1e-3 * FAINTEST * self.end)) if self.logarithmic else found
+        """The nodes' values, in its unit."""
+        return quantity(self.field, drawn) / FIELDS[self.field][2]
 
-    def ticks(self) -> list[tuple[float, str]]:
-        """Share of the bar's length and label."""
-        low, high = self.limits
-        if self.logarithmic:
-            values = ROUND_TIMES.tick_values(FAINTEST * self.end, self.end)
-            places = np.log10(values)
-        else:
-            places = values = ROUND.tick_values(0.0, self.end)
-        shares = (places - low) / (high - low)
-        inside = (shares > -1e-9) & (shares < 1.0 + 1e-9)
-        return [(share, f"{value:.4g}") for share, value in zip(shares[inside], values[inside], strict=True)]
+    def ticks(self) -> list[float]:
+        """Values to be labelled."""
+        low = FAINTEST * self.end if self.logarithmic else 0.0
+        values = (ROUND_TIMES if self.logarithmic else ROUND).tick_values(low, self.end)
+        return [float(value) for value in values if low * (1.0 - 1e-9) <= value <= self.end * (1.0 + 1e-9)]
 
 
 def quantity(field: Field, drawn: DrawnBearing) -> np.ndarray:

@@ -21,7 +21,7 @@ from tests.waiting import ASLEEP, limit_processor_time, wait_until
 ENTRIES = {
     "run-fem": ("fem.commands.run_fem", "run_fem"),
     "check-residual": ("residual.cli", "check_residual"),
-    "render-fem": ("fem.commands.render_fem", "render_here"),  # what it does in the process of its own
+    "render-fem": ("fem.commands.render_fem", "render_fem"),
 }
 
 USUAL = (  # modules of what the commands do in tests

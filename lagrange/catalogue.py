@@ -106,15 +106,9 @@ def entries() -> dict[str, Entry]:
 def _entry(row: dict[str, str]) -> Entry:
     inner, outer = (float(cell) if cell else None for cell in (row["inner_raceway_mm"], row["outer_raceway_mm"]))
     return Entry(
-        bore=float(row["bore_mm"]),
-        outside=float(row["outside_mm"]),
-        width=float(row["width_mm"]),
-        inner=inner,
-        outer=outer,
-        dynamic=float(row["dynamic_kN"]),
-        static=float(row["static_kN"]),
-        source=row["source"],
-    )
+        bore=float(row["bore_mm"]), outside=float(row["outside_mm"]), width=float(row["width_mm"]), inner=inner,
+        outer=outer, dynamic=float(row["dynamic_kN"]), static=float(row["static_kN"]), source=row["source"],
+    )  # fmt: skip
 
 
 def _row_of(name: str) -> str:

@@ -51,12 +51,8 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
         "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
         "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
     },
-    "sensor": {
-        "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
-    },
-    "shaft": {
-        "energy_shaft": (PER_TIME, "J", "energy of the shaft's springs"),
-    },
+    "sensor": {"sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y")},
+    "shaft": {"energy_shaft": (PER_TIME, "J", "energy of the shaft's springs")},
     "bore": {
         "outer_ring_x": (PER_TIME, "m", "outer ring's centre, x: mean of its outside"),
         "outer_ring_y": (PER_TIME, "m", "outer ring's centre, y"),

@@ -91,12 +91,10 @@ def overlaps(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, rho) -> Ove
     to_inner_x, to_inner_y = inner_x - roller_x, inner_y - roller_y
     distance = np.hypot(to_inner_x, to_inner_y)
     return Overlaps(
-        distance=distance,
-        direction_x=to_inner_x / distance,
-        direction_y=to_inner_y / distance,
+        distance=distance, direction_x=to_inner_x / distance, direction_y=to_inner_y / distance,
         inner=bearing.inner_raceway_radius + bearing.roller_radius - distance,
         outer=rho + bearing.roller_radius - bearing.outer_raceway_radius,
-    )
+    )  # fmt: skip
 
 
 def polar_overlaps(bearing: Bearing, rho, along, across) -> PolarOverlaps:
@@ -128,14 +126,9 @@ def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Ov
     outer = surfaces.outer(outer_direction, turns)
     aside = inner.slope / found.distance
     return Overlaps(
-        distance=found.distance,
-        direction_x=dx - aside * dy,
-        direction_y=dy + aside * dx,
-        inner=found.inner - inner.sinkage,
-        outer=found.outer - outer.sinkage,
-        aside=aside,
-        surfaces=(inner, outer),
-    )
+        distance=found.distance, direction_x=dx - aside * dy, direction_y=dy + aside * dx,
+        inner=found.inner - inner.sinkage, outer=found.outer - outer.sinkage, aside=aside, surfaces=(inner, outer),
+    )  # fmt: skip
 
 
 def polar_deviated(
@@ -160,10 +153,7 @@ def polar_at_force(found: PolarOverlaps, inner: SurfaceDeviation, outer: Surface
 
 def touching_distances(bearing: Bearing) -> tuple[float, float]:
     """Distance, m, of a roller's centre that touches the inner ring from its centre (reach), and the outer (track)."""
-    return (
-        bearing.inner_raceway_radius + bearing.roller_radius,
-        bearing.outer_raceway_radius - bearing.roller_radius,
-    )
+    return (bearing.inner_raceway_radius + bearing.roller_radius, bearing.outer_raceway_radius - bearing.roller_radius)
 
 
 THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
@@ -213,10 +203,7 @@ def contact_resultant(state: Overlaps, inner_force) -> tuple[np.ndarray, np.ndar
 
     `inner_force` is (n_times, n_rollers), N, >= 0: from a contact law, or measured.
     """
-    return (
-        np.sum(inner_force * state.direction_x, axis=1),
-        np.sum(inner_force * state.direction_y, axis=1),
-    )
+    return (np.sum(inner_force * state.direction_x, axis=1), np.sum(inner_force * state.direction_y, axis=1))
 
 
 def error_forces(

@@ -261,20 +261,14 @@ def operating_clearance(bearing: Bearing, fit: Fit, speed: float, roller_growth:
     gained = np.array([-1.0, 1.0, -2.0])  # of clearance, by growth
     at_work = pressures("spinning")
     return OperatingClearance(
-        given=2.0 * bearing.radial_clearance,
-        shaft_fit=-float(cold[0]),
-        housing_fit=float(cold[1]),
-        temperature=float(gained @ (warm - cold)),
-        speed=float(gained @ (spinning - warm)),
-        film=0.0,
+        given=2.0 * bearing.radial_clearance, shaft_fit=-float(cold[0]), housing_fit=float(cold[1]),
+        temperature=float(gained @ (warm - cold)), speed=float(gained @ (spinning - warm)), film=0.0,
         rule_of_thumb=-fit.ring_expansion * (fit.inner_ring_C - fit.outer_ring_C) * 0.5 * (raceway + far),
         thin_ring=-inner.material.density * speed**2 * raceway**3 / (4.0 * inner.material.youngs_modulus),
-        shaft_interference=float(interference["spinning"][0]),
-        housing_interference=float(interference["spinning"][1]),
-        shaft_pressure=at_work[0],
-        housing_pressure=at_work[1],
+        shaft_interference=float(interference["spinning"][0]), housing_interference=float(interference["spinning"][1]),
+        shaft_pressure=at_work[0], housing_pressure=at_work[1],
         grown=(float(spinning[0]), float(spinning[1]), float(spinning[2])),
-    )
+    )  # fmt: skip
 
 
 def in_operation(bearing: Bearing, found: OperatingClearance, own: tuple[float, float]) -> Bearing:

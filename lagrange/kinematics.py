@@ -53,13 +53,10 @@ def kinematics(bearing: Bearing, speed, outer_speed=0.0) -> Kinematics:
     """
     inner, outer = speed * bearing.inner_raceway_radius, outer_speed * bearing.outer_raceway_radius
     return Kinematics(
-        shaft=speed,
-        cage=0.5 * (inner + outer) / bearing.pitch_radius,
-        roller=-0.5 * (inner - outer) / bearing.roller_radius,
-        n_rollers=bearing.pockets,
-        cosine=bearing.cosine,
+        shaft=speed, cage=0.5 * (inner + outer) / bearing.pitch_radius,
+        roller=-0.5 * (inner - outer) / bearing.roller_radius, n_rollers=bearing.pockets, cosine=bearing.cosine,
         outer_ring=outer_speed,
-    )
+    )  # fmt: skip
 
 
 def kinematics_met(bearing: Bearing, operation: Operation) -> Kinematics:

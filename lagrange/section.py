@@ -55,14 +55,10 @@ def section_operation(bearing: Bearing, operation: Operation) -> Operation:
             rotating_load=history.rotating_load / load,
         )
     return replace(
-        operation,
-        radial_load=operation.radial_load / load,
-        side_load=operation.side_load / load,
-        inner_mass=operation.inner_mass / stiffness,
-        gravity=operation.gravity * bearing.cosine,
-        mounting=section_mounting(bearing, operation.mounting),
-        history=history,
-    )
+        operation, radial_load=operation.radial_load / load, side_load=operation.side_load / load,
+        inner_mass=operation.inner_mass / stiffness, gravity=operation.gravity * bearing.cosine,
+        mounting=section_mounting(bearing, operation.mounting), history=history,
+    )  # fmt: skip
 
 
 def section_mounting(bearing: Bearing, mounting: Mounting) -> Mounting:
@@ -74,10 +70,7 @@ def section_mounting(bearing: Bearing, mounting: Mounting) -> Mounting:
         shaft = replace(shaft, stiffness=share * shaft.stiffness, damping=share * shaft.damping)
     if housing is not None:
         housing = replace(
-            housing,
-            mass=share * housing.mass,
-            stiffness=share * housing.stiffness,
-            damping=share * housing.damping,
+            housing, mass=share * housing.mass, stiffness=share * housing.stiffness, damping=share * housing.damping
         )
     return replace(mounting, shaft=shaft, housing=housing)
 

@@ -130,12 +130,10 @@ class Slices:
             stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)  # K (1 + C K)⁻¹, symmetric
             by_approach, by_slope = stiff.sum(axis=-1), stiff @ self.place
         return TiltedContact(
-            *self._sums(deep, forces),
-            stiffness=by_approach.sum(axis=-1),
-            cross=-by_slope.sum(axis=-1),
+            *self._sums(deep, forces), stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1),
             tilt_stiffness=by_slope @ self.place,
             part=forces @ (np.zeros(self.count) if self.part is None else self.part),
-        )
+        )  # fmt: skip
 
 
 def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray:

@@ -138,12 +138,9 @@ def in_series(at: Callable[..., TiltedContact], approach, slope, compliance, *sp
             break
     give, half = 1.0 / (1.0 + s * here.stiffness), 0.5 * here.force**2
     softer = here._replace(
-        energy=here.energy + s * half,
-        stiffness=here.stiffness * give,
-        cross=here.cross * give,
-        tilt_stiffness=here.tilt_stiffness - s * here.cross**2 * give,
-        edges=half,
-    )
+        energy=here.energy + s * half, stiffness=here.stiffness * give, cross=here.cross * give,
+        tilt_stiffness=here.tilt_stiffness - s * here.cross**2 * give, edges=half,
+    )  # fmt: skip
     for every, each in zip(found, softer, strict=True):
         every[near] = each
     return found
@@ -204,12 +201,9 @@ def fitted(first: tuple[float, float], step: tuple[float, float], values: np.nda
     values : (n_approaches, n_slopes), J^½
     """
     return ContactTable(
-        first_approach=first[0],
-        first_slope=first[1],
-        approach_step=step[0],
-        slope_step=step[1],
+        first_approach=first[0], first_slope=first[1], approach_step=step[0], slope_step=step[1],
         coefficients=np.ascontiguousarray(_interpolating(_interpolating(values).T).T),
-    )
+    )  # fmt: skip
 
 
 def _interpolating(values: np.ndarray) -> np.ndarray:

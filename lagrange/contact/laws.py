@@ -162,12 +162,10 @@ def houpert(bearing: Bearing, side: Side) -> PowerLaw:
     """
     c = 0.5 * sum(compliances(bearing, side))
     return PowerLaw(
-        name="houpert",
-        stiffness=0.2723 * bearing.roller_length / (c * (2.0 * bearing.pitch_radius) ** 0.074),
-        exponent=1.074,
-        source="Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074); the inner raceway's, used for both",
+        name="houpert", stiffness=0.2723 * bearing.roller_length / (c * (2.0 * bearing.pitch_radius) ** 0.074),
+        exponent=1.074, source="Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074); the inner raceway's, used for both",
         range=FITTED_RANGE,
-    )
+    )  # fmt: skip
 
 
 def teutsch_sauer(bearing: Bearing, side: Side) -> PowerLaw:
@@ -183,7 +181,7 @@ def teutsch_sauer(bearing: Bearing, side: Side) -> PowerLaw:
         exponent=1.0 / 0.92,
         source="Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92; the inner raceway's, used for both",
         range=FITTED_RANGE,
-    )
+    )  # fmt: skip
 
 
 def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
@@ -220,12 +218,10 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
 def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
     """Hertz's law of one ball on one raceway: elastic, smooth, dry, contact ellipse inside the groove."""
     return PowerLaw(
-        name="hertz",
-        stiffness=ball_stiffness(bearing, side),
-        exponent=1.5,
+        name="hertz", stiffness=ball_stiffness(bearing, side), exponent=1.5,
         source="Hertz 1881, point contact, Q = K δ^(3/2)",
         range="elastic; contact ellipse small against the ball and inside the groove",
-    )
+    )  # fmt: skip
 
 
 def own_law(bearing: Bearing, side: Side) -> PowerLaw:
@@ -234,12 +230,10 @@ def own_law(bearing: Bearing, side: Side) -> PowerLaw:
     assert law is not None
     stiffness = law.inner_stiffness if side == "inner" else law.outer_stiffness
     return PowerLaw(
-        name=OWN,
-        stiffness=stiffness,
-        exponent=law.exponent,
+        name=OWN, stiffness=stiffness, exponent=law.exponent,
         source=f"the scene's own, Q = {stiffness:.4g} N/m^n · δ^n, n = {law.exponent:.4g}",
         range=f"K = {law.inner_stiffness:.4g} and {law.outer_stiffness:.4g} N/m^n, n = {law.exponent:.4g}, {law.range}",
-    )
+    )  # fmt: skip
 
 
 OWN = "power"  # name of the bearing's own law

@@ -80,10 +80,6 @@ def line_contact(pair: Pair, force: float) -> LineContact:
     pressure, width = pair.peak_pressure(force), pair.half_width(force)
     shear, shear_at, mises, mises_at = _largest(pair.materials[0].poisson_ratio)
     return LineContact(
-        peak_pressure=pressure,
-        half_width=width,
-        largest_shear=shear * pressure,
-        shear_depth=shear_at * width,
-        largest_von_mises=mises * pressure,
-        von_mises_depth=mises_at * width,
-    )
+        peak_pressure=pressure, half_width=width, largest_shear=shear * pressure, shear_depth=shear_at * width,
+        largest_von_mises=mises * pressure, von_mises_depth=mises_at * width,
+    )  # fmt: skip

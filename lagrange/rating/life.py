@@ -38,13 +38,9 @@ class Dimensions:
             raise Unavailable("computed for rollers; this one has balls")
         complete_and_of_steel(bearing)
         return cls(
-            rollers=bearing.n_rollers,
-            diameter=2e3 * bearing.element_radius,
-            length=1e3 * bearing.roller_length,
-            pitch=2e3 * bearing.pitch_radius,
-            cosine=bearing.cosine,
-            rows=bearing.rows,
-        )
+            rollers=bearing.n_rollers, diameter=2e3 * bearing.element_radius, length=1e3 * bearing.roller_length,
+            pitch=2e3 * bearing.pitch_radius, cosine=bearing.cosine, rows=bearing.rows,
+        )  # fmt: skip
 
 
 def complete_and_of_steel(bearing: Bearing) -> None:
@@ -162,10 +158,7 @@ class Basic:
             return cls._of_balls(bearing)
         row = Dimensions.of(bearing)
         return cls(
-            dynamic=dynamic_capacity(row),
-            static=static_capacity(row),
-            fatigue=fatigue_load_limit(row),
-            pitch=row.pitch,
+            dynamic=dynamic_capacity(row), static=static_capacity(row), fatigue=fatigue_load_limit(row), pitch=row.pitch
         )
 
     @classmethod

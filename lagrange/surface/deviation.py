@@ -100,13 +100,9 @@ class Turns:
         """Of rolling without slip at a time, s."""
         now, way = kinematics(bearing, *operation.at(time).ring_speeds), turned(bearing, operation, time)
         return cls(
-            inner_ring=way.shaft,
-            rollers=way.roller,
-            inner_ring_speed=now.shaft,
-            roller_speed=now.roller,
-            outer_ring=way.outer_ring,
-            outer_ring_speed=now.outer_ring,
-        )
+            inner_ring=way.shaft, rollers=way.roller, inner_ring_speed=now.shaft, roller_speed=now.roller,
+            outer_ring=way.outer_ring, outer_ring_speed=now.outer_ring,
+        )  # fmt: skip
 
 
 UNTURNED = Turns()
@@ -240,14 +236,10 @@ def _both(one: BodyDeviation, other: BodyDeviation) -> SurfaceDeviation:
     parts = one.part, other.part
     flat = np.zeros_like(one.sinkage)
     return SurfaceDeviation(
-        sinkage=one.sinkage + other.sinkage,
-        ring_slope=one.slope,
-        roller_slope=other.slope,
-        compliance=one.compliance + other.compliance,
-        ring_softening=one.softening,
-        roller_softening=other.softening,
+        sinkage=one.sinkage + other.sinkage, ring_slope=one.slope, roller_slope=other.slope,
+        compliance=one.compliance + other.compliance, ring_softening=one.softening, roller_softening=other.softening,
         part=None if parts == (None, None) else _both(*(part or BodyDeviation(flat, flat) for part in parts)),
-    )
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=16)

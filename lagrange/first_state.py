@@ -85,17 +85,21 @@ def surface_speed(bearing: Bearing, operation: Operation) -> float:
     return float(max(inner * bearing.inner_raceway_radius, outer * bearing.outer_raceway_radius))
 
 
+def _moving(bearing: Bearing, operation: Operation, ring, hub, rho, rates, tilts: Tilts | None = None) -> State:
+    """A state of hub and radii with their rates, (2,) m/s and more, at the first angles and cage speed."""
+    theta = roller_angles(bearing, operation.first_roller_angle)
+    return State(
+        x=hub[0], y=hub[1], rho=rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=np.asarray(rates[2:]),
+        theta_rate=np.zeros_like(theta) + kinematics(bearing, *operation.ring_speeds).cage,
+        ring_x=ring[0], ring_y=ring[1], tilts=tilts,
+    )  # fmt: skip
+
+
 def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
     """Rings centred, contacts undeformed, elements at cage speed."""
-    zero = np.zeros(bearing.n_rollers)
-    alone = replace(operation.mounting, shaft=None)
+    zero, alone = np.zeros(bearing.n_rollers), replace(operation.mounting, shaft=None)
     ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
-    state = State(
-        x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=roller_angles(bearing, operation.first_roller_angle),
-        x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
-        ring_x=ring[0], ring_y=ring[1],
-    )  # fmt: skip
-    return FirstState(state)
+    return FirstState(_moving(bearing, operation, ring, (0.0, 0.0), zero + bearing.pitch_radius, (0.0, 0.0, *zero)))
 
 
 def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws) -> FirstState:
@@ -114,12 +118,7 @@ def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws)
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
     now = static_equilibrium(bearing, operation, laws, angles=theta, ring=ring)
     rates, warning = _rates(bearing, operation, laws, now, ring)
-    state = State(
-        x=now.x, y=now.y, rho=now.rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:],
-        theta_rate=np.zeros(bearing.n_rollers) + kinematics(bearing, *operation.ring_speeds).cage,
-        ring_x=ring[0], ring_y=ring[1],
-    )  # fmt: skip
-    return FirstState(state, warning)
+    return FirstState(_moving(bearing, operation, ring, (now.x, now.y), now.rho, rates), warning)
 
 
 def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axial: Axial) -> FirstState:
@@ -156,14 +155,12 @@ def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axia
                 rates = found
             else:
                 warning = JUMPS
-    zero = np.zeros(n)
-    state = State(
-        x=now.place[0], y=now.place[1], rho=now.rho, theta=now.theta, x_rate=rates[0], y_rate=rates[1],
-        rho_rate=rates[4 : 4 + n], theta_rate=zero + kinematics(bearing, *operation.ring_speeds).cage,
-        ring_x=ring[0], ring_y=ring[1],
-        tilts=tilts_moving(now, rates),
+    tilts = Tilts(
+        tilt=now.tilt, tilt_rate=rates[4 + n :], slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2],
+        slope_y_rate=rates[3],
     )  # fmt: skip
-    return FirstState(state, warning)
+    moving = np.concatenate([rates[:2], rates[4 : 4 + n]])
+    return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts), warning)
 
 
 def _rates(
@@ -186,7 +183,7 @@ def _rates(
     def held_at(shift, velocity):
         acting, there = moment(shift)
         hub = np.array([now.x, now.y]) + shift * velocity
-        force, rho = held_hub(bearing, acting, laws, hub, **there)
+        force, rho, _ = held_hub(bearing, acting, laws, hub, **there)
         return force, np.array([*hub, *rho])
 
     values, directions = followed(now.stiffness, bearing, operation)

@@ -71,21 +71,13 @@ class LoadHistory:
 
         An unbalance is a mass m that turns at a radius e: −m times the acceleration of e (cos ψ, sin ψ).
         """
-        along_x, along_y = np.moveaxis(self.load(time), -1, 0)
-        speed, gain = self.speed(time), self.speed(time, 1)
-        cosine, sine = self._heavy_side(time)
-        x, y = self._rotating(time)
-        out, back = self.unbalance * speed**2, self.unbalance * gain
-        return along_x + out * cosine + back * sine + x, along_y + out * sine - back * cosine + y
-
-    def _heavy_side(self, time):
-        angle = self.turn(time) + self.unbalance_angle
-        return np.cos(angle), np.sin(angle)
-
-    def _rotating(self, time):
-        inner, outer = self.ring_turns(time)
-        angle = (inner if self.rotating_load_with == "inner_ring" else outer) + self.rotating_load_angle
-        return self.rotating_load * np.cos(angle), self.rotating_load * np.sin(angle)
+        (x, y), (inner, outer) = np.moveaxis(self.load(time), -1, 0), self.ring_turns(time)
+        heavy = inner + self.unbalance_angle
+        cosine, sine = np.cos(heavy), np.sin(heavy)
+        out, back = self.unbalance * self.speed(time) ** 2, self.unbalance * self.speed(time, 1)
+        turning = (inner if self.rotating_load_with == "inner_ring" else outer) + self.rotating_load_angle
+        x = x + out * cosine + back * sine + self.rotating_load * np.cos(turning)
+        return x, y + out * sine - back * cosine + self.rotating_load * np.sin(turning)
 
     @cached_property
     def speeds(self) -> tuple[float, float]:
@@ -105,7 +97,12 @@ class LoadHistory:
 
     def reverses(self, time: float) -> bool:
         """Whether a ring turns both ways up to a time, s."""
-        return any(_both_ways(turn, time) for turn in (self.turn, self.outer_turn) if turn is not None)
+        for turn in (self.turn,) if self.outer_turn is None else (self.turn, self.outer_turn):
+            points = turn.x[(turn.x > 0.0) & (turn.x < time)]
+            speed = turn(np.concatenate([[0.0], points, [time]]), 1)
+            if speed.min() < 0.0 < speed.max():
+                return True
+        return False
 
     @property
     def fastest(self) -> float:
@@ -128,13 +125,6 @@ class LoadHistory:
     def varies_speed(self) -> bool:
         """Whether the speed of a ring changes."""
         return any(np.ptp(speed) > 0.0 for speed in self.ring_speeds_met)
-
-
-def _both_ways(turn: "PPoly", time: float) -> bool:
-    """Whether a ring turns both ways up to a time, s."""
-    points = turn.x[(turn.x > 0.0) & (turn.x < time)]
-    found = turn(np.concatenate([[0.0], points, [time]]), 1)
-    return bool(found.min() < 0.0 < found.max())
 
 
 def steady(*values: float) -> "PPoly":

@@ -7,7 +7,7 @@ the shaft's speed, and stands in no equation of motion.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,8 @@ from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.contact.laws import ContactLaws
 from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
-from lagrange.surface.deviation import UNTURNED, Turns, profiles
-from lagrange.surface.edges import SoftenedLaws, softened
+from lagrange.surface.deviation import UNTURNED, Falls, Turns, profiles
+from lagrange.surface.edges import softened
 from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts, turning_speeds
 
 
@@ -60,11 +60,6 @@ class ContactState(PolarOverlaps):
     outer_compliance: np.ndarray | float = 0.0
     tilted: TiltedContacts | None = None  # None: axes stay parallel
 
-    def laws(self, laws: ContactLaws) -> SoftenedLaws:
-        """The contacts' own laws: the bearing's, softened where edges are."""
-        inner, outer = softened(laws.inner, self.inner_compliance), softened(laws.outer, self.outer_compliance)
-        return SoftenedLaws(inner=inner, outer=outer)
-
 
 class StatedDampers(NamedTuple):
     """Dampers of contacts that have been found before, in place of those that rates give; (..., n_rollers)."""
@@ -96,64 +91,62 @@ def contact_state(
     found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
     surfaces, turns = profiles(bearing), state.turns
     tilted: TiltedContacts | None = None
-    passing_in: np.ndarray | float = 0.0
-    passing_out: np.ndarray | float = 0.0
-    inner_soft: np.ndarray | float = 0.0
-    outer_soft: np.ndarray | float = 0.0
-    inner_damper: np.ndarray | float = 0.0
-    outer_damper: np.ndarray | float = 0.0
+    on: tuple[Any, Any] = (None, None)  # what contacts meet of surfaces; the pairs below: of inner and outer contacts
+    passing: tuple[Any, Any] = (0.0, 0.0)
+    soft: tuple[Any, Any] = (0.0, 0.0)
+    dampers: tuple[Any, Any] = (0.0, 0.0)
     if surfaces is not None:
         found, inner, outer = polar_deviated(surfaces, found, turns, state.theta)
-        inner_soft, outer_soft = inner.compliance, outer.compliance
+        on, soft = (inner, outer), (inner.compliance, outer.compliance)
+    own: list[Any] = []
+    deep = found.inner, found.outer
     if isinstance(laws, TiltedLaws):
         if state.tilts is None:
             raise ValueError("contacts of tilted rollers ask for a state with tilts")
-        on = (None, None) if surfaces is None else (inner, outer)
-        tilted, inner_force, outer_force = tilted_contacts(laws, found, state.tilts, cos, sin, on)
-        if surfaces is not None:
-            inner, outer = inner.at_contact(tilted.falls[0]), outer.at_contact(tilted.falls[1])
+        tilted, *forces = tilted_contacts(laws, found, state.tilts, cos, sin, on)
+        falls = tilted.falls
     else:
-        inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
-        inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
-        if surfaces is not None:
-            inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
+        own = [softened(law, c) for law, c in zip(laws, soft, strict=True)]
+        forces = [law.force(depth) for law, depth in zip(own, deep, strict=True)]
+        falls = Falls(compliance=0.5 * forces[0]), Falls(compliance=0.5 * forces[1])
     if surfaces is not None:
+        inner, outer = (surface.at_contact(fall) for surface, fall in zip(on, falls, strict=True))
         found = polar_at_force(found, inner, outer, state.rho)
-        passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
-        passing_out = outer.passing(turns.outer_ring_speed, turns.roller_speed)
+        passing = (
+            inner.passing(turns.inner_ring_speed, turns.roller_speed),
+            outer.passing(turns.outer_ring_speed, turns.roller_speed),
+        )
     vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
     apart = state.rho_rate - (vx * cos + vy * sin), state.rho * state.theta_rate - (vy * cos - vx * sin)
-    inner_closing = -(found.radial * apart[0] + found.tangential * apart[1]) + passing_in
-    outer_closing = state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing_out
+    closing = (
+        -(found.radial * apart[0] + found.tangential * apart[1]) + passing[0],
+        state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing[1],
+    )
     if isinstance(damping, StatedDampers):
-        inner_damper = damper_force(inner_force, damping.inner_force, 1.0)
-        outer_damper = damper_force(outer_force, damping.outer_force, 1.0)
-        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
-        if tilted is not None:  # without a force there is no moment
+        dampers = damper_force(forces[0], damping.inner_force, 1.0), damper_force(forces[1], damping.outer_force, 1.0)
+    elif damping.acts and tilted is not None and state.tilts is not None:
+        turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
+        tilted, *dampers = tilted.damped(damping, closing, turning, bearing.roller_length)
+    elif damping.acts:
+        rates = [
+            damping.coefficient(*each)
+            for each in zip(forces, (law.slope(d) for law, d in zip(own, deep, strict=True)), strict=True)
+        ]
+        dampers = damper_force(forces[0], closing[0], rates[0]), damper_force(forces[1], closing[1], rates[1])
+    inner_force, outer_force = forces[0] + dampers[0], forces[1] + dampers[1]
+    if tilted is not None:
+        if isinstance(damping, StatedDampers):  # without a force there is no moment
             tilted = tilted.with_moments(
                 np.where(inner_force > 0.0, damping.inner_moment, -tilted.inner_moment),
                 np.where(outer_force > 0.0, damping.outer_moment, -tilted.outer_moment),
             )
-    elif damping.acts and tilted is not None and state.tilts is not None:
-        turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
-        tilted, inner_damper, outer_damper = tilted.damped(
-            damping, (inner_closing, outer_closing), turning, bearing.roller_length
-        )
-        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
-    elif damping.acts:
-        inner_rate = damping.coefficient(inner_force, inner_law.slope(found.inner))
-        outer_rate = damping.coefficient(outer_force, outer_law.slope(found.outer))
-        inner_damper = damper_force(inner_force, inner_closing, inner_rate)
-        outer_damper = damper_force(outer_force, outer_closing, outer_rate)
-        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
-    if tilted is not None:
         found = tilted.turned(found, inner_force)
     along_x, along_y = found.tangential * sin - found.radial * cos, -found.tangential * cos - found.radial * sin
     return ContactState(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
-        inner_closing=inner_closing, outer_closing=outer_closing, inner_passing=passing_in, outer_passing=passing_out,
-        inner_damper=inner_damper, outer_damper=outer_damper, inner_compliance=inner_soft,
-        outer_compliance=outer_soft, tilted=tilted,
+        inner_closing=closing[0], outer_closing=closing[1], inner_passing=passing[0], outer_passing=passing[1],
+        inner_damper=dampers[0], outer_damper=dampers[1], inner_compliance=soft[0], outer_compliance=soft[1],
+        tilted=tilted,
     )  # fmt: skip
 
 
@@ -275,5 +268,5 @@ def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
     if contacts.tilted is not None:
         return np.sum(contacts.tilted.energy, axis=-1)
-    own = contacts.laws(laws)
-    return np.sum(own.inner.potential(contacts.inner) + own.outer.potential(contacts.outer), axis=-1)
+    inner, outer = softened(laws.inner, contacts.inner_compliance), softened(laws.outer, contacts.outer_compliance)
+    return np.sum(inner.potential(contacts.inner) + outer.potential(contacts.outer), axis=-1)

@@ -97,26 +97,14 @@ def held_hub(
     angles: np.ndarray,
     turns: Turns = UNTURNED,
     ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
-) -> tuple[np.ndarray, np.ndarray]:
-    """Force that holds the hub at a place, (2,), N, and the elements' ρ in radial balance there, (n_rollers,), m.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force that holds the hub at a place, (2,), N, ρ of elements in radial balance, (n_rollers,), m, its stiffness.
 
     Parameters: as of `static_equilibrium`; hub : (2,), m
     """
     place = np.asarray(ring, dtype=float)
     here = _System(bearing, operation, laws, angles, bearing.roller_mass, turns, place).at(hub, _load(operation))
-    return here.unbalance, here.rho
-
-
-def held_stiffness(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, hub: np.ndarray, *, angles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of a hub that is held at a place: the force of contacts and shaft on it, (2,), N, and its stiffness, (2, 2), N/m.
-
-    Parameters: as of `held_hub`
-    """
-    system = _System(bearing, operation, laws, angles, bearing.roller_mass, UNTURNED, np.zeros(2))
-    here = system.at(hub, np.zeros(2))
-    return -here.unbalance, here.stiffness
+    return here.unbalance, here.rho, here.stiffness
 
 
 def _load(operation: Operation) -> np.ndarray:

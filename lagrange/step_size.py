@@ -89,8 +89,8 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
         float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
         for law, force in zip(problem.laws, (inner_force, outer_force), strict=True)
     ]
-    alone = (sum(stiffness) / problem.bearing.roller_mass) ** 0.5
-    alone = sqrt(alone**2 + _of_pocket(problem) ** 2)
+    pocket = 0.0 if problem.free_cage is None else TOGETHER * problem.free_cage.stiffness
+    alone = sqrt((sum(stiffness) + pocket) / problem.bearing.roller_mass)
     return max(alone, fastest_in_machine(problem.bearing, problem.operation, *stiffness))
 
 
@@ -108,12 +108,6 @@ def fastest_of_cage(problem: Problem) -> float:
     elif cage.guidance == "outer_ring" and housing is not None:
         guiding = housing.mass + bearing.outer_ring_mass
     return sqrt(max(of_cage, TOGETHER * cage.stiffness / guiding))
-
-
-def _of_pocket(problem: Problem) -> float:
-    """Angular frequency, rad/s, that a closed pocket of a free cage adds to an element's, in squares."""
-    cage = problem.free_cage
-    return 0.0 if cage is None else sqrt(TOGETHER * cage.stiffness / problem.bearing.roller_mass)
 
 
 def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, outer: float) -> float:

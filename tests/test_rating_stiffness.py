@@ -16,10 +16,17 @@ from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import in_series, lagrangian_pitch
 from lagrange.scene.scene import read_scene
-from lagrange.statics import held_stiffness
+from lagrange.statics import held_hub
 from lagrange.surface.deviation import UNTURNED
 
 PER_MICROMETRE = 1e6
+
+
+def held_stiffness(bearing, operation, laws, hub, *, angles):
+    """The force of contacts and shaft on a hub that is held at a place, (2,), N, and its stiffness, (2, 2), N/m."""
+    left, _, stiffness = held_hub(bearing, operation, laws, hub, angles=angles)
+    down = operation.radial_load + operation.inner_mass * operation.gravity
+    return np.array([-operation.side_load, down]) - left, stiffness
 
 
 def paper(clearance=0.0, *more):

@@ -269,8 +269,12 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     for k, number in enumerate(rollers, 1):
         row[number] = k
-    whole, parts = ([[f for f in some if _is_part(f, bearing) is wanted] for some in rows] for wanted in (False, True))
+    parted = [f for f in faults if isinstance(f, Spall) and f.is_part(bearing)]
+    whole, parts = ([[f for f in some if (f in parted) is wanted] for some in rows] for wanted in (False, True))
     smooth = [_knots(fault, circles) for fault in faults if not isinstance(fault, Spall)]
+
+    def half(spall: Spall) -> float:  # from its middle to where contacts are sound, rad
+        return max(float(np.arcsin(spall.half_opening(circles.roller) / circles.own)), reach(spall, circles))
 
     def profile(rows: list[list[Fault]], part: Profile | None = None) -> Profile:
         compliance, spalled = None, any(isinstance(fault, Spall) for some in rows for fault in some)
@@ -283,7 +287,7 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
             row=row,
             spacing=2.0 * pi * own / n,
             spalls=tuple(
-                (fault.roller, fault.angle, _half(fault, circles) + RINGING * 2.0 * pi / n)
+                (fault.roller, fault.angle, half(fault) + RINGING * 2.0 * pi / n)
                 for fault in faults
                 if isinstance(fault, Spall)
             ),
@@ -296,15 +300,6 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     part = profile(parts)  # off spalls exactly nothing: contacts there look no more up
     clean = np.where(np.abs(part.coefficients) > FAINT, part.coefficients, 0.0)
     return profile(whole, replace(part, coefficients=clean))
-
-
-def _is_part(fault: Fault, bearing: Bearing) -> bool:
-    return isinstance(fault, Spall) and fault.is_part(bearing)
-
-
-def _half(spall: Spall, circles: Circles) -> float:
-    """From a spall's middle to where contacts are sound, rad."""
-    return max(float(np.arcsin(spall.half_opening(circles.roller) / circles.own)), reach(spall, circles))
 
 
 def _knots(fault: Fault, circles: Circles) -> int:

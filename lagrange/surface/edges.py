@@ -10,7 +10,6 @@ Equation (3) of docs/surfaces.md.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -205,10 +204,3 @@ class Softened:
             moves = np.abs(step) > SETTLED * now
             left, depth, soft = left[moves], depth[moves], soft[moves]
         return own.reshape(np.broadcast_shapes(np.shape(approach), np.shape(self.compliance)))
-
-
-class SoftenedLaws(NamedTuple):
-    """The laws of a rolling element's two contacts, softened where edges are."""
-
-    inner: PowerLaw | LogarithmicLaw | Softened
-    outer: PowerLaw | LogarithmicLaw | Softened

@@ -4,9 +4,9 @@ A scene's `contact.model` is chosen from MODELS; of two classes the first is for
 
 scene's name      class, module             the mesh carries a contact as       added to the mesh
 subgrid           SubgridModel, subgrid     one patch of six nodes              a law Q(δ) below the grid, with ripples
-subgrid, fine     SpreadModel, spread       points, each spread over a patch    compliance the mesh lacks between points
+subgrid, fine     SpreadModel, resolved     points, each spread over a patch    compliance the mesh lacks between points
 resolved          ResolvedModel, resolved   points between two nodes            a stiff layer
-penalty, faceted  PenaltyModel, springs     one point between two nodes         nothing: the spring is the contact
+penalty, faceted  PenaltyModel, resolved    one point between two nodes         nothing: the spring is the contact
 
 Each is a `model.Model` and answers the same verbs:
 
@@ -15,10 +15,10 @@ reduced           what statics balance: points, their compliance, the bodies' fi
 springs           closed contacts in the critical step (`critical_step`)
 kernel_data       what the time loop is given
 carried, smeared, indentation, stress_note   what pictures must know of the nodes that carry a force
-coarsest, is_made_for_a_force, is_sized_by_forces, give, failure_hint   limits, and what is said beyond them
+coarsest, has_law, is_made_for_a_force, give, failure_hint   limits, and what is said beyond them
 
 A new model is a module with such a class, a line here, and its name in the scene's [contact].
-`points` is what models of pressure points share; `patch` which nodes carry a force; `model`, `reduction` data.
+`model` is what all models share, `points` what those of points do; `tilted` tabulates contacts of axes that tilt.
 """
 
 MODELS = {  # a scene's name: modules and classes, imported when a scene takes them

@@ -151,11 +151,10 @@ class Model:
 
     shapes: ClassVar = staticmethod(bearing_shapes)  # of the bodies at a surface spacing, m
     coarsest: ClassVar[float] = inf  # surface spacing over a half-width at which the model is still good
-    is_of_mesh_alone: ClassVar[bool] = False  # `build` asks for nothing but sound surfaces and the mesh size
+    # a law below the grid, with tangential springs, of a contact as a whole on any surfaces; else points, on perfect
+    # circles, that stand as wide as forces make contacts
+    has_law: ClassVar[bool] = False
     is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
-    has_shear_springs: ClassVar[bool] = False  # gives contacts that stick the compliance that the mesh lacks
-    is_sized_by_forces: ClassVar[bool] = False  # statics need to know about how wide contacts are
-    takes_profiles: ClassVar[bool] = False  # knows surfaces that are not perfect circles
     static_passes: ClassVar[int] = 3  # contacts sit along the lines of centres, which the solution moves
     failure_hint: ClassVar[str] = ""  # what else to try where velocities are lost
     stress_note: ClassVar[str | None] = None  # how the mesh carries contacts, where pictures add nothing to its stress

@@ -172,13 +172,11 @@ class PointLaw(NoLaw):
 class PointModel(Model):
     """A bearing whose contacts are carried by points, without a law of the contact as a whole."""
 
-    is_sized_by_forces: ClassVar[bool] = True
     static_passes: ClassVar[int] = 2
     shares: ClassVar[Shares]  # of points among nodes
     nodes_beyond: ClassVar[float] = 3.0  # that the outermost points push beside those under them
 
     def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
-        """See `Model.reduced`: the bodies' answer to forces on the points."""
         n, disc, rings, laws = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring), self.laws[:2]
         line, faintest = motion.lines_of_centres(place), FAINT * forces.max()
         each = [
@@ -285,7 +283,6 @@ class PointResponses(Reduced):
     loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
 
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `Reduced.fields`: solved once under all of the forces."""
         disc, *rings = self.bodies
         fields = []
         for ring, growth, (mine, nodes, push) in zip(

@@ -63,7 +63,6 @@ class ResolvedLaw(PointLaw):
         return self.layer * self.spacing * self.pair.length
 
     def local_compliance(self, n_points: int) -> np.ndarray:
-        """See `PointLaw.local_compliance`: the layer's, each point for itself."""
         return np.eye(n_points) / self.point_stiffness
 
 
@@ -79,7 +78,6 @@ class ResolvedModel(PointModel):
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> Model:
-        """See `Model.build`; nothing but the mesh size is asked for."""
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
         return cls(bearing=bearing, **bodies, **named(resolved_laws(bearing, surface_spacings(bodies))))
 
@@ -109,7 +107,6 @@ class SpreadLaw(PointLaw):
     missing_compliance: np.ndarray  # (n_points,), m/N, G by the distance in spacings
 
     def most(self, largest_force: float) -> int:
-        """See `PointLaw.most`: all there are."""
         return self.missing_compliance.size // 2
 
     def places(self, half_count: int) -> np.ndarray:
@@ -117,7 +114,6 @@ class SpreadLaw(PointLaw):
         return super().places(min(half_count, self.missing_compliance.size // 2))
 
     def local_compliance(self, n_points: int) -> np.ndarray:
-        """See `PointLaw.local_compliance`: what the mesh lacks."""
         return toeplitz(self.missing_compliance[:n_points])
 
     def inverses(self) -> np.ndarray:
@@ -127,7 +123,6 @@ class SpreadLaw(PointLaw):
 
     @staticmethod
     def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
-        """See `PointLaw.spread`."""
         return filled(
             Spread,
             {"pairs": 3, "n": n_rollers, "n_points": n_points},
@@ -149,7 +144,6 @@ class SpreadModel(PointModel):
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected, contact=None) -> Model:
-        """See `Model.build`; the points are made for the expected force."""
         return cls.of_force(bearing, mesh_size, expected.largest)
 
     @classmethod
@@ -232,7 +226,6 @@ class SpringLaw(ResolvedLaw):
     sagitta: tuple[float, float]  # of both sides' facets, m, negative in a bore; 0: circles
 
     def places(self, half_count: int) -> np.ndarray:
-        """See `PointLaw.places`: on the line of centres."""
         return np.zeros(1)
 
 
@@ -247,7 +240,6 @@ class PenaltyModel(PointModel):
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected, contact) -> Model:
-        """See `Model.build`; the springs' stiffness is the scene's."""
         return cls.of_stiffness(bearing, mesh_size, contact.penalty_stiffness_N_per_m)
 
     @classmethod

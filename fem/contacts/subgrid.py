@@ -77,13 +77,10 @@ class SubgridModel(Model):
     whole_levels: tuple[float, float, float]  # by kind, of the continuum's approach A Q (level − ½ ln Q)
     shear_levels: tuple[float, float, float]  # by kind, of a compliance A (level − ½ ln Q)
 
-    takes_profiles: ClassVar[bool] = True
-    is_of_mesh_alone: ClassVar[bool] = True
-    has_shear_springs: ClassVar[bool] = True
+    has_law: ClassVar[bool] = True
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":
-        """See `Model.build`; nothing but the mesh size is asked for."""
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
@@ -106,7 +103,6 @@ class SubgridModel(Model):
         )
 
     def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces=None) -> PointResponses:
-        """See `Model.reduced`: a point for each contact, which stands for a patch."""
         n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
         on_rings = motion.lines_of_centres(place).reshape(2, n) - np.array(motion.ring_turns)[:, None]
         on_roller = motion.lines_of_centres(place) + np.repeat([pi, 0.0], n) - np.tile(motion.roller_turn, 2)
@@ -167,7 +163,6 @@ class SubgridModel(Model):
         return [1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found]
 
     def kernel_data(self, largest_force: float) -> KernelData:
-        """See `Model.kernel_data`: the laws and their ripples."""
         return KernelData(
             laws=tuple(law.constants for law in self.laws),
             ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
@@ -180,7 +175,6 @@ class SubgridModel(Model):
         )
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
-        """See `Model.carried`: a patch, whatever the force."""
         return patch(n_surface, angle)
 
     def smeared(self, spacing: float, half_width: float) -> float:
@@ -188,7 +182,6 @@ class SubgridModel(Model):
         return spacing
 
     def indentation(self, kind: int, force: np.ndarray) -> np.ndarray:
-        """See `Model.indentation`: what the law below the grid gives."""
         return self.laws[kind].approach(force) * (force > 0.0)
 
 

@@ -64,50 +64,28 @@ def coarser_scene(scene: Scene) -> Scene:
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"mesh_size_mm": coarser})})
 
 
-def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float) -> list[Estimate]:
-    """Error of each quantity by Richardson's extrapolation, with Roache's factor of safety.
+def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float | None) -> list[Estimate]:
+    """Error of each quantity by Richardson's extrapolation, with Roache's factor of safety; None: the difference.
 
     Source: Roache, Perspective: a method for uniform reporting of grid refinement studies (J. Fluids Eng. 116, 1994).
     """
-    found = []
-    for mine, other in zip(fine, coarse, strict=True):
-        error = SAFETY * abs(mine.value - other.value) / (ratio**ORDER - 1.0)
-        found.append(Estimate(quantity=mine, coarse_value=other.value, error=error))
-    return found
+    share = 1.0 if ratio is None else SAFETY / (ratio**ORDER - 1.0)
+    pairs = zip(fine, coarse, strict=True)
+    return [Estimate(quantity=f, coarse_value=c.value, error=share * abs(f.value - c.value)) for f, c in pairs]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SecondRun:
+class ErrorEstimate:
     """Finite elements to be run beside a finished run."""
 
+    title: str
     coarse: ElementPlan
+    fine: ElementPlan | None = None  # on the finished run's mesh; None: that was of the reduced model
 
     @property
     def mesh_size(self) -> float:
         """Of the second run, m."""
         return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
-
-    def record(self, report: Callable[[Progress], None], stop: Callable[[], bool]) -> dict[str, np.ndarray] | None:
-        """Samples of the second run by the result file's names; None if it was stopped.
-
-        Errors
-        ------
-        RunFailed.
-        """
-        blocks = []
-        run(self.coarse, blocks.append, report, stop)
-        return None if stop() else Samples.joined(blocks).values
-
-
-@dataclass(frozen=True, kw_only=True)
-class ErrorEstimate(SecondRun):
-    """A plan and the same scene on a coarser mesh."""
-
-    fine: ElementPlan
-
-    @property
-    def title(self) -> str:
-        return f"Discretisation error, estimated with a mesh of {1e3 * self.mesh_size:g} mm"
 
     def find(
         self,
@@ -122,72 +100,49 @@ class ErrorEstimate(SecondRun):
         ------
         RunFailed: the coarse run went wrong. NotFound: no equilibrium at rest.
         """
-        plans = self.fine, self.coarse
-        fine, coarse = (static_quantities(plan.model, plan.operation, plan.resting) for plan in plans)
-        if self.fine.n_samples > 1:
-            record = self.record(report, stop)
-            if record is None:
+        fine, coarse, ratio = [], [], None
+        if self.fine is not None:
+            plans = self.fine, self.coarse
+            fine, coarse = (static_quantities(plan.model, plan.operation, plan.resting) for plan in plans)
+            spacing, wide = (plan.model.roller.shape.surface_spacing for plan in plans)
+            ratio = wide / spacing
+        if self.coarse.n_samples > 1:
+            blocks: list[Samples] = []
+            run(self.coarse, blocks.append, report, stop)
+            if stop():
                 return []
-            fine += moving_quantities(samples)
+            record = Samples.joined(blocks).values
+            fine += moving_quantities({name: samples[name][: len(record["time"])] for name in NEEDED})
             coarse += moving_quantities(record)
-        spacing, wide = (plan.model.roller.shape.surface_spacing for plan in plans)
-        return estimates(fine, coarse, wide / spacing)
+        return estimates(fine, coarse, ratio)
 
 
 def error_estimate(plan: ElementPlan) -> ErrorEstimate:
     """What to run beside a plan. UsageError: see `coarser_scene`."""
-    return ErrorEstimate(fine=plan, coarse=elements.make_plan(coarser_scene(plan.scene)))
+    coarse = elements.make_plan(coarser_scene(plan.scene))
+    size = coarse.scene.numerics.mesh_size_mm
+    title = f"Discretisation error, estimated with a mesh of {size:g} mm"
+    return ErrorEstimate(title=title, coarse=coarse, fine=plan)
 
 
 STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReducedEstimate(SecondRun):
-    """The same scene's first stretch by finite elements."""
-
-    @property
-    def title(self) -> str:
-        end = self.coarse.scene.numerics.duration_ms
-        return (
-            f"The first {end:g} ms against finite elements of {1e3 * self.mesh_size:g} mm; these err as well: see "
-            "--model fem --estimate-error"
-        )
-
-    def find(
-        self,
-        samples: dict[str, np.ndarray],
-        report: Callable[[Progress], None] = lambda progress: None,
-        stop: Callable[[], bool] = lambda: False,
-    ) -> list[Estimate]:
-        """Run the finite elements and compare, unless stopped; `samples` of the finished run, by the file's names.
-
-        Errors
-        ------
-        RunFailed: the finite elements went wrong.
-        """
-        record = self.record(report, stop)
-        if record is None:
-            return []
-        own = {name: samples[name][: len(record["time"])] for name in NEEDED}
-        pairs = zip(moving_quantities(own), moving_quantities(record), strict=True)
-        return [
-            Estimate(quantity=mine, coarse_value=other.value, error=abs(mine.value - other.value))
-            for mine, other in pairs
-        ]
-
-
-def reduced_estimate(plan: Plan) -> ReducedEstimate:
-    """What to run beside a plan of the reduced model. UsageError: it has one sample; finite elements can't take it."""
+def reduced_estimate(plan: Plan) -> ErrorEstimate:
+    """The same scene's first stretch by finite elements. UsageError: one sample; finite elements can't take it."""
     numerics = plan.scene.numerics
     if plan.n_samples < 2:
         raise UsageError(
             "--estimate-error: a standing bearing of the reduced model is the exact series itself; leave it out"
         )
-    shorter = numerics.model_copy(update={"duration_ms": min(STRETCH_MS, numerics.duration_ms)})
-    return ReducedEstimate(
-        coarse=elements.make_plan(plan.scene.model_copy(update={"model": "fem", "numerics": shorter}))
+    end = min(STRETCH_MS, numerics.duration_ms)
+    shorter = numerics.model_copy(update={"duration_ms": end})
+    title = (
+        f"The first {end:g} ms against finite elements of {numerics.mesh_size_mm:g} mm; these err as well: see "
+        "--model fem --estimate-error"
     )
+    coarse = elements.make_plan(plan.scene.model_copy(update={"model": "fem", "numerics": shorter}))
+    return ErrorEstimate(title=title, coarse=coarse)
 
 
 MESHES = 2.0, sqrt(2.0), 1.0  # mesh sizes over the finest
@@ -292,15 +247,11 @@ def suggestion(choices: list[Choice]) -> str | None:
 
 def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
     try:
-        mine = plan if plan.scene.model == name else make_plan(_with_model(plan.scene, name))
+        mine = plan if plan.scene.model == name else make_plan(plan.scene.varied({"model": name}))
         error = None if exact is None else float(np.linalg.norm(mine.static_hub() - exact) / np.linalg.norm(exact))
     except (SceneError, UsageError, RuntimeError) as refused:
         return Choice(model=name, lacks=f"not for this scene: {refused}")
     return Choice(model=name, lacks=mine.lacks, seconds=mine.expected_seconds, hub_error=error)
-
-
-def _with_model(scene: Scene, name: str) -> Scene:
-    return scene.varied({"model": name})
 
 
 def _exact_hub(scene: Scene) -> np.ndarray | None:

@@ -68,12 +68,12 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
 def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:
     """Refuse what contacts spread over points of a fine mesh do not know: outer rings not held all around, sections."""
     mounting, angle = scene.mounting(), scene.bearing.contact_angle_deg
-    if angle > 0.0 and not kind.is_of_mesh_alone:
+    if angle > 0.0 and not kind.has_law:
         raise UsageError(
             f"bearing.contact_angle_deg = {angle:g}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so "
             "fine that contacts are spread over points, on circles of bodies' curvature; use a coarser mesh"
         )
-    if (mounting.points is not None or mounting.bore is not None) and not kind.is_of_mesh_alone:
+    if (mounting.points is not None or mounting.bore is not None) and not kind.has_law:
         given = 'kind = "points"' if mounting.bore is None else "fit_clearance_um"
         raise UsageError(
             f"support.{given}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so fine that "
@@ -92,7 +92,7 @@ def check_contact_model(kind: "type[Model]", scene: Scene, expected: ExpectedFor
         return
     bearing, mesh_size, force = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm, expected.largest
     widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
-    if bearing.faults and not kind.takes_profiles:
+    if bearing.faults and not kind.has_law:
         given = next((f"[[{name}]]" for name in SURFACES if getattr(scene, name)), "[lubricant]")
         raise UsageError(
             f"{given}: numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that contacts are spread over points, "

@@ -228,7 +228,7 @@ def _solved(
         forces = np.concatenate([start.inner_force, start.outer_force])
     else:
         place = first_guess(bearing, radial, loads.hub, loads.side_load)
-        if model.is_sized_by_forces:
+        if not model.has_law:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
     free = unloaded(model, motion, gravity)
     passes = model.static_passes if start is None else max(1, model.static_passes - 1)  # from near one less will do

@@ -70,7 +70,7 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     check_mesh_size(bearing, mesh_size, kind.shapes)
     check_contact_model(kind, scene, expected)
     check_outer_ring(kind, scene)
-    if not kind.is_of_mesh_alone:
+    if not kind.has_law:
         model = kind.build(bearing, mesh_size, expected, scene.contact)
         check_meshes(model)
         return model
@@ -313,7 +313,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
-        if model.is_sized_by_forces:  # contacts wider than all pressure points have none: better say so
+        if not model.has_law:  # contacts wider than all pressure points have none: better say so
             check_widths(model.bearing, forces.largest)
         raise
     check_contacts(model, loaded.equilibrium)
@@ -344,7 +344,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     mass, critical = LUMPED, critical_with(LUMPED)
     longest = lumped = min(numerics.time_step_safety * critical, along)
     damped = scene.damping.contacts.acts  # by forces that are implicit in velocities of nodes with lumped masses
-    if not may_strike(scene, model.bearing, operation) and not damped and (model.has_shear_springs or not sticks):
+    if not may_strike(scene, model.bearing, operation) and not damped and (model.has_law or not sticks):
         for slowed in LONG:
             further = critical_with(slowed)
             if min(numerics.time_step_safety * further, along) > slowed.worth * lumped:

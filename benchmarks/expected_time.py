@@ -13,7 +13,7 @@ from cyclopts import App
 from rich.console import Console
 
 from benchmarks.measuring import new_table
-from fem.solver.pace import pace
+from fem.solver.compiling import pace
 from fem.solver.simulate import make_plan, size_of_block
 from fem.solver.trial import seconds_by_trial
 from lagrange.scene.scene import read_scene

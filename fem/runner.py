@@ -22,7 +22,7 @@ from fem.result.checkpoint import (
 from fem.result.later_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.run_summary import summary_columns
-from fem.solver.pace import remember
+from fem.solver.compiling import remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
 from lagrange.files.output import remove_left

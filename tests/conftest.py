@@ -17,7 +17,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_threa
 _CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
 mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
 
-mock.patch("fem.solver.pace.pace_file", lambda: Path(_CACHE.name) / "pace.json").start()
+mock.patch("fem.solver.compiling.pace_file", lambda: Path(_CACHE.name) / "pace.json").start()
 
 # Two processes begin with these: one compiles the time loops, and the other three files need no kernel.
 FIRST = ("test_bad_input.py", "test_quadratic_statics.py", "test_vibration.py", "test_lagrange_motion.py")

@@ -186,10 +186,10 @@ def test_a_report_replaces_the_files_it_has_listed_and_no_others(kept, capsys):
 
 
 def test_a_pipe_in_the_place_of_what_is_remembered_is_not_waited_for(tmp_path, monkeypatch):
-    from fem.solver import pace
+    from fem.solver import compiling
 
     os.mkfifo(place := tmp_path / "pace.json")
-    monkeypatch.setattr(pace, "pace_file", lambda: place)
+    monkeypatch.setattr(compiling, "pace_file", lambda: place)
     with no_endless_wait():
-        pace.remember("reduced", 1.0, 2.0)
-        assert pace.pace("reduced") == 1.0
+        compiling.remember("reduced", 1.0, 2.0)
+        assert compiling.pace("reduced") == 1.0

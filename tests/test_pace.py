@@ -6,7 +6,7 @@ import numba
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.solver import pace
+from fem.solver import compiling
 from fem.solver.simulate import SOLVERS, make_plan
 from fem.solver.trial import seconds_by_trial
 from lagrange.scene.scene import read_scene
@@ -15,21 +15,21 @@ from lagrange.scene.scene import read_scene
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
     path = tmp_path / "cache" / "pace.json"
-    monkeypatch.setattr("fem.solver.pace.pace_file", lambda: path)
+    monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: path)
     return path
 
 
 def test_the_median_of_the_last_runs_counts(kept):
-    assert pace.pace("fem") == 1.0
+    assert compiling.pace("fem") == 1.0
     for took in (30.0, 2.0, 2.2, 1.8, 2.0, 40.0):
-        pace.remember("fem", 1.0 * pace.pace("fem"), took)
-    assert pace.pace("fem") == pytest.approx(2.0)  # of 2, 2.2, 1.8, 2 and 40
-    assert pace.pace("reduced") == 1.0
+        compiling.remember("fem", 1.0 * compiling.pace("fem"), took)
+    assert compiling.pace("fem") == pytest.approx(2.0)  # of 2, 2.2, 1.8, 2 and 40
+    assert compiling.pace("reduced") == 1.0
 
 
 @pytest.mark.parametrize(("expected", "took"), [(1.0, 0.001), (0.0, 5.0), (1.0, 1e6), (1e6, 1.0)])
 def test_what_tells_nothing_of_the_machine_is_not_kept(expected, took, kept):
-    pace.remember("fem", expected, took)
+    compiling.remember("fem", expected, took)
     assert not kept.exists()
 
 
@@ -37,24 +37,24 @@ def test_what_tells_nothing_of_the_machine_is_not_kept(expected, took, kept):
 def test_a_damaged_file_counts_for_nothing_and_is_replaced(text, kept):
     kept.parent.mkdir()
     kept.write_text(text, encoding="utf-8")
-    assert pace.pace("fem") == 1.0
-    pace.remember("fem", 1.0, 3.0)
-    assert pace.pace("fem") == 3.0
+    assert compiling.pace("fem") == 1.0
+    compiling.remember("fem", 1.0, 3.0)
+    assert compiling.pace("fem") == 3.0
 
 
 def test_a_folder_that_can_not_be_made_is_no_failure(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("", encoding="utf-8")
-    monkeypatch.setattr("fem.solver.pace.pace_file", lambda: tmp_path / "file" / "pace.json")
-    pace.remember("fem", 1.0, 3.0)
-    assert pace.pace("fem") == 1.0
+    monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: tmp_path / "file" / "pace.json")
+    compiling.remember("fem", 1.0, 3.0)
+    assert compiling.pace("fem") == 1.0
 
 
 @pytest.mark.parametrize("model", SOLVERS)
 def test_every_model_expects_what_it_has_taken(model, kept):
     scene = read_scene(None, (f"model={model}", "numerics.mesh_size_mm=2"))
     plain = make_plan(scene).expected_seconds
-    pace.remember(model, plain, 3.0 * plain if plain > pace.SHORTEST else 3.0)
-    factor = pace.pace(model)
+    compiling.remember(model, plain, 3.0 * plain if plain > compiling.SHORTEST else 3.0)
+    factor = compiling.pace(model)
     assert factor > 1.0 and make_plan(scene).expected_seconds == pytest.approx(factor * plain)
 
 
@@ -67,9 +67,9 @@ def test_a_run_is_remembered_and_the_next_plan_says_so(kept, tmp_path, capsys, m
     assert "no run has been timed on this machine yet" in capsys.readouterr().out
     plain = make_plan(read_scene(None, ("model=reduced", "numerics.duration_ms=200"))).expected_seconds
     assert run_main([*scene, "--quiet", "--output", str(tmp_path / "a.nc")]) == 0
-    (ratio,) = json.loads(kept.read_text(encoding="utf-8"))[pace._key("reduced")]
+    (ratio,) = json.loads(kept.read_text(encoding="utf-8"))[compiling._key("reduced")]
     took = ratio * plain
-    assert took == pytest.approx(round(took, 2)) and took >= pace.SHORTEST
+    assert took == pytest.approx(round(took, 2)) and took >= compiling.SHORTEST
     run_main([*scene, "--dry-run"])
     told = capsys.readouterr().out
     assert f"about {took:.2g} s" in told and "timed here" not in told

@@ -130,7 +130,7 @@ def test_a_kernel_that_others_can_write_is_made_anew_and_a_sticky_folder_above_i
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
 def test_matrices_and_meshes_are_kept_where_nobody_else_can_write(tmp_path, monkeypatch):
-    from fem.solver import pace
+    from fem.solver import compiling
     from lagrange.files.input import user_cache
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
@@ -138,8 +138,8 @@ def test_matrices_and_meshes_are_kept_where_nobody_else_can_write(tmp_path, monk
     (tmp_path / "home").chmod(0o777)
     with pytest.raises(PermissionError, match="others can write there"):
         user_cache("meshes")
-    monkeypatch.setattr(pace, "pace_file", lambda: user_cache() / "pace.json")
-    assert pace.pace("fem") == 1.0  # as where nothing is kept
+    monkeypatch.setattr(compiling, "pace_file", lambda: user_cache() / "pace.json")
+    assert compiling.pace("fem") == 1.0  # as where nothing is kept
 
 
 @pytest.mark.slow

@@ -45,7 +45,7 @@ SPIN = 4500.0 * np.pi / 30.0
 def whole_run(friction=0.1, courant=0.9, from_rest=False, ramp=0.0, mesh_size=2e-3, **changes):
     """0.3 ms of the paper's scene at 2 mm; samples and the step."""
     whole, how = model(paper(), mesh_size), operation(**changes)
-    mass = LUMPED if from_rest else THIRD  # as `fem.solver.validity.may_strike`
+    mass = LUMPED if from_rest else THIRD  # as `fem.solver.solver.may_strike`
     stride = int(np.ceil(INTERVAL / (courant * critical_time_step(whole, 800.0, mass=mass))))
     state = arrays(whole, how, INTERVAL / stride, friction, from_rest=from_rest, ramp=ramp, mass=mass)
     samples = run(state, SAMPLES, stride)

@@ -135,23 +135,6 @@ def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     )
 
 
-def energy_warning(plan: "ElementPlan", missed: float, passed_on: float) -> tuple[str, ...]:
-    """A sentence where the energy was off by so many J of those passed on, if that is more than DOUBTFUL."""
-    if missed <= DOUBTFUL * passed_on:
-        return ()
-    return (
-        f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the exchanged energy "
-        f"({1e3 * passed_on:.3g} mJ), the motion perhaps by as much; {plan.finer}",
-    )
-
-
-def velocity_trouble(plan: "ElementPlan", step: int, body: int) -> str:
-    """What to say of a velocity that is no number: of a roller, or of the hub (below 0)."""
-    name = "the hub" if body < 0 else f"roller {body}"
-    hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
-    return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"
-
-
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
 LONGEST_CONTACT = 0.6  # a ball's contact ellipse along its groove over the radius; at C0 of deep-groove bearings 0.55
 CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`

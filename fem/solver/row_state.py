@@ -9,15 +9,14 @@ from fem.errors import UsageError
 from fem.kernels.bodies import DONE
 from fem.solver.guards import (
     ASTRAY,
+    DOUBTFUL,
     energy_trouble,
-    energy_warning,
     good_rows,
     largest_forces,
     n_balanced,
     n_in_place,
     place_trouble,
     run_warnings,
-    velocity_trouble,
 )
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
@@ -123,8 +122,10 @@ class RowState(RunState):
         return self.reader.read(rows)
 
     def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
-        """What to say of a velocity that is no number, after so many good rows."""
-        return velocity_trouble(self.plan, step, body)
+        """What to say of a velocity that is no number, of a roller or the hub (below 0), after so many good rows."""
+        plan, name = self.plan, "the hub" if body < 0 else f"roller {body}"
+        hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
+        return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"
 
     def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
         """How many of the next samples are sound, and why no more are; `trouble` : after all of them."""
@@ -141,8 +142,14 @@ class RowState(RunState):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        wide = run_warnings(self.plan.model.bearing, self._largest)
-        return wide + energy_warning(self.plan, self._missed, self._passed_on)
+        wide, missed, passed_on = run_warnings(self.plan.model.bearing, self._largest), self._missed, self._passed_on
+        if missed <= DOUBTFUL * passed_on:
+            return wide
+        return (
+            *wide,
+            f"the energy is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
+            f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
+        )
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays = self.named_arrays() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.errors import UsageError
+from lagrange import Bearing, Operation, kinematics
 from lagrange.scene.scene import Scene
+from lagrange.surface.faults import Spall
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -244,3 +246,15 @@ class Plan(ABC):
 def sample_count(scene: Scene) -> int:
     """Samples of a scene, of which the start is the first."""
     return 1 + int(1e-3 * scene.numerics.duration_ms / (1e-6 * scene.numerics.output_interval_us) * (1.0 + 1e-12))
+
+
+# times gravity that turning must press rollers outwards by, or those without load fall within the bearing
+HELD = 5.0
+
+
+def may_strike(scene: Scene, bearing: Bearing, operation: Operation) -> bool:
+    """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
+    spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
+    outwards = kinematics(bearing, *operation.ring_speeds).cage ** 2 * bearing.pitch_radius
+    falling = 0.0 < outwards < HELD * operation.gravity
+    return spalled or falling or scene.numerics.start == "rest" or operation.history is not None

@@ -1,4 +1,4 @@
-"""What a run is watched for: contacts too wide for the laws, a hub that vibrates with elastic rings, strikes.
+"""What a run of the reduced model is watched for: contacts too wide for the laws, a hub that vibrates with its rings.
 
 How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
 
@@ -21,21 +21,7 @@ from fem.elastic.vibration import Modes, shift_vibrations
 from fem.solver.solver import Samples
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import law_error
-from lagrange import Bearing, Operation, kinematics
-from lagrange.scene.scene import Scene
-from lagrange.surface.faults import Spall
-
-# times gravity that turning must press rollers outwards by, or those without load fall within the bearing
-HELD = 5.0
-
-
-def may_strike(scene: Scene, bearing: Bearing, operation: Operation) -> bool:
-    """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
-    spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
-    outwards = kinematics(bearing, *operation.ring_speeds).cage ** 2 * bearing.pitch_radius
-    falling = 0.0 < outwards < HELD * operation.gravity
-    return spalled or falling or scene.numerics.start == "rest" or operation.history is not None
-
+from lagrange import Bearing
 
 NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach
 LARGEST_LAW_ERROR = 0.005  # of an approach, before a run says so

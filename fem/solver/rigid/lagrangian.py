@@ -15,13 +15,13 @@ import numpy as np
 
 from fem.errors import RunFailed
 from fem.run_summary import largest_loads
+from fem.solver.compiling import in_words, pace
 from fem.solver.guards import ASTRAY, EnergyAccount, largest_forces, run_warnings
-from fem.solver.pace import in_words, pace
 from fem.solver.rigid.plan import RigidPlan, sections_of
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
 from fem.solver.warnings import of_scene
 from lagrange import Bearing, Operation, contact_laws, static_equilibrium
-from lagrange.contact.laws import PowerLaw, warning
+from lagrange.contact.laws import warning
 from lagrange.first_state import Problem
 from lagrange.kinematics import fastest_kinematics, kinematics
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
@@ -272,7 +272,7 @@ class StartState(RunState):
 
 
 # one thread of a 2024 server core, a step of eight elements; only a guide
-SECONDS_PER_EIGHT = {True: 0.2e-6, False: 0.2e-6}  # power law, other
+SECONDS_PER_EIGHT = 0.2e-6
 DAMPED = 1.5  # times, dampers with them
 ON_SURFACES = 2.0  # times, where these are not perfect circles
 SECONDS_PER_SAMPLE = 0.2e-6  # and element
@@ -355,7 +355,7 @@ class LagrangianPlan(RigidPlan):
     def expected_seconds(self) -> float:
         """Of all steps and samples, s, unless contacts rattle."""
         problem, n = self.problem, self.problem.bearing.n_rollers
-        each = SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)] * ceil(n / 8)
+        each = SECONDS_PER_EIGHT * ceil(n / 8)
         each *= (ON_SURFACES if problem.bearing.faults else 1.0) * (DAMPED if problem.damping.acts else 1.0)
         return pace("lagrange") * (each * self.steps + SECONDS_PER_SAMPLE * self.n_samples * n)
 

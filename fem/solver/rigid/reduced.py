@@ -15,8 +15,8 @@ from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
 from fem.solver.cage_arrays import cage_seat, critical_with_cage
+from fem.solver.compiling import in_words, pace
 from fem.solver.limits import check_rollers, check_speed, check_widths
-from fem.solver.pace import in_words, pace
 from fem.solver.part_arrays import time_along_a_knot
 from fem.solver.reduced_state import ReducedState
 from fem.solver.rigid.plan import RigidPlan, sections_of, time_along_a_wave
@@ -30,8 +30,7 @@ from fem.solver.rigid.start import (
     tilted_start,
 )
 from fem.solver.row_state import LONGEST_UNWATCHED
-from fem.solver.solver import sample_count
-from fem.solver.validity import may_strike
+from fem.solver.solver import may_strike, sample_count
 from fem.solver.warnings import plan_warnings
 from fem.statics.reduced_bearing import (
     ReducedBearing,

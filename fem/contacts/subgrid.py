@@ -240,7 +240,6 @@ CALIBRATIONS = {
 def _kept_surface(
     calibrate: Callable, body: DiscBody | RingBody, thickness: float, half_width: float
 ) -> SurfaceCompliance:
-    """A body's `SurfaceCompliance`, kept from an earlier start where there was one."""
     if body.material.rigid:
         return rigid_surface(half_width)
     key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
@@ -293,7 +292,6 @@ def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float
 
 
 def _spline_coefficients(samples: np.ndarray) -> np.ndarray:
-    """Coefficients of the periodic cubic B-spline through equally spaced samples."""
     wave = 2.0 * np.pi * np.fft.rfftfreq(samples.size)
     return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=samples.size)
 

@@ -154,7 +154,6 @@ def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
 
 
 def _most_slices(bearing: Bearing, half_width: float) -> int:
-    """How many coupled slices carry contacts of a half-width, m."""
     return int(bearing.roller_length / (WIDTHS * half_width))
 
 

@@ -44,5 +44,4 @@ def assemble(mesh: Mesh, material: Material, thickness: float) -> Assembled:
 
 
 def _node_major(basis: Basis) -> np.ndarray:
-    """scikit-fem's degrees of freedom in the order node 0 x, node 0 y, node 1 x ..."""
     return basis.nodal_dofs.T.ravel()

@@ -208,7 +208,6 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
 
 
 def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
-    """Mesh, stiffness and lumped mass of a body, kept from an earlier start where there was one."""
     mesh = mesh_of(shape)
 
     def make():
@@ -450,13 +449,11 @@ def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarr
 
 
 def _polar(sector: int, sectors: int) -> np.ndarray:
-    """Columns e_r, e_θ at a sector's angle."""
     angle = 2.0 * np.pi * sector / sectors
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def _mirrored(stencil: np.ndarray) -> np.ndarray:
-    """Remove the round-off that breaks the mirror symmetry k → −k: u_r even, u_θ odd."""
     sign = np.array([[1.0, -1.0], [-1.0, 1.0]])
     return 0.5 * (stencil + stencil[:, :, ::-1] * sign)
 

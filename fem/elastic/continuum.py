@@ -243,7 +243,6 @@ def patch_crossing(crossing: np.ndarray, transform_load: np.ndarray, radius: flo
 
 
 def _fade(n: np.ndarray) -> np.ndarray:
-    """Shares of a series' terms whose last half is faded out."""
     return np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2
 
 
@@ -336,7 +335,6 @@ def annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray
 
 
 def _harmonics(n: np.ndarray) -> np.ndarray:
-    """The harmonics as an array, refused unless they are integers >= 0."""
     n = np.asarray(n)
     if not np.issubdtype(n.dtype, np.integer) or n.ndim == 0 or np.any(n < 0):
         raise ValueError(f"harmonics must be an array of integers >= 0, got {n!r}")

@@ -74,7 +74,6 @@ def remember(model: str, expected: float, took: float) -> None:
 
 
 def _read() -> dict[str, list[float]]:
-    """What is kept, as far as it is what `remember` writes."""
     try:
         known = json.loads(read_plain(pace_file()))
         return {

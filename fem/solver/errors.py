@@ -255,7 +255,6 @@ def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
 
 
 def _exact_hub(scene: Scene) -> np.ndarray | None:
-    """Hub of exact elastic bodies under the load alone, (2,), m."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     if scene.bearing.type == "ball" or operation.radial_load < LEAST_LOAD:
         return None

@@ -111,7 +111,6 @@ def through_trouble(bearing: Bearing, time_step: float, samples: Samples, at: in
 
 
 def _bare(bearing: Bearing, samples: Samples, at: int) -> str | None:
-    """Why nothing stops the hub on its way, where rollers are missing there."""
     hub_x, hub_y = from_outer_ring(samples, "inner")
     return nothing_carries(bearing, samples["roller_theta"][at], (hub_x[at], hub_y[at]))
 
@@ -168,7 +167,6 @@ MISTRUST = (
 
 
 def _ball_warnings(bearing: BallBearing, largest: np.ndarray) -> tuple[str, ...]:
-    """The same of balls on raceways."""
     sides: tuple[Side, Side] = ("inner", "outer")
     for side, force in zip(sides, largest.tolist(), strict=False):
         axes = contact_ellipse(bearing, side, force)

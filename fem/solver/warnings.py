@@ -62,7 +62,6 @@ def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: flo
 
 
 def _clearance(bearing: Bearing) -> str | None:
-    """A clearance that no group of the standard has, as of one in other units."""
     clearance, diameter = round(2.0 * bearing.radial_clearance, 9), 2.0 * bearing.element_radius
     if not exceeds(clearance, WIDEST_CLEARANCE * diameter):
         return None
@@ -73,7 +72,6 @@ def _clearance(bearing: Bearing) -> str | None:
 
 
 def _light(scene: Scene, bearing: Bearing, operation: Operation) -> str | None:
-    """A steady load that is, with the weight, next to nothing of what the bearing carries."""
     load, mass = scene.operation.radial_load_N, scene.operation.inner_ring_and_shaft_kg
     if load == 0.0 or bearing.radial_clearance < 0.0 or operation.history is not None:
         return None
@@ -136,7 +134,6 @@ def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:
 
 
 def _sampling(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> str | None:
-    """Samples must follow the hub's vibration on its contacts, or accelerations can't be found from them."""
     bearing = model.bearing
     laws = contact_laws("johnson", bearing)
     inner, outer = (
@@ -178,7 +175,6 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
 
 
 def _waves(bearing: Bearing, operation: Operation, interval: float) -> str | None:
-    """Samples must follow contacts over waves."""
     longest = wave_interval(bearing, operation)
     if interval <= longest:
         return None

@@ -350,7 +350,6 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _room(value, step) -> float:
-    """How much of a step leaves all values positive, or more."""
     return TO_THE_WALL * float(np.divide(-value, step, out=np.full(len(step), np.inf), where=step < 0.0).min())
 
 

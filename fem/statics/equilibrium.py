@@ -265,7 +265,6 @@ def _settled(model: Model, outer_ring: np.ndarray) -> Model:
 
 
 def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:
-    """Forces of the contacts, inner and then outer ones, (2 n_rollers,), N."""
     return np.bincount(reduced.contact, pressed, minlength=2 * n_rollers)
 
 

@@ -164,7 +164,6 @@ def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
 
 
 def _law(ring: Section, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:
-    """The whole approach of one contact, both bodies, as a law δ = A Q (B − ½ ln Q)."""
     A = pair.line_compliance
     total = (hertz_approach(ring, half_width) + roller_approach) / pair.length
     return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)

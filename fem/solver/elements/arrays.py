@@ -152,7 +152,6 @@ def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -
 
 
 def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
-    """What contacts see of an elastic ring."""
     return RingSurface(
         u=ring.u,
         w=ring.w,
@@ -206,7 +205,6 @@ def contact_arrays(
 
 
 def _shares_rigid_bodies(model: Model, operation: Operation) -> bool:
-    """Whether a rigid body that moves has several contacts."""
     moves = operation.mounting.housing is not None
     return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
 

@@ -84,7 +84,6 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
 
 @lru_cache(maxsize=1)
 def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
-    """The model of a bearing without faults, the last one kept: scenes that follow differ in speed, load or faults."""
     found = kind.build(bearing, mesh_size)
     check_meshes(found)
     return found

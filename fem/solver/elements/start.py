@@ -150,13 +150,11 @@ def housing_place(model: Model, operation: Operation, motion: Motion, found: Equ
 
 
 def _weight_on_springs(model: Model, operation: Operation) -> float:
-    """Of housing and outer ring, N."""
     housing = operation.mounting.housing
     return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
 def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
-    """A start whose deformation does not change in the bodies' frames."""
     ideal = kinematics(model.bearing, *operation.ring_speeds)
     return Start(
         equilibrium=equilibrium,

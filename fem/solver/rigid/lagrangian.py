@@ -90,7 +90,6 @@ class Judge:
 
     @property
     def _fastest(self) -> float:
-        """Angular frequency of the stiffest mode under the largest forces so far, rad/s."""
         return fastest_mode(self._problem, *self._largest)
 
     @property
@@ -223,7 +222,6 @@ def beginning(problem: Problem) -> Beginning:
 
 
 def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
-    """The first sample."""
     coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name not in KEPT}
     alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
     found, per_roller = sampled(problem, np.zeros(1), alone), np.zeros((1, problem.bearing.n_rollers))
@@ -307,7 +305,6 @@ class LagrangianPlan(RigidPlan):
         return self._beginning(replace(self, reach=times * self.reach))
 
     def _beginning(self, plan: "LagrangianPlan") -> "LagrangianPlan":
-        """Another plan that begins as this one."""
         plan.__dict__["begin"] = self.begin
         return plan
 

@@ -262,7 +262,6 @@ def narrow_slices(
 
 
 def _widest_contact(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: TiltedStatics) -> float:
-    """Half-width of the most loaded slice's contact, m."""
     widest, slices = 0.0, tilted_slices(bearing, axial, laws)
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):

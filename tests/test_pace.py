@@ -14,7 +14,7 @@ from lagrange.scene.scene import read_scene
 
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
-    path = tmp_path / "cache" / "pace.json"
+    path = tmp_path / "pace.json"
     monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: path)
     return path
 

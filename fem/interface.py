@@ -67,9 +67,9 @@ def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
     measured = evaluation.y.vibration
     amplitudes = {line.name: line.amplitude for line in measured.lines}
     found |= {
-        "sensor_rms": measured.rms,
-        "sensor_crest": nan if measured.crest is None else measured.crest,
-        "sensor_kurtosis": nan if measured.kurtosis is None else measured.kurtosis,
+        "sensor_rms": measured.level.rms,
+        "sensor_crest": nan if measured.level.crest is None else measured.level.crest,
+        "sensor_kurtosis": nan if measured.level.kurtosis is None else measured.level.kurtosis,
         "sensor_bpfo": amplitudes.get("BPFO", nan),
         "sensor_bpfi": amplitudes.get("BPFI", nan),
     }

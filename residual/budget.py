@@ -111,7 +111,9 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     else:
         inertia = (_inertia_terms(record, accelerations, i) for i in range(2))
         forces = _force_terms(record, contacts, spring, damper)
-        forces["contact_law"] = _with_moments(law, record, contacts, forces["contact_law"])
+        if isinstance(law, SlicedLaw) and record.inner_moment is not None:  # that of tilted contacts' moments too
+            aside = moment_resultant(record, contacts, record.inner_moment - law.moment(contacts.inner))
+            forces["contact_law"] = tuple(a + b for a, b in zip(forces["contact_law"], aside, strict=True))
         rest = "ring_flexibility" if record.attributes else "other_forces"
         x, y = (
             _split(error, known | {name: pair[i] for name, pair in forces.items()}, rest)
@@ -130,14 +132,6 @@ def resultant_by(law: Law, record: Record, contacts: Overlaps, force) -> tuple[n
         return x, y
     aside_x, aside_y = moment_resultant(record, contacts, law.moment(contacts.inner))
     return x + aside_x, y + aside_y
-
-
-def _with_moments(law: Law, record: Record, contacts: Overlaps, term) -> tuple[np.ndarray, np.ndarray]:
-    """The term of the law with the force of its tilted contacts' moments, less the run's."""
-    if not isinstance(law, SlicedLaw) or record.inner_moment is None:
-        return term
-    x, y = moment_resultant(record, contacts, record.inner_moment - law.moment(contacts.inner))
-    return term[0] + x, term[1] + y
 
 
 def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict[str, np.ndarray]:

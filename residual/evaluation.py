@@ -7,7 +7,7 @@ from math import hypot
 import numpy as np
 
 from lagrange.contact.laws import warning
-from lagrange.kinematics import OUTER_RING, Kinematics, kinematics
+from lagrange.kinematics import OUTER_RING, kinematics
 from residual.budget import (
     Accelerations,
     Budget,
@@ -255,7 +255,9 @@ def evaluate(
         law = identified[law].law
     budget = error_budget(used, law, accelerations, closing_speed)
     ideal = kinematics(record.bearing, *used.mean_speeds)
-    lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
+    creeps = ideal.cage * used.cage_speed > 0.0  # by the run's own cage: creep moves BPFO beyond a long record's bin
+    seen = replace(ideal, cage=used.cage_speed) if creeps else ideal
+    lines = {} if used.varies_speed else kinematic_lines(seen)
     slowest = min(lines.values(), default=0.0)  # Hz
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)
@@ -341,13 +343,6 @@ def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:
             "highest speed and does not turn back"
         )
     return [note]
-
-
-def _observed(ideal: Kinematics, record: Record) -> Kinematics:
-    """Take the run's own cage speed for the kinematics: creep moves BPFO by more than a long record's resolution."""
-    if ideal.cage == 0.0 or record.cage_speed * ideal.cage <= 0.0:
-        return ideal
-    return replace(ideal, cage=record.cage_speed)
 
 
 def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]:

@@ -122,20 +122,16 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
     if most <= 0.0 or static <= 0.0:
         return ""
     deviation = static / most - 1.0
+    speed = " at the run's speed" if evaluation.record.operation.fastest else " at rest"  # of centrifugal forces
     deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(evaluation.record.inner_y.mean())
     words = (
-        f"The model's own equilibrium{_at_speed(evaluation)} has {text(static)} N on the most loaded roller, the run "
+        f"The model's own equilibrium{speed} has {text(static)} N on the most loaded roller, the run "
         f"at most {text(most)} N ({text(100.0 * deviation, 2)} %); the inner ring sinks by {text(deep)} µm, in the run "
         f"by {text(found)} µm on average"
     )
     if abs(deviation) < ALIKE and abs(deep - found) > ALIKE * abs(found):
         words += ": loads follow from equilibrium; displacements depend on the law"
     return words + "."
-
-
-def _at_speed(evaluation: Evaluation) -> str:
-    """The speed at which elements' centrifugal force acts in an equilibrium."""
-    return " at the run's speed" if evaluation.record.operation.fastest else " at rest"
 
 
 def contradiction_sentence(evaluation: Evaluation) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -124,11 +125,11 @@ class Record:
             return self.inner_x, self.inner_y
         return self.inner_x + self.outer_ring_x, self.inner_y + self.outer_ring_y
 
-    @property
+    @cached_property
     def bearing(self) -> Bearing:
         return self.scene.ideal_bearing()
 
-    @property
+    @cached_property
     def operation(self) -> Operation:
         return self.scene.ideal_operation()
 
@@ -188,13 +189,13 @@ class Record:
         """Angles of the rollers about the outer ring's centre from the load line, rad, (n_times, n_rollers)."""
         return angle_from_load(np.arctan2(self.roller_y, self.roller_x))
 
-    @property
+    @cached_property
     def turns(self) -> Turns:
         """Rotations of the inner ring and of the rollers: the source's own, or those of rolling without slip."""
         rolling = Turns.rolling(self.bearing, self.operation, self.time[:, None])
         return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
 
-    @property
+    @cached_property
     def contacts(self) -> Overlaps:
         """Overlaps of the scene's surfaces, which are the approaches of rigid bodies."""
         return approaches(self.bearing, self.inner_x, self.inner_y, self.roller_x, self.roller_y, self.turns)

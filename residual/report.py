@@ -195,7 +195,11 @@ def player_json(evaluation: Evaluation) -> str:
 
     The frames are the record's last, of as many roller passages as fit; of a standing bearing all of it.
     """
-    t, bearing, shown = evaluation.record, evaluation.record.bearing, _shown(evaluation)
+    t, bearing, passing = evaluation.record, evaluation.record.bearing, evaluation.lines.get("BPFO", 0.0)
+    frames = max(2, min(MOST_FRAMES, MOST_NUMBERS // (2 * bearing.n_rollers)))
+    step = 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames
+    frames, step = min(frames, int((t.time.size - 1) / max(step, 1.0)) + 1), max(step, 1.0)
+    shown = t.time.size - 1 - np.round(step * np.arange(frames)[::-1]).astype(int)  # samples that become frames
     path = slice(None, None, -(-t.time.size // PATH_POINTS))
     load = np.array(t.whole_load)  # of the hub, its weight included; written as shares of the largest
     largest = float(np.hypot(*load).max())
@@ -213,13 +217,3 @@ def player_json(evaluation: Evaluation) -> str:
         "path": [_rounded(1e6 * t.inner_x[path], 5), _rounded(1e6 * t.inner_y[path], 5)],
     }  # fmt: skip
     return _script(data)
-
-
-def _shown(evaluation: Evaluation) -> np.ndarray:
-    """Samples that become frames."""
-    t = evaluation.record
-    frames = max(2, min(MOST_FRAMES, MOST_NUMBERS // (2 * t.bearing.n_rollers)))
-    passing = evaluation.lines.get("BPFO", 0.0)
-    step = 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames
-    frames = min(frames, int((t.time.size - 1) / max(step, 1.0)) + 1)
-    return t.time.size - 1 - np.round(max(step, 1.0) * np.arange(frames)[::-1]).astype(int)

@@ -105,7 +105,9 @@ def too_coarse(
     motion = [d.momentum for d in directions if d.momentum is not None]
     if not record.attributes or not left or any("differentiation" not in d.terms for d in directions):
         return None
-    mode = _roller_mode(record, law, budget)
+    # of a roller between its two contacts, both taken as stiff as the inner one
+    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
+    mode = float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))
     worst = max(range(2), key=lambda i: left[i] - FOLDED * floors[i])
     below = WELL_SAMPLED / record.interval
     found = TooCoarse(
@@ -125,12 +127,6 @@ def _rms_below(force: np.ndarray, interval: float, frequency: float) -> float:
     spectrum = power_spectrum(force, interval)
     slow = spectrum.psd[(spectrum.frequency > 0.0) & (spectrum.frequency < frequency)]
     return hypot(float(np.mean(force)), float(np.sqrt(np.sum(slow) * spectrum.resolution)))
-
-
-def _roller_mode(record: Record, law: Law, budget: Budget) -> float:
-    """Highest frequency of a roller between its two contacts, both taken as stiff as the inner one, Hz."""
-    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
-    return float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))
 
 
 def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
@@ -297,14 +293,6 @@ def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) 
     swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
     error = {name: np.array([rms(values[part]) for part in parts]) for name, values in errors.items()}
     start = record.time[[part[0] for part in parts]]
-    return Stationarity(start=start, hub=hub, error=error, settled=_settled(swing))
-
-
-def _settled(swing: np.ndarray) -> int | None:
-    """First quarter from which all swings are alike; None if the last two are not."""
-    if swing.max() < SMALLEST:
-        return 0
-    for first in range(QUARTERS - 1):
-        if swing[first:].max() <= SETTLED * swing[first:].min():
-            return first
-    return None
+    firsts = range(QUARTERS - 1)  # from which all swings are alike
+    settled = next((k for k in firsts if swing[k:].max() <= SETTLED * swing[k:].min()), None)
+    return Stationarity(start=start, hub=hub, error=error, settled=0 if swing.max() < SMALLEST else settled)

@@ -240,6 +240,23 @@ def rms(signal) -> float:
     return float(np.sqrt(np.mean(signal**2)))
 
 
+@dataclass(frozen=True)
+class Level:
+    """Size and shape of a vibration, its mean removed, in its unit."""
+
+    rms: float
+    peak: float
+    crest: float | None  # peak over rms; None without any vibration
+    kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise
+
+    @classmethod
+    def of(cls, signal: np.ndarray) -> "Level":
+        level, peak = rms(signal), float(np.max(np.abs(signal)))
+        if level == 0.0:
+            return cls(level, peak, None, None)
+        return cls(level, peak, peak / level, float(np.mean((signal / level) ** 4)))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
     """Mean, rms, standard deviation and largest magnitude of one signal, N."""

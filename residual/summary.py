@@ -18,9 +18,9 @@ from residual.interpretation import floor_newtons, reported_angle, unseen
 from residual.lines import LineLevel
 from residual.record import CageMotion, Record
 from residual.sampling import PositionNoise, Stationarity
-from residual.spectrum import Peak, Statistics, rms
+from residual.spectrum import Level, Peak, Statistics, rms
 from residual.tilt import tilt_summary
-from residual.vibration import BandLevel, FaultLine, Vibration
+from residual.vibration import FaultLine, Vibration
 
 PROGRAM = "check-residual"
 
@@ -69,13 +69,14 @@ KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
         "record_needed_s": "record_needed",
     },
     Vibration: {
-        "body": "body", "peak_m_s2": "peak", "rms_m_s2": "rms", "crest_factor": "crest", "kurtosis": "kurtosis",
+        "body": "body", "peak_m_s2": "level.peak", "rms_m_s2": "level.rms", "crest_factor": "level.crest",
+        "kurtosis": "level.kurtosis",
         "bands": lambda v: [{"band_Hz": list(limits)} | numbers(level) for limits, level in v.bands.items()],
         "velocity_mm_s": lambda v: None if v.velocity is None else 1e3 * v.velocity,
         "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
         "envelope_lines": "lines",
     },
-    BandLevel: {"rms_m_s2": "rms", "kurtosis": "kurtosis", "crest_factor": "crest"},
+    Level: {"rms_m_s2": "rms", "kurtosis": "kurtosis", "crest_factor": "crest"},
     FaultLine: {
         "line": "name", "frequency_Hz": "frequency", "amplitude_m_s2": "amplitude", "floor_m_s2": "floor",
         "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "nearest": "nearest",
@@ -125,6 +126,7 @@ def summarise(evaluation: Evaluation, options: ReportOptions) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
     t, directions, tolerance, search = evaluation.record, evaluation.directions, options.tolerance, options.search
     noise, (low, high) = numbers(evaluation.position_noise), evaluation.loaded_range
+    said = evaluation.diagnosis
     summary = {
         "run": t.name,
         "source": shown(t.source.name),
@@ -145,9 +147,13 @@ def summarise(evaluation: Evaluation, options: ReportOptions) -> dict:
         **{f"peaks_{d.name}": numbers(d.peaks) for d in directions},
         **{f"lines_{d.name}": numbers(d.levels) for d in directions},
         **{f"vibration_{d.name}": numbers(d.vibration) for d in directions},
-        "diagnosis": _diagnosis(evaluation),
+        "diagnosis": {
+            "verdict": None if isinstance(said, str) else said.verdict,
+            "reasons": [said] if isinstance(said, str) else list(said.reasons),
+        },
         "orders": _orders(evaluation),
-        **({} if search is None else _search(search)),
+        **({} if search is None else {"faults": numbers(search.found), "faults_seen": numbers(search.maps)}),
+        **({} if search is None else {"faults_left_stand_out": max((m.deepest[1] for m in search.left), default=0.0)}),
         "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": dict(zip("xy", floor_newtons(evaluation), strict=True)),
@@ -187,14 +193,6 @@ def _cage(t: Record, cage: CageMotion, rolling: float) -> dict[str, float | None
     }
 
 
-def _diagnosis(evaluation: Evaluation) -> dict[str, Any]:
-    """Verdict of check-vibration on the run, or why there is none."""
-    found = evaluation.diagnosis
-    if isinstance(found, str):
-        return {"verdict": None, "reasons": [found]}
-    return {"verdict": found.verdict, "reasons": list(found.reasons)}
-
-
 def _orders(evaluation: Evaluation) -> dict | None:
     """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
     found = {d.name: d.orders for d in evaluation.directions if d.orders is not None}
@@ -212,14 +210,6 @@ def _orders(evaluation: Evaluation) -> dict | None:
         ]
         for name, orders in found.items()
     }
-
-
-def _search(search: FaultSearch) -> dict:
-    """Spalls found, how much of each body was seen, and what stands out still."""
-    left = max((m.deepest[1] for m in search.left), default=0.0)
-    return {
-        "faults": numbers(search.found), "faults_seen": numbers(search.maps), "faults_left_stand_out": left,
-    }  # fmt: skip
 
 
 def _identification(evaluation: Evaluation) -> dict | None:

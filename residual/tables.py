@@ -145,11 +145,13 @@ def _or_dash(value: float | None) -> str:
 def vibration_table(e: Evaluation) -> Section:
     """Levels of both accelerations in m/s² and g; kurtosis and crest factor have no unit, velocity its own."""
     both = [d.vibration for d in e.directions]
-    parts = {"": both} | {
+    parts = {"": [v.level for v in both]} | {
         f", {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high] for v in both]
         for low, high in both[0].bands
     }
-    levels = {"peak": [v.peak for v in both]} | {f"rms{of}": [v.rms for v in found] for of, found in parts.items()}
+    levels = {"peak": [v.level.peak for v in both]} | {
+        f"rms{of}": [v.rms for v in found] for of, found in parts.items()
+    }
     rows = [[name, *(cell for v in each for cell in (text(v), text(v / G, 3)))] for name, each in levels.items()]
     for of, found in parts.items():
         shapes = (f"{_or_dash(each.crest)}; {_or_dash(each.kurtosis)}" for each in found)
@@ -246,7 +248,8 @@ def line_differences(evaluation: Evaluation, other: Evaluation) -> Section:
     rows: list[list[str]] = []
     for mine, theirs in zip(evaluation.directions, other.directions, strict=True):
         first, second = mine.vibration, theirs.vibration
-        pairs = {"rms, g": (first.rms / G, second.rms / G), "peak, g": (first.peak / G, second.peak / G)}
+        one, two = first.level, second.level
+        pairs = {"rms, g": (one.rms / G, two.rms / G), "peak, g": (one.peak / G, two.peak / G)}
         if first.velocity is not None and second.velocity is not None:
             pairs["velocity, mm/s rms"] = 1e3 * first.velocity, 1e3 * second.velocity
         found = {line.name: line for line in second.lines}

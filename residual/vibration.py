@@ -1,6 +1,6 @@
 """Vibration as bearing engineers read it: levels of an acceleration, and fault lines in its envelope."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,10 @@ from residual.spectrum import (
     MAIN_LOBE,
     TOP_OF_NYQUIST,
     Envelope,
+    Level,
     Spectrum,
     band_envelope,
     power_spectrum,
-    rms,
 )
 
 Measured = tuple[str, Any]  # a body and its acceleration along an axis, (n_times,), m/s²; None: the source has none
@@ -57,25 +57,13 @@ class FaultLine:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BandLevel:
-    """Acceleration in one band."""
-
-    rms: float  # m/s²
-    kurtosis: float | None  # None without any vibration
-    crest: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class Vibration:
     """Acceleration of a body in one direction, its mean removed."""
 
     body: str  # "sensor", "housing" or "hub"
     acceleration: np.ndarray  # (n_times,), m/s²
-    peak: float  # m/s²
-    rms: float  # m/s²
-    kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise; None without any vibration
-    crest: float | None  # peak over rms
-    bands: dict[tuple[float, float], BandLevel]  # by the band's limits, Hz
+    level: Level  # m/s²
+    bands: dict[tuple[float, float], Level]  # by the band's limits, Hz; their rms by the spectrum
     velocity: float | None  # m/s rms in ISO 20816's band; None: the record is too short or too slow for it
     spectrum: Spectrum
     envelope: Envelope | None
@@ -135,7 +123,6 @@ def vibration(
     """
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
-    level, peak = rms(motion), float(np.max(np.abs(motion)))
     cage, inner = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0))
     low, high = (ENVELOPE_FROM * inner, ENVELOPE_TO) if band is None else band
     found = band_envelope(motion, interval, low, high, cage) if cage > 0.0 else None
@@ -147,17 +134,15 @@ def vibration(
     if band is None and found is not None and found.high - found.low < NARROWEST * inner:
         found = None
     spectrum = power_spectrum(motion, interval, cage)
-    moving = level > 0.0
     return Vibration(
-        body=body, acceleration=motion, peak=peak, rms=level, crest=peak / level if moving else None,
-        kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
+        body=body, acceleration=motion, level=Level.of(motion),
         bands=band_levels(motion, interval, spectrum), velocity=velocity_level(spectrum), spectrum=spectrum,
         envelope=found,
         lines=[] if found is None else envelope_lines(found, lines),
     )  # fmt: skip
 
 
-def band_levels(motion: np.ndarray, interval: float, spectrum: Spectrum) -> dict[tuple[float, float], BandLevel]:
+def band_levels(motion: np.ndarray, interval: float, spectrum: Spectrum) -> dict[tuple[float, float], Level]:
     """Levels in the bands that engineers use, as far as the spectrum goes, by their limits, Hz."""
     from scipy import fft
 
@@ -166,11 +151,7 @@ def band_levels(motion: np.ndarray, interval: float, spectrum: Spectrum) -> dict
     found = {}
     for low, high in ((low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top):
         part = fft.irfft(np.where((frequency >= low) & (frequency < high), transform, 0.0), motion.size)
-        level = rms(part)
-        found[low, high] = BandLevel(
-            rms=spectrum.band_rms(low, high), kurtosis=float(np.mean((part / level) ** 4)) if level > 0.0 else None,
-            crest=float(np.max(np.abs(part))) / level if level > 0.0 else None,
-        )  # fmt: skip
+        found[low, high] = replace(Level.of(part), rms=spectrum.band_rms(low, high))
     return found
 
 

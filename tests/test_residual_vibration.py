@@ -43,14 +43,15 @@ def by_name(found):
 
 def test_a_sine_has_kurtosis_one_and_a_half_and_crest_factor_root_two():
     found = vibration(tone(CARRIER, 7.0) + 9.81, STEP, paper_lines())
-    assert found.kurtosis == pytest.approx(1.5, rel=1e-3)
-    assert found.crest == pytest.approx(np.sqrt(2.0), rel=1e-3)
-    assert found.peak == pytest.approx(7.0, rel=1e-3) and found.rms == pytest.approx(7.0 / np.sqrt(2.0), rel=1e-3)
+    assert found.level.kurtosis == pytest.approx(1.5, rel=1e-3)
+    assert found.level.crest == pytest.approx(np.sqrt(2.0), rel=1e-3)
+    assert found.level.peak == pytest.approx(7.0, rel=1e-3)
+    assert found.level.rms == pytest.approx(7.0 / np.sqrt(2.0), rel=1e-3)
 
 
 def test_gaussian_noise_has_kurtosis_three_and_no_line_stands_out():
     found = vibration(noise(5.0), STEP, paper_lines())
-    assert found.kurtosis == pytest.approx(3.0, abs=4.0 * np.sqrt(24.0 / TIME.size))
+    assert found.level.kurtosis == pytest.approx(3.0, abs=4.0 * np.sqrt(24.0 / TIME.size))
     assert not any(line.stands_out for line in found.lines)
 
 
@@ -144,7 +145,7 @@ def test_a_standing_or_still_bearing_has_no_lines():
     standing = vibration(noise(1.0), STEP, {})
     assert standing.envelope is None and standing.lines == []
     still = vibration(np.zeros(1000), STEP, paper_lines())
-    assert still.kurtosis is None and still.crest is None and still.rms == 0.0
+    assert still.level.kurtosis is None and still.level.crest is None and still.level.rms == 0.0
 
 
 @pytest.fixture(scope="module")

@@ -85,7 +85,7 @@ def _record(check: Check, folder: Path) -> SavedFigure:
     for judged, colour in ((check.record, BLUE), (check.other, ORANGE)):
         if judged is not None:
             frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
-            amplitude = amplitude if shared else amplitude / judged.rms
+            amplitude = amplitude if shared else amplitude / judged.level.rms
             upper.plot(frequency, amplitude, color=colour, linewidth=0.7, label=judged.signal.name,
                        zorder=3.0 if judged is check.record else 2.0)  # fmt: skip
     unit = check.record.signal.unit or "own unit"

@@ -30,7 +30,9 @@ def passage_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
         return []
     found: dict[int, list[Passage]] = {}
     for passage in find_passages(record.bearing, record.operation, *_samples(record)):
-        if _is_whole(passage):
+        first, last = passage.angle[0] / passage.half_width, passage.angle[-1] / passage.half_width
+        whole = abs(first) > 1.0 and abs(last) > 1.0 and first * last < 0.0  # in at one edge and out at the other
+        if whole and np.any(passage.force > 0.0):
             found.setdefault(passage.spall, []).append(passage)
     hardest = sorted(found, key=lambda spall: -max(passage.force.max() for passage in found[spall]))[:MOST_SPALLS]
     return [_overlay(evaluation, spall, found[spall], folder) for spall in sorted(hardest)]
@@ -47,12 +49,6 @@ def _samples(record: Record):
     return (lambda start, stop: {name: values[start:stop] for name, values in columns.items()}), record.time.size
 
 
-def _is_whole(passage: Passage) -> bool:
-    """Whether a roller comes in at one edge, under load somewhere, and goes out at the other."""
-    first, last = passage.angle[0] / passage.half_width, passage.angle[-1] / passage.half_width
-    return abs(first) > 1.0 and abs(last) > 1.0 and first * last < 0.0 and bool(np.any(passage.force > 0.0))
-
-
 def _onward(passage: Passage) -> np.ndarray:
     """Angles from the middle on the roller's way, rad, (n,)."""
     return np.sign(passage.angle[-1] - passage.angle[0]) * passage.angle
@@ -62,11 +58,12 @@ def _overlay(evaluation: Evaluation, number: int, found: list[Passage], folder: 
     """Draw force and hub's acceleration over the angle from one spall's middle."""
     record, spall = evaluation.record, spalls(evaluation.record.bearing)[number]
     found = found[:: -(-len(found) // MOST_PASSAGES)]
-    loud = max(evaluation.directions, key=lambda direction: direction.vibration.rms).name
+    loud = max(evaluation.directions, key=lambda direction: direction.vibration.level.rms).name
     acceleration = evaluation.hub_acceleration["xy".index(loud)]
     place = None
     if spall.body != "outer_ring":  # then it is passed at all places
-        place = np.array([abs(np.degrees(record.from_load[_middle(passage), passage.roller])) for passage in found])
+        middle = [passage.first + int(np.argmin(np.abs(passage.angle))) for passage in found]
+        place = np.abs(np.degrees(record.from_load[middle, [passage.roller for passage in found]]))
     names = ["contact force, N", f"hub's acceleration, {loud}, m/s²"]
     right = RIGHT if place is None else COLOUR_BAR
     figure, axes = panels(2, 5.6, right=right, x="angle from the spall's middle, on the way, °", y=names)
@@ -120,11 +117,6 @@ def _caption(spall: Spall, found: list[Passage], strikes: list[SpallEvent], at: 
     return caption
 
 
-def _middle(passage: Passage) -> int:
-    """Sample at which the roller passes the middle."""
-    return passage.first + int(np.argmin(np.abs(passage.angle)))
-
-
 def _angle_at(found: list[Passage], event: SpallEvent) -> float:
     """Angle of an event from the middle, on the roller's way, rad."""
     passage = next(
@@ -138,11 +130,9 @@ def _angle_at(found: list[Passage], event: SpallEvent) -> float:
 
 def fault_figures(search: FaultSearch, folder: Path) -> list[SavedFigure]:
     """Draw the search; nothing where no map was made."""
-    return [_drawn(search, folder)] if search.maps else []
-
-
-def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
     found = search.found
+    if not search.maps:
+        return []
     rows = max(1, 2 * len(found))
     figure, axes = panels((1,) * rows, 3.3 * rows)
     for k, each in enumerate(found):
@@ -164,7 +154,7 @@ def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
         axis.set_xlim(-180.0, 180.0)
     for axis in axes:
         legend_above(axis, 3)
-    return save(figure, folder, "fault_search", "Passages by the body's own angle", caption)
+    return [save(figure, folder, "fault_search", "Passages by the body's own angle", caption)]
 
 
 def _draw_map(axis, each: SinkageMap, colour: str) -> None:

@@ -48,7 +48,7 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the band of the acceleration with its envelope over a few passages, and the envelope's spectra."""
     figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
     found = [(d, d.vibration.envelope) for d in evaluation.directions if d.vibration.envelope is not None]
-    loud, loudest = max(found, key=lambda each: each[0].vibration.rms)
+    loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
     shown = middle(evaluation, PASSAGES_SHOWN)
     time = 1e3 * evaluation.record.time[shown]
     upper.plot(time, loudest.band[shown] / G, color=SKY, linewidth=0.6, label="acceleration in the band")

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.catalogue import instead, listed
-from lagrange.scene.scene import Scene, parse_scene, read_scene
+from lagrange.scene.scene import parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured.diagnosis import (
     SLIP,
@@ -23,7 +23,7 @@ from residual.measured.signals import Signal, read_signal
 from residual.measured.simulated import Assumed, simulation
 from residual.measured.strikes import Pulse, Width, damage_width, mean_pulse
 from residual.record import Record, after_ramp
-from residual.spectrum import Spectrum, power_spectrum, rms
+from residual.spectrum import Level, Spectrum, power_spectrum
 from residual.vibration import measured, velocity_level
 
 MOST_PARTS = 1000  # of a ratio of rates
@@ -57,11 +57,6 @@ class Question:
         """Those of a bearing that is described by its sizes."""
         return self.elements, self.element_diameter, self.pitch_diameter
 
-    @property
-    def names_bearing(self) -> bool:
-        """Whether any option gives the bearing."""
-        return any(given is not None for given in (self.bearing, self.scene, *self.sizes))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
@@ -74,16 +69,8 @@ class Judged:
     shaft: float  # Hz, nominal
     width: Width
     pulse: Pulse | None  # about strikes of the most prominent part
-    rms: float
-    crest: float  # largest magnitude over rms
-    kurtosis: float
+    level: Level
     velocity: float | None  # m/s rms in ISO 20816's band; None: of no acceleration
-
-    @property
-    def likely_shaft(self) -> float:
-        """The shaft's frequency, Hz: as given, unless the record says more than slip against it."""
-        found = self.diagnosis.shaft
-        return self.shaft if abs(found / self.shaft - 1.0) <= 1.5 * SLIP else found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,15 +97,17 @@ def check_record(path: Path, against: Path | None, question: Question, options: 
     InputError: a record, bearing or speed that can't be used.
     """
     scene = against if against is not None and against.suffix.lower() == ".toml" else None
-    if scene is not None and not question.names_bearing:
+    if scene is not None and all(each is None for each in (question.bearing, question.scene, *question.sizes)):
         question = replace(question, scene=scene)
     record = _judged(path, question, options, None)
     if against is None:
         return Check(path=path, record=record, other=None)
     if scene is None:
         return Check(path=path, record=record, other=_judged(against, question, options, record))
-    longest = TURNS / record.diagnosis.lines["FTF"]
-    with simulation(scene, record.signal.rate, min(record.signal.duration, longest), record.likely_shaft) as made:
+    longest, shaft = TURNS / record.diagnosis.lines["FTF"], record.diagnosis.shaft
+    if abs(shaft / record.shaft - 1.0) <= 1.5 * SLIP:  # the record says no more than slip against the speed as given
+        shaft = record.shaft
+    with simulation(scene, record.signal.rate, min(record.signal.duration, longest), shaft) as made:
         other = _judged(made.run, question, options, record)
     other = replace(other, signal=replace(other.signal, name=f"{scene.name}, simulated"))
     return Check(path=path, record=record, other=other, command=made.command, assumed=made.assumed)
@@ -146,15 +135,13 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
             )
         geometry, shaft = asked, _speed(question)
         signal = read_signal(path, options.rate, options.channel, options.unit, options.sensitivity)
-    level = rms(signal.values)
     diagnosis = diagnose(signal, geometry, shaft, question.tolerance)
     part = diagnosis.findings[0].name if beside is None else beside.diagnosis.findings[0].name
     spectrum = power_spectrum(signal.values, 1.0 / signal.rate, diagnosis.lines["FTF"])
     return Judged(
-        signal=signal, spectrum=spectrum, diagnosis=diagnosis, geometry=geometry, shaft=shaft, rms=level,
-        width=damage_width(signal, geometry, diagnosis),
+        signal=signal, spectrum=spectrum, diagnosis=diagnosis, geometry=geometry, shaft=shaft,
+        level=Level.of(signal.values),        width=damage_width(signal, geometry, diagnosis),
         pulse=mean_pulse(signal.values, signal.rate, diagnosis.of(part).found),
-        crest=float(np.max(np.abs(signal.values))) / level, kurtosis=float(np.mean((signal.values / level) ** 4)),
         velocity=velocity_level(spectrum) if signal.unit == "m/s²" else None,
     )  # fmt: skip
 
@@ -173,7 +160,7 @@ def _bearing(question: Question) -> Geometry | None:
             )
         return Geometry.of(parse_scene({"bearing": {"designation": question.bearing}}, "--bearing").perfect_bearing())
     if question.scene is not None:
-        scene = _scene(question)
+        scene = read_scene(question.scene)
         return Geometry.of(scene.perfect_bearing(), scene.ideal_operation().ring_speeds)
     if not any(ways):
         return None
@@ -191,17 +178,13 @@ def _bearing(question: Question) -> Geometry | None:
     )  # fmt: skip
 
 
-def _scene(question: Question) -> Scene:
-    return read_scene(question.scene)
-
-
 def _speed(question: Question) -> float:
     """The shaft's frequency, Hz: as given, else the scene's."""
     if question.speed is not None:
         return question.speed / 60.0
     if question.scene is None:
         raise InputError("the speed is missing: add --speed and the shaft's rpm")
-    operation = _scene(question).ideal_operation()
+    operation = read_scene(question.scene).ideal_operation()
     if operation.varies_speed:
         raise InputError(f"--scene {question.scene}: its speed changes; add --speed and the shaft's rpm of the record")
     return counted(operation.ring_speeds)

@@ -66,10 +66,11 @@ def facts(check: Check) -> Section:
     """The record in words."""
     judged, signal, found, width = check.record, check.record.signal, check.record.diagnosis, check.record.width
     unit = f" {signal.unit}" if signal.unit else ", in the file's own unit"
-    level = f"{text(1e3 * judged.rms)} mm/s rms" if signal.unit == "m/s" else f"{text(judged.rms)}{unit} rms"
+    size, shape = judged.level.rms, (judged.level.crest or np.nan, judged.level.kurtosis or np.nan)
+    level = f"{text(1e3 * size)} mm/s rms" if signal.unit == "m/s" else f"{text(size)}{unit} rms"
     if signal.unit == "m/s²":
-        level += f" ({text(judged.rms / G, 3)} g)"
-    level += f", crest factor {text(judged.crest, 3)}, kurtosis {text(judged.kurtosis, 3)}"
+        level += f" ({text(size / G, 3)} g)"
+    level += f", crest factor {text(shape[0], 3)}, kurtosis {text(shape[1], 3)}"
     if judged.velocity is not None:
         level += f"; velocity {text(1e3 * judged.velocity, 3)} mm/s rms (10–1000 Hz, ISO 20816)"
     lines = ", ".join(f"{name} {text(found.lines[name], 5)}" for name in ("FTF", *BODIES))
@@ -132,12 +133,14 @@ def comparison(check: Check) -> Section:
 
     units = [judged.signal.unit or "own unit" for judged in pair]
     shared = units[0] == units[1]
-    first, second = (text(each.rms) + ("" if shared else f" {unit}") for each, unit in zip(pair, units, strict=True))
+    first, second = (
+        text(each.level.rms) + ("" if shared else f" {unit}") for each, unit in zip(pair, units, strict=True)
+    )
     rows = [
         ("verdict", pair[0].diagnosis.verdict, pair[1].diagnosis.verdict),
         (f"rms, {units[0]}" if shared else "rms, units differ", first, second),
-        row("kurtosis", (judged.kurtosis for judged in pair)),
-        row("crest factor", (judged.crest for judged in pair)),
+        row("kurtosis", (judged.level.kurtosis for judged in pair)),
+        row("crest factor", (judged.level.crest for judged in pair)),
         row(f"{name}, Hz", (each.found for each in same), 5),
         row(f"{name} per turn of the shaft", (f.found / d.shaft for f, d in zip(same, found, strict=True)), 4),
         row(f"depth of {name}, all harmonics", (each.depth for each in same), 2),
@@ -219,8 +222,8 @@ def _numbers(judged: Judged) -> dict:
         "kinematic_lines_Hz": found.lines,
         "rate_Hz": judged.signal.rate,
         "seconds": judged.signal.duration,
-        f"rms_{unit}": judged.rms,
-        "crest": judged.crest,
-        "kurtosis": judged.kurtosis,
+        f"rms_{unit}": judged.level.rms,
+        "crest": judged.level.crest,
+        "kurtosis": judged.level.kurtosis,
         "velocity_mm_s": None if judged.velocity is None else 1e3 * judged.velocity,
     }  # fmt: skip

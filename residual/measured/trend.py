@@ -45,8 +45,9 @@ class Entry:
     def of(cls, name: str, judged: Judged) -> "Entry":
         found = judged.diagnosis
         return cls(
-            name=name, verdict=found.verdict, unit=judged.signal.unit, rms=judged.rms, kurtosis=judged.kurtosis,
-            crest=judged.crest, velocity=judged.velocity, speed=60.0 * found.shaft,
+            name=name, verdict=found.verdict, unit=judged.signal.unit, rms=judged.level.rms,
+            kurtosis=judged.level.kurtosis or np.nan, crest=judged.level.crest or np.nan, velocity=judged.velocity,
+            speed=60.0 * found.shaft,
             depths={part: found.of(part).depth for part in BODIES},
             prominent=found.findings[0].name if found.findings[0].stands_out else None,
         )  # fmt: skip

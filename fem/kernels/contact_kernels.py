@@ -19,7 +19,7 @@ from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_memory import gather, load, scatter_add, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import kick_force, next_force
-from fem.kernels.state import CONTACTS, Neighbours, Raceway
+from fem.kernels.state import Pair
 from fem.kernels.surfaces import (
     accumulate_ghost_nodes,
     clear_ghost_nodes,
@@ -38,14 +38,6 @@ def normal_forces(pair, rollers, disc, contacts, drive):
     """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
 
 
-@verb
-def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
-    """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
-
-
-push_patches, push_neighbours = every(scatter_normal_forces), every(scatter_normal_forces, Neighbours)
-
-
 @part
 def press_patches(groups, rollers, disc, contacts, drive):
     """Normal forces of all pairs. Contacts go through it step by step together: one alone waits for its own numbers."""
@@ -55,19 +47,10 @@ def press_patches(groups, rollers, disc, contacts, drive):
     press_all(groups, rollers, disc, contacts, drive)
 
 
-@verb
+@part
 def first_surface(pair, disc):
     """The surface on side 0."""
-
-
-@first_surface.of(Raceway)
-def _of_raceway(raceway, disc):
-    return raceway.surface
-
-
-@first_surface.of(Neighbours)
-def _of_neighbours(pair, disc):
-    return disc
+    return disc if pair.surface is None else pair.surface
 
 
 @part
@@ -91,68 +74,40 @@ def _met(contacts, row):
 
 
 @part
-def _open(forces, row):
-    """Eight contacts out of reach."""
-    store(forces.force, row, splat(0.0))
-    store(forces.kick, row, splat(0.0))
-    store(forces.approach, row, splat(np.nan))
-
-
-@verb
 def contact_kinematics(pair, rollers, disc, contacts):
     """Overlaps of a pair's undeformed circles, normals and outward directions on both sides."""
-
-
-@contact_kinematics.of(Raceway)
-def _meet_raceway(raceway, rollers, disc, contacts):
     forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
-    sign, ring_c, ring_s = raceway.sign, raceway.frame[1], raceway.frame[2]
-    ring_x, ring_y, side = raceway.centre[0], raceway.centre[1], 2 * raceway.row
+    cosine, sine, sign, side = rollers.cosine, rollers.sine, pair.sign, 2 * pair.row
     for group in range(0, n, WIDTH):
-        row = raceway.row * columns + group
-        x, y = load(centre, group) - ring_x, load(centre, columns + group) - ring_y
-        distance = square_root(x * x + y * y)
-        overlap = sign * (raceway.radius - distance) + rollers.radius
+        row = pair.row * columns + group
+        x, y = load(centre, group), load(centre, columns + group)
+        if pair.surface is not None:
+            x, y = x - pair.centre[0], y - pair.centre[1]
+            distance = square_root(x * x + y * y)
+            overlap = sign * (pair.radius - distance) + rollers.radius
+        else:
+            i = next_rollers(group, n)
+            x, y = gather(centre, i) - x, gather(centre, i + columns) - y
+            distance = square_root(x * x + y * y)
+            overlap = 2.0 * rollers.radius - distance
         near = (overlap >= -contacts.reach) & (count_from(group) < n)
         store(forces.overlap, row, select(near, overlap, np.nan))
         if not any_lane(near):
-            _open(forces, row)
+            store(forces.force, row, splat(0.0))
+            store(forces.kick, row, splat(0.0))
+            store(forces.approach, row, splat(np.nan))
             continue
         scale = 1.0 / select(near, distance, 1.0)
         nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
         store(forces.nearness, row, scale)
         _store_pair(patches.normal, side * columns + group, columns, nx, ny)
-        bx, by = ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx
-        _store_pair(patches.outward, 2 * side * columns + group, columns, bx, by)
-        c, s = load(rollers.cosine, group), load(rollers.sine, group)
+        c, s = load(cosine, group), load(sine, group)
+        if pair.surface is not None:
+            c_0, s_0 = pair.frame[1], pair.frame[2]
+        else:
+            c_0, s_0, c, s = c, s, gather(cosine, i), gather(sine, i)
+        _store_pair(patches.outward, 2 * side * columns + group, columns, c_0 * nx + s_0 * ny, c_0 * ny - s_0 * nx)
         bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
-        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
-
-
-@contact_kinematics.of(Neighbours)
-def _meet_neighbours(pair, rollers, disc, contacts):
-    forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
-    cosine, sine, side = rollers.cosine, rollers.sine, 2 * pair.row
-    touching = 2.0 * rollers.radius + contacts.reach
-    for group in range(0, n, WIDTH):
-        row, i = pair.row * columns + group, next_rollers(group, n)
-        x = gather(centre, i) - load(centre, group)
-        y = gather(centre, i + columns) - load(centre, columns + group)
-        square = x * x + y * y
-        near = (square <= touching * touching) & (count_from(group) < n)
-        if not any_lane(near):
-            store(forces.overlap, row, splat(np.nan))
-            _open(forces, row)
-            continue
-        distance = select(near, square_root(square), 1.0)
-        scale = 1.0 / distance
-        store(forces.overlap, row, select(near, 2.0 * rollers.radius - distance, np.nan))
-        store(forces.nearness, row, scale)
-        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
-        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
-        c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
-        _store_pair(patches.outward, 2 * side * columns + group, columns, c * nx + s * ny, c * ny - s * nx)
-        bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
         _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
 
 
@@ -186,19 +141,14 @@ def _read(pair, rollers, disc, contacts):
             keep_motion(patches, 2 * pair.row + 1, group, found)
 
 
-meet_all, place_all, read_all = every(contact_kinematics), every(_place, *CONTACTS), every(_read, *CONTACTS)
+meet_all, place_all, read_all = every(contact_kinematics, Pair), every(_place, Pair), every(_read, Pair)
 press_all = every(normal_forces)
 
 
-@verb
+@part
 def second_rollers(pair, group, n):
     """The rollers on side 1 of eight contacts, lanes."""
-    return count_from(group)
-
-
-@second_rollers.of(Neighbours)
-def _second_of_neighbours(pair, group, n):
-    return next_rollers(group, n)
+    return next_rollers(group, n) if pair.surface is None else count_from(group)
 
 
 @verb
@@ -234,19 +184,6 @@ def turned_aside(law, row, aside):
 
 
 @part
-def _note_for_dampers(dampers, forces, row, closed, slopes, dt):
-    """How fast eight approaches have grown since the last kick, and by which slopes they change, for their dampers.
-
-    `slopes` : per rad of the line of centres and by sides, of side 0 and of side 1.
-    """
-    if dampers is not None:
-        store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
-        store(dampers.along, row, slopes[0] * load(forces.nearness, row))
-        store(dampers.first, row, slopes[1])
-        store(dampers.second, row, slopes[2])
-
-
-@part
 def with_dampers(dampers, row, force):
     """Forces of eight contacts with their dampers', N."""
     if dampers is None:
@@ -267,100 +204,86 @@ def _load_pair(array, at, columns):
     return load(array, at), load(array, at + columns)
 
 
-@normal_forces.of(Raceway)
-def _press_raceway(raceway, rollers, disc, contacts, drive):
-    forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, raceway.sign
-    away_x, away_y = raceway.counted_from[0], raceway.counted_from[1]
-    ring_tilt_x, ring_tilt_y, moment = splat(0.0), splat(0.0), splat(0.0)
+@normal_forces.of(Pair)
+def _press(pair, rollers, disc, contacts, drive):
+    forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, pair.sign
+    impulse, body_impulse, turn_kick = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick
+    ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, rollers.n, WIDTH):
-        row, side = raceway.row * columns + group, 2 * raceway.row
+        row, side = pair.row * columns + group, 2 * pair.row
         overlap, near = _met(contacts, row)
         if not any_lane(near):
             continue
         nx, ny = _load_pair(patches.normal, side * columns + group, columns)
         motion, sideways = kept_motion(patches, side, group)
-        bx, by = _load_pair(patches.outward, 2 * side * columns + group, columns)
-        out, rate, ripple, ripple_rate = lowered_ring(raceway.profile, sign, motion, bx, by)
-        out -= away_x * nx + away_y * ny
-        sideways -= away_y * nx - away_x * ny
-        motion, sideways_r = kept_motion(patches, side + 1, group)
-        bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
-        out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
+        own, sideways_r = kept_motion(patches, side + 1, group)
+        if pair.surface is not None:
+            i = group
+            bx, by = _load_pair(patches.outward, 2 * side * columns + group, columns)
+            out, rate, ripple, ripple_rate = lowered_ring(pair.profile, sign, motion, bx, by)
+            away_x, away_y = pair.counted_from[0], pair.counted_from[1]
+            out -= away_x * nx + away_y * ny
+            sideways -= away_y * nx - away_x * ny
+            bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
+            out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(pair.roller_profiles, group, own, bx, by)
+        else:
+            i = next_rollers(group, rollers.n)
+            (out, rate, ripple, ripple_rate), (out_r, rate_r, ripple_r, ripple_rate_r) = motion, own
         closed = overlap + sign * out + out_r
         slopes = sign * (rate + sideways) + rate_r + sideways_r, sign * rate, rate_r
-        _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
-        met = near, closed
-        Q, P = press(raceway.law, rollers, forces, (group, row), (nx, ny), met, ripple + ripple_r, dt)
-        half = 0.5 * Q * Q
-        given = P * (sign * dt)
-        scatter_add(rollers.node_impulse, group, given * nx)
-        scatter_add(rollers.node_impulse, columns + group, given * ny)
-        aside = turned_aside(raceway.law, row, P * slopes[0] - half * (ripple_rate + ripple_rate_r))
+        if contacts.dampers is not None:  # how fast approaches have grown, and by which slopes they change
+            dampers = contacts.dampers
+            store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
+            store(dampers.along, row, slopes[0] * load(forces.nearness, row))
+            store(dampers.first, row, slopes[1])
+            store(dampers.second, row, slopes[2])
+        Q, P = press(pair.law, rollers, forces, (group, row), (nx, ny), (near, closed), ripple + ripple_r, dt)
+        half, given, over = 0.5 * Q * Q, P * (sign * dt), dt / rollers.inertia
+        x, y = given * nx, given * ny
+        aside = turned_aside(pair.law, row, P * slopes[0] - half * (ripple_rate + ripple_rate_r))
         aside = aside * load(forces.nearness, row) * dt
-        scatter_add(rollers.body_impulse, group, aside * ny)
-        scatter_add(rollers.body_impulse, columns + group, -(aside * nx))
-        scatter_add(rollers.turn_kick, group, (P * rate_r - half * ripple_rate_r) * (dt / rollers.inertia))
-        ring_tilt_x -= aside * ny
-        ring_tilt_y += aside * nx
-        moment += half * ripple_rate - P * slopes[1]
-    raceway.impulse[0] += total(ring_tilt_x)
-    raceway.impulse[1] += total(ring_tilt_y)
-    raceway.moment[0] += total(moment)
-
-
-@normal_forces.of(Neighbours)
-def _press_neighbours(pair, rollers, disc, contacts, drive):
-    forces, patches, columns, dt = contacts.forces, contacts.patches, rollers.columns, drive.dt
-    impulse, body_impulse, turn_kick = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick
-    for group in range(0, rollers.n, WIDTH):
-        row, side, i = pair.row * columns + group, 2 * pair.row, next_rollers(group, rollers.n)
-        overlap, near = _met(contacts, row)
-        if not any_lane(near):
-            continue
-        nx, ny = _load_pair(patches.normal, side * columns + group, columns)
-        (out, rate, ripple, ripple_rate), sideways = kept_motion(patches, side, group)
-        (out_i, rate_i, ripple_i, ripple_rate_i), sideways_i = kept_motion(patches, side + 1, group)
-        closed = overlap + out + out_i
-        slopes = rate + sideways + rate_i + sideways_i, rate, rate_i
-        _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
-        Q, P = press(pair.law, rollers, forces, (group, row), (nx, ny), (near, closed), ripple + ripple_i, dt)
-        half = 0.5 * Q * Q
-        push_x, push_y = P * nx * dt, P * ny * dt
-        aside = P * slopes[0] - half * (ripple_rate + ripple_rate_i)
-        aside = aside * load(forces.nearness, row) * dt
-        over = dt / rollers.inertia
-        scatter_add(impulse, i, push_x)
-        scatter_add(impulse, i + columns, push_y)
+        scatter_add(impulse, i, x)
+        scatter_add(impulse, i + columns, y)
         scatter_add(body_impulse, i, aside * ny)
         scatter_add(body_impulse, i + columns, -(aside * nx))
-        scatter_add(turn_kick, i, (P * rate_i - half * ripple_rate_i) * over)
-        scatter_add(impulse, group, -push_x)
-        scatter_add(impulse, columns + group, -push_y)
-        scatter_add(body_impulse, group, -(aside * ny))
-        scatter_add(body_impulse, columns + group, aside * nx)
-        scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
+        scatter_add(turn_kick, i, (P * rate_r - half * ripple_rate_r) * over)
+        if pair.surface is not None:
+            ring_x -= aside * ny
+            ring_y += aside * nx
+            moment += half * ripple_rate - P * slopes[1]
+        else:
+            scatter_add(impulse, group, -x)
+            scatter_add(impulse, columns + group, -y)
+            scatter_add(body_impulse, group, -(aside * ny))
+            scatter_add(body_impulse, columns + group, aside * nx)
+            scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
+    if pair.surface is not None:
+        pair.impulse[0] += total(ring_x)
+        pair.impulse[1] += total(ring_y)
+        pair.moment[0] += total(moment)
 
 
-@scatter_normal_forces.of(Raceway)
-def _push_raceway(raceway, rollers, disc, contacts, dampers, dt):
-    patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * raceway.row, splat(0.0)
-    clear_ghost_nodes(raceway.surface)
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * rollers.columns + group
-        given = with_dampers(dampers, row, load(kick, row)) * -dt
-        if any_lane(given != 0.0):
-            moment += scatter_normal_force(raceway.surface, patches, side, group, given * raceway.sign)
-            scatter_normal_force(disc, patches, side + 1, group, given)
-    accumulate_ghost_nodes(raceway.surface)
-    raceway.moment[1] += total(moment)
-
-
-@scatter_normal_forces.of(Neighbours)
-def _push_neighbours(pair, rollers, disc, contacts, dampers, dt):
-    patches, kick, side = contacts.patches, contacts.forces.kick, 2 * pair.row
+@part
+def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
+    """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
+    patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * pair.row, splat(0.0)
+    surface = first_surface(pair, disc)
+    clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
-            scatter_normal_force(disc, patches, side, group, given)
+            moment += scatter_normal_force(surface, patches, side, group, given * pair.sign)
             scatter_normal_force(disc, patches, side + 1, group, given)
+    accumulate_ghost_nodes(surface)
+    if pair.surface is not None:
+        pair.moment[1] += total(moment)
+
+
+@part
+def _push_touching(pair, rollers, disc, contacts, dt):
+    if pair.surface is None:
+        scatter_normal_forces(pair, rollers, disc, contacts, None, dt)
+
+
+push_patches, push_neighbours = every(scatter_normal_forces, Pair), every(_push_touching, Pair)

@@ -20,7 +20,7 @@ Equation (1) of docs/damping.md.
 import numpy as np
 
 from fem.kernels.bodies import take_all_late
-from fem.kernels.contact_kernels import next_roller, scatter_normal_forces
+from fem.kernels.contact_kernels import first_surface, next_roller, scatter_normal_forces
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import load, store
@@ -28,7 +28,7 @@ from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST, damping_coefficient
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
+from fem.kernels.state import DiscSurface, Hub, Pair, RigidDisc, RingSurface
 from fem.kernels.surfaces import (
     accumulate_ghost_nodes,
     clear_ghost_nodes,
@@ -121,22 +121,24 @@ def _push_rigid(body, patches, side, j, column, impulse, x, y):
     return push_body(body, column, x, y, 0.0)
 
 
-@verb
+@part
 def damp(pair, rollers, disc, contacts, dampers, dt, whole, later):
     """Damp a pair's closed contacts. `whole` : of `Friction`; not None where contacts share rigid bodies.
 
     `later` : nodes of raceways are given these impulses with friction's, see `friction_solution.pushes_later`.
     """
-
-
-@damp.of(Raceway)
-def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
-    if whole is None:
-        _damp_eights(raceway, rollers, disc, contacts, dampers, dt)
+    if pair.surface is None:
+        for group in range(0, rollers.n, WIDTH):
+            row = pair.row * rollers.columns + group
+            left = load(dampers.left, row)
+            if any_lane((load(contacts.forces.force, row) > 0.0) | (left == left)):
+                _damp_in_turn(pair, rollers, disc, contacts, dampers, dt, group, min(group + WIDTH, rollers.n))
+    elif whole is None:
+        _damp_eights(pair, rollers, disc, contacts, dampers, dt)
         if not later:
-            scatter_normal_forces(raceway, rollers, disc, contacts, dampers, dt)
+            scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt)
     else:
-        _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt)
+        _damp_in_turn(pair, rollers, disc, contacts, dampers, dt, 0, rollers.n)
 
 
 @part
@@ -191,27 +193,37 @@ def _push_rollers_aside(rollers, group, x, y, around):
 
 
 @part
-def _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt):
-    """One contact after another, each with what those before have given: they share rigid bodies."""
-    patches, row, sign, moment = contacts.patches, raceway.row, raceway.sign, 0.0
-    for j in range(rollers.n):
+def _damp_in_turn(pair, rollers, disc, contacts, dampers, dt, first, end):
+    """One contact after another, each with what those before have given: they share rigid bodies, or rollers."""
+    patches, velocity, row, sign, moment = contacts.patches, rollers.velocity, pair.row, pair.sign, 0.0
+    for j in range(first, end):
         if not contacts.forces.force[row, j] > 0.0:
             _let_go(dampers, row, j, dt)
             continue
         nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
-        ring, ring_light = velocity_out(raceway.surface, patches, 2 * row, j, nx, ny)
-        own, own_light = roller_out(disc, patches, 2 * row + 1, j, j)
-        rate = sign * (ring - rollers.velocity[0, j] * nx - rollers.velocity[1, j] * ny) + own
-        given = dt * _damper_force(raceway, contacts.forces, dampers, j, rate, ring_light + own_light, dt)
+        if pair.surface is not None:
+            i = j
+            ring, ring_light = velocity_out(pair.surface, patches, 2 * row, j, nx, ny)
+            other = sign * (ring - velocity[0, j] * nx - velocity[1, j] * ny)
+        else:
+            i = next_roller(j, rollers.n)
+            other, ring_light = roller_out(disc, patches, 2 * row, j, j)
+            other -= (velocity[0, i] - velocity[0, j]) * nx + (velocity[1, i] - velocity[1, j]) * ny
+        own, own_light = roller_out(disc, patches, 2 * row + 1, j, i)
+        given = dt * _damper_force(pair, contacts.forces, dampers, j, other + own, ring_light + own_light, dt)
         x, y = sign * given * nx, sign * given * ny
-        moment += push_late(raceway.surface, patches, 2 * row, j, j, -sign * given, -x, -y)
-        push_late(disc, patches, 2 * row + 1, j, j, -given, x, y)
+        moment += push_late(first_surface(pair, disc), patches, 2 * row, j, j, -sign * given, -x, -y)
+        push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
         aside = given * dampers.along[row, j]
-        _push_roller_aside(rollers, j, aside * ny, -aside * nx, given * dampers.second[row, j])
-        raceway.impulse[0] -= aside * ny
-        raceway.impulse[1] += aside * nx
-        raceway.moment[0] -= dampers.force[row, j] * dampers.first[row, j]
-    raceway.moment[1] += moment
+        _push_roller_aside(rollers, i, aside * ny, -aside * nx, given * dampers.second[row, j])
+        if pair.surface is not None:
+            pair.impulse[0] -= aside * ny
+            pair.impulse[1] += aside * nx
+            pair.moment[0] -= dampers.force[row, j] * dampers.first[row, j]
+        else:
+            _push_roller_aside(rollers, j, -aside * ny, aside * nx, given * dampers.first[row, j])
+    if pair.surface is not None:
+        pair.moment[1] += moment
 
 
 @part
@@ -222,37 +234,7 @@ def _push_roller_aside(rollers, j, x, y, around):
     rollers.turn_kick[j] += around / rollers.inertia
 
 
-@damp.of(Neighbours)
-def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole, later):
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        left = load(dampers.left, row)
-        if any_lane((load(contacts.forces.force, row) > 0.0) | (left == left)):
-            for j in range(group, min(group + WIDTH, rollers.n)):
-                _damp_touching(pair, rollers, disc, contacts, dampers, dt, j)
-
-
-@part
-def _damp_touching(pair, rollers, disc, contacts, dampers, dt, j):
-    """Roller j and the next one."""
-    patches, row, velocity = contacts.patches, pair.row, rollers.velocity
-    if not contacts.forces.force[row, j] > 0.0:
-        _let_go(dampers, row, j, dt)
-        return
-    i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
-    own, own_light = roller_out(disc, patches, 2 * row, j, j)
-    other, other_light = roller_out(disc, patches, 2 * row + 1, j, i)
-    rate = own + other - (velocity[0, i] - velocity[0, j]) * nx - (velocity[1, i] - velocity[1, j]) * ny
-    given = dt * _damper_force(pair, contacts.forces, dampers, j, rate, own_light + other_light, dt)
-    x, y = given * nx, given * ny
-    push_late(disc, patches, 2 * row, j, j, -given, -x, -y)
-    push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
-    x, y = given * dampers.along[row, j] * ny, -given * dampers.along[row, j] * nx
-    _push_roller_aside(rollers, i, x, y, given * dampers.second[row, j])
-    _push_roller_aside(rollers, j, -x, -y, given * dampers.first[row, j])
-
-
-_damp_all = every(damp, *CONTACTS)
+_damp_all = every(damp, Pair)
 
 
 @part

@@ -7,14 +7,13 @@ what T dissipates is exactly what it takes from the bodies. Where a contact has 
 Equation (6) of docs/method.md.
 """
 
-from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
-from fem.kernels.jit import part, verb
+from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, second_rollers, with_dampers
+from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, to_float, to_int, total
 from fem.kernels.law import SLIP_FLOOR, creep_traction
 from fem.kernels.shear_kernels import let_go, pull
-from fem.kernels.state import Neighbours, Raceway
 from fem.kernels.surfaces import (
     accumulate_ghost_nodes,
     body_mobility,
@@ -57,62 +56,40 @@ def grip_pair(pair, rollers, disc, contacts):
             )
 
 
-@verb
+@part
 def still_to_push(pair, contacts, row):
     """Normal forces of eight contacts, N, whose impulses are given with the tractions'."""
-
-
-@still_to_push.of(Raceway)
-def _with_dampers_of_raceway(raceway, contacts, row):
-    return with_dampers(contacts.dampers, row, load(contacts.forces.kick, row))
-
-
-@still_to_push.of(Neighbours)
-def _without_dampers(pair, contacts, row):
+    if pair.surface is not None:
+        return with_dampers(contacts.dampers, row, load(contacts.forces.kick, row))
     if contacts.dampers is None:
         return load(contacts.forces.kick, row)
     return splat(0.0)  # dampers of rollers that touch come one by one and need them before
 
 
-@verb
+@part
 def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for closed contacts, m/s, to `out`, (3, columns).
 
     `grip_pair` must have been called at the present positions. `turn_kick`, (columns,), rad/s: increment of the
     rollers' spin as a whole. Open contacts get what has no meaning.
     """
-
-
-@slip_velocity.of(Raceway)
-def _slip_raceway(raceway, rollers, disc, contacts, turn_kick, out):
-    velocity, columns, side = rollers.velocity, rollers.columns, 2 * raceway.row
-    fill_ghost_nodes(raceway.surface)
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * columns + group
-        if _closed(contacts, row):
-            nx, ny = normals(contacts, raceway, group)
-            own = load(turn_kick, group) * rollers.radius
-            own += tangential_velocity(disc, contacts.patches, side + 1, group, count_from(group), nx, ny)
-            slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
-            slip = slip - own if raceway.sign > 0.0 else slip + own
-            slip -= tangential_velocity(raceway.surface, contacts.patches, side, group, 0, nx, ny)
-            store(out, row, slip)
-
-
-@slip_velocity.of(Neighbours)
-def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
     velocity, columns, side = rollers.velocity, rollers.columns, 2 * pair.row
+    fill_ghost_nodes(first_surface(pair, disc))
     for group in range(0, rollers.n, WIDTH):
-        row = pair.row * columns + group
+        row, patches = pair.row * columns + group, contacts.patches
         if _closed(contacts, row):
             nx, ny = normals(contacts, pair, group)
-            i = next_rollers(group, rollers.n)
+            i = second_rollers(pair, group, rollers.n)
             own = gather(turn_kick, i) * rollers.radius
-            own += tangential_velocity(disc, contacts.patches, side + 1, group, i, nx, ny)
+            own += tangential_velocity(disc, patches, side + 1, group, i, nx, ny)
             slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
-            slip -= own + load(turn_kick, group) * rollers.radius
-            slip -= tangential_velocity(disc, contacts.patches, side, group, count_from(group), nx, ny)
-            slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
+            if pair.surface is not None:
+                slip = slip - own if pair.sign > 0.0 else slip + own
+                slip -= tangential_velocity(pair.surface, patches, side, group, 0, nx, ny)
+            else:
+                slip -= own + load(turn_kick, group) * rollers.radius
+                slip -= tangential_velocity(disc, patches, side, group, count_from(group), nx, ny)
+                slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
             store(out, row, slip)
 
 
@@ -169,143 +146,79 @@ def spring_tractions(pair, rollers, contacts, dt):
 
 @part
 def _full_slip(pair, rollers, contacts, group, Q):
-    """Creep speeds, m/s, beyond which eight contacts slide."""
-    half_width = square_root(pair.law.half_width_factor * Q)
-    rolling = _rolling_speed(pair, rollers, contacts, group)
+    """Creep speeds, m/s, beyond which eight contacts slide; where two rollers meet nothing rolls."""
+    half_width, velocity, rolling = square_root(pair.law.half_width_factor * Q), rollers.velocity, splat(0.0)
+    if pair.surface is not None:
+        nx, ny = normals(contacts, pair, group)
+        turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / pair.orbit)
+        rolling = absolute(load(rollers.spin, group) - turning) * rollers.radius
     return maximum(contacts.friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
 
 
-@verb
-def _rolling_speed(pair, rollers, contacts, group):
-    """Speed of rollers' surfaces past their contacts, m/s; 0 where two rollers meet."""
-    return splat(0.0)
-
-
-@_rolling_speed.of(Raceway)
-def _on_raceway(raceway, rollers, contacts, group):
-    nx, ny = normals(contacts, raceway, group)
-    velocity = rollers.velocity
-    turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / raceway.orbit)
-    return absolute(load(rollers.spin, group) - turning) * rollers.radius
-
-
-@verb
+@part
 def whole_mobility(pair, disc):
     """What rigid bodies add to the mobility of a contact, 1/kg."""
+    return body_mobility(disc) + body_mobility(first_surface(pair, disc))
 
 
-@whole_mobility.of(Raceway)
-def _mobility_on_raceway(raceway, disc):
-    return body_mobility(disc) + body_mobility(raceway.surface)
-
-
-@whole_mobility.of(Neighbours)
-def _mobility_of_neighbours(pair, disc):
-    return body_mobility(disc) * 2.0
-
-
-@verb
+@part
 def apply_friction(pair, rollers, disc, contacts, share, dt):
     """Give the bodies of a pair the impulses of its tractions in a step.
 
     Bodies with nodes get those of `share`, (3, columns), N, rigid ones those of the changes of tractions.
     """
-
-
-@apply_friction.of(Raceway)
-def _drag_raceway(raceway, rollers, disc, contacts, share, dt):
-    patches, side, moment = contacts.patches, 2 * raceway.row, splat(0.0)
-    clear_ghost_nodes(raceway.surface)
+    patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
+    clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
-        given = load(share, raceway.row * rollers.columns + group) * dt  # along t on side 1
-        if any_lane(given != 0.0):
-            nx, ny = normals(contacts, raceway, group)
-            scatter_tangential_force(disc, patches, side + 1, group, given * -raceway.sign)
-            count_impulse(disc, group, -given * ny, given * nx)
-            moment += scatter_tangential_force(raceway.surface, patches, side, group, -given)
-    accumulate_ghost_nodes(raceway.surface)
-    raceway.moment[1] += total(moment)
-    if contacts.friction.whole is not None:
-        drag_bodies(raceway, rollers, disc, contacts, dt)
-
-
-@apply_friction.of(Neighbours)
-def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
-    patches, side = contacts.patches, 2 * pair.row
-    for group in range(0, rollers.n, WIDTH):
-        given = load(share, pair.row * rollers.columns + group) * dt
+        given = load(share, pair.row * rollers.columns + group) * dt  # along t on side 1
         if any_lane(given != 0.0):
             nx, ny = normals(contacts, pair, group)
-            scatter_tangential_force(disc, patches, side + 1, group, -given)
-            count_impulse(disc, next_rollers(group, rollers.n), -given * ny, given * nx)
-            scatter_tangential_force(disc, patches, side, group, -given)
-            count_impulse(disc, group, given * ny, -given * nx)
+            scatter_tangential_force(disc, patches, side + 1, group, given * -pair.sign)
+            _count_impulses(pair, rollers, disc, group, given * nx, given * ny)
+            moment += scatter_tangential_force(surface, patches, side, group, -given)
+    accumulate_ghost_nodes(surface)
+    if pair.surface is not None:
+        pair.moment[1] += total(moment)
     if contacts.friction.whole is not None:
         drag_bodies(pair, rollers, disc, contacts, dt)
 
 
-@verb
+@part
+def _count_impulses(pair, rollers, disc, group, x, y):
+    """Count impulses along t, the normal's (x, y) turned, that nodes of rollers are given to their centres' motion."""
+    if pair.surface is not None:
+        count_impulse(disc, group, -y, x)
+    else:
+        count_impulse(disc, next_rollers(group, rollers.n), -y, x)
+        count_impulse(disc, group, y, -x)
+
+
+@part
 def push_and_drag(pair, rollers, disc, contacts, dt):
     """Give the nodes of a pair the impulses of its normal forces and of its tractions in a step, in one pass."""
-
-
-@push_and_drag.of(Raceway)
-def _push_and_drag_raceway(raceway, rollers, disc, contacts, dt):
-    patches, side, moment, sign = contacts.patches, 2 * raceway.row, splat(0.0), raceway.sign
-    clear_ghost_nodes(raceway.surface)
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * rollers.columns + group
-        pushed, rubbed = still_to_push(raceway, contacts, row) * -dt, load(contacts.friction.change, row) * dt
-        if any_lane((pushed != 0.0) | (rubbed != 0.0)):
-            nx, ny = normals(contacts, raceway, group)
-            scatter_force(disc, patches, side + 1, group, pushed, rubbed * -sign)
-            count_impulse(disc, group, -rubbed * ny, rubbed * nx)
-            moment += scatter_force(raceway.surface, patches, side, group, pushed * sign, -rubbed)
-    accumulate_ghost_nodes(raceway.surface)
-    raceway.moment[1] += total(moment)
-
-
-@push_and_drag.of(Neighbours)
-def _push_and_drag_neighbours(pair, rollers, disc, contacts, dt):
-    patches, side = contacts.patches, 2 * pair.row
+    patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
+    clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * rollers.columns + group
         pushed, rubbed = still_to_push(pair, contacts, row) * -dt, load(contacts.friction.change, row) * dt
         if any_lane((pushed != 0.0) | (rubbed != 0.0)):
             nx, ny = normals(contacts, pair, group)
-            scatter_force(disc, patches, side + 1, group, pushed, -rubbed)
-            count_impulse(disc, next_rollers(group, rollers.n), -rubbed * ny, rubbed * nx)
-            scatter_force(disc, patches, side, group, pushed, -rubbed)
-            count_impulse(disc, group, rubbed * ny, -rubbed * nx)
-
-
-@verb
-def drag_bodies(pair, rollers, disc, contacts, dt):
-    """Give the rigid bodies of a pair the impulses of the changes of its tractions in a step."""
-
-
-@drag_bodies.of(Raceway)
-def _drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
-    normal, change, row, moment = contacts.patches.normal, contacts.friction.change, raceway.row, 0.0
-    for j in range(rollers.n):
-        moment += _drag_ring_and_roller(raceway, disc, j, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
-    raceway.moment[1] += moment
-
-
-@drag_bodies.of(Neighbours)
-def _drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
-    normal, change, row = contacts.patches.normal, contacts.friction.change, pair.row
-    for j in range(rollers.n):
-        i = next_roller(j, rollers.n)
-        given = change[row, j] * dt
-        nx = normal[row, 0, j]
-        ny = normal[row, 1, j]
-        push_body(disc, i, -given * ny, given * nx, -given)
-        push_body(disc, j, given * ny, -given * nx, -given)
+            scatter_force(disc, patches, side + 1, group, pushed, rubbed * -pair.sign)
+            _count_impulses(pair, rollers, disc, group, rubbed * nx, rubbed * ny)
+            moment += scatter_force(surface, patches, side, group, pushed * pair.sign, -rubbed)
+    accumulate_ghost_nodes(surface)
+    if pair.surface is not None:
+        pair.moment[1] += total(moment)
 
 
 @part
-def _drag_ring_and_roller(raceway, disc, j, given, nx, ny):
-    """An impulse along t, N s, on roller j and against it on its ring, as far as they are rigid; its moment, N m s."""
-    push_body(disc, j, -given * ny, given * nx, -raceway.sign * given)
-    return push_body(raceway.surface, j, given * ny, -given * nx, -given)
+def drag_bodies(pair, rollers, disc, contacts, dt):
+    """Give the rigid bodies of a pair the impulses of the changes of its tractions in a step."""
+    normal, change, row, moment = contacts.patches.normal, contacts.friction.change, pair.row, 0.0
+    for j in range(rollers.n):
+        given, nx, ny = change[row, j] * dt, normal[row, 0, j], normal[row, 1, j]
+        i = j if pair.surface is not None else next_roller(j, rollers.n)
+        push_body(disc, i, -given * ny, given * nx, -pair.sign * given)
+        moment += push_body(first_surface(pair, disc), j, given * ny, -given * nx, -given)
+    if pair.surface is not None:
+        pair.moment[1] += moment

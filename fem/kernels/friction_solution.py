@@ -1,6 +1,6 @@
 """Tractions of all contacts at once, in turn where patches overlap, or on rigid bodies that contacts share."""
 
-from fem.kernels.contact_kernels import next_rollers
+from fem.kernels.contact_kernels import first_surface, second_rollers
 from fem.kernels.friction_kernels import (
     ALL,
     apply_friction,
@@ -13,17 +13,17 @@ from fem.kernels.friction_kernels import (
     spring_tractions,
     whole_mobility,
 )
-from fem.kernels.jit import every, part, verb
+from fem.kernels.jit import every, part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.shear_kernels import follow_slips_after, follow_slips_before
-from fem.kernels.state import CONTACTS, ROLLER, Neighbours, Raceway
+from fem.kernels.state import ROLLER, Pair
 from fem.kernels.surfaces import body_motion
 
 WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 
-grip_all = every(grip_pair, *CONTACTS)
-slip_all = every(slip_velocity, *CONTACTS)
+grip_all = every(grip_pair, Pair)
+slip_all = every(slip_velocity, Pair)
 
 
 @part
@@ -146,11 +146,11 @@ def _drag_as_before(pair, rollers, disc, contacts, drive):
     apply_friction(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
-_pull_all, _pull_all_and_push = every(_pull, *CONTACTS), every(_pull_and_push, *CONTACTS)
+_pull_all, _pull_all_and_push = every(_pull, Pair), every(_pull_and_push, Pair)
 _creep_all, _creep_all_in_turn, _drag_all_as_before = (
-    every(_creep, *CONTACTS),
-    every(_creep_in_turn, *CONTACTS),
-    every(_drag_as_before, *CONTACTS),
+    every(_creep, Pair),
+    every(_creep_in_turn, Pair),
+    every(_drag_as_before, Pair),
 )
 
 
@@ -200,11 +200,11 @@ def _drag_nodes(pair, rollers, disc, contacts, drive):
     apply_friction(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
 
 
-_drag_all_bodies, _creep_all_beside = every(_drag_bodies_as_before, *CONTACTS), every(_creep_beside, *CONTACTS)
+_drag_all_bodies, _creep_all_beside = every(_drag_bodies_as_before, Pair), every(_creep_beside, Pair)
 _all_without_bodies, _drag_all_nodes, _all_with_bodies = (
-    every(_without_bodies, *CONTACTS),
-    every(_drag_nodes, *CONTACTS),
-    every(_with_bodies, *CONTACTS),
+    every(_without_bodies, Pair),
+    every(_drag_nodes, Pair),
+    every(_with_bodies, Pair),
 )
 
 
@@ -234,21 +234,11 @@ def _take_last(pair, rollers, contacts):
         store(friction.change, row, last)
 
 
-@verb
+@part
 def _whole_slip(pair, rollers, disc, contacts, group):
     """What the rigid bodies' motion adds to the slip of eight contacts, m/s."""
-
-
-@_whole_slip.of(Raceway)
-def _whole_slip_on_raceway(raceway, rollers, disc, contacts, group):
-    nx, ny = normals(contacts, raceway, group)
-    along, around = body_motion(disc, count_from(group), nx, ny)
-    return along - raceway.sign * around - body_motion(raceway.surface, count_from(group), nx, ny)[0]
-
-
-@_whole_slip.of(Neighbours)
-def _whole_slip_of_neighbours(pair, rollers, disc, contacts, group):
     nx, ny = normals(contacts, pair, group)
-    along, around = body_motion(disc, count_from(group), nx, ny)
-    along_next, around_next = body_motion(disc, next_rollers(group, rollers.n), nx, ny)
-    return along_next - along - around - around_next
+    along, around = body_motion(disc, second_rollers(pair, group, rollers.n), nx, ny)
+    along_0, around_0 = body_motion(first_surface(pair, disc), count_from(group), nx, ny)
+    found = along - pair.sign * around - along_0
+    return found if pair.surface is not None else found - around_0

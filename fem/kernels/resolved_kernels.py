@@ -28,7 +28,7 @@ from fem.kernels.law import MOST_REPAID, REPAID
 from fem.kernels.patches import chord
 from fem.kernels.points import place_point, push_point, read_point, share_out, spread_forces
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.state import CONTACTS, DiscSurface, Neighbours, Raceway, RingSurface
+from fem.kernels.state import DiscSurface, Pair, RingSurface
 from fem.kernels.surfaces import place
 
 
@@ -47,25 +47,16 @@ class Meeting(NamedTuple):
     away_y: float
 
 
-@verb
+@part
 def meet(pair, j, rollers):
     """How roller j meets its partner in a pair."""
-
-
-@meet.of(Raceway)
-def _meet_raceway(raceway, j, rollers):
-    x, y = rollers.centre[0, j] - raceway.centre[0], rollers.centre[1, j] - raceway.centre[1]
-    distance = sqrt(x * x + y * y)
-    overlap = raceway.radius + rollers.radius - distance
-    if raceway.sign < 0.0:
-        overlap = distance + rollers.radius - raceway.radius
-    away = raceway.counted_from
-    return Meeting(j, j, x, y, overlap, raceway.sign, raceway.frame[1], raceway.frame[2], away[0], away[1])
-
-
-@meet.of(Neighbours)
-def _meet_neighbours(pair, j, rollers):
-    i, centre = next_roller(j, rollers.n), rollers.centre
+    centre = rollers.centre
+    if pair.surface is not None:
+        x, y = centre[0, j] - pair.centre[0], centre[1, j] - pair.centre[1]
+        overlap = pair.sign * (pair.radius - sqrt(x * x + y * y)) + rollers.radius
+        away = pair.counted_from
+        return Meeting(j, j, x, y, overlap, pair.sign, pair.frame[1], pair.frame[2], away[0], away[1])
+    i = next_roller(j, rollers.n)
     x, y = centre[0, i] - centre[0, j], centre[1, i] - centre[1, j]
     overlap = 2.0 * rollers.radius - sqrt(x * x + y * y)
     return Meeting(j, i, x, y, overlap, 1.0, rollers.cosine[j], rollers.sine[j], 0.0, 0.0)
@@ -77,7 +68,7 @@ def press_points(pair, rollers, disc, contacts, drive):
     normal_forces(pair, rollers, disc, contacts, drive)
 
 
-@press_points.of(*CONTACTS)
+@press_points.of(Pair)
 def _press_contacts(pair, rollers, disc, contacts, drive):
     """Normal forces of a pair's contacts.
 
@@ -250,44 +241,27 @@ def _push_points(pair, side0, side1, disc, contacts, energy, dt):
         share_out(patches.weight[side0.patch, :, j], x0, side0.start, p, at0, spread)
         share_out(patches.weight[side1.patch, :, j], x1, side1.start, p, at1, spread)
         if not single:  # else `push_patches` does it, once the slips before this kick are known
-            _add_moment(pair, push_point(surface, side0.column, x0, m0, -(p * dt), at0, spread))
+            moment = push_point(surface, side0.column, x0, m0, -(p * dt), at0, spread)
+            if pair.surface is not None:
+                pair.moment[1] += moment
             push_point(disc, side1.column, x1, m1, -(p * dt), at1, spread)
     return Given(total, pushed, aside, tilt0, tilt1, turn0, turn1)
 
 
-@verb
-def _add_moment(pair, moment):
-    """Moment about the origin on a ring's nodes, N m s."""
-
-
-@_add_moment.of(Raceway)
-def _moment_on_raceway(raceway, moment):
-    raceway.moment[1] += moment
-
-
-@verb
+@part
 def _react(pair, meeting, given, distance, rollers, normal, dt):
     """Impulses of a contact's points in a step on whole bodies, beside those of their nodes."""
-
-
-@_react.of(Raceway)
-def _react_on_raceway(raceway, meeting, given, distance, rollers, normal, dt):
     turned = given.aside / distance
     _push_roller(rollers, meeting.second, -meeting.sign, given.normal, given.tilt1, -turned, normal, dt)
     rollers.turn_kick[meeting.second] += dt * given.turn1 / rollers.inertia
-    on_ring = dt * (given.tilt0 + turned)  # along t
-    raceway.impulse[0] -= on_ring * normal[1]
-    raceway.impulse[1] += on_ring * normal[0]
-    raceway.moment[0] -= given.turn0
-
-
-@_react.of(Neighbours)
-def _react_on_neighbours(pair, meeting, given, distance, rollers, normal, dt):
-    turned = given.aside / distance
-    _push_roller(rollers, meeting.second, -1.0, given.normal, given.tilt1, -turned, normal, dt)
-    rollers.turn_kick[meeting.second] += dt * given.turn1 / rollers.inertia
-    _push_roller(rollers, meeting.first, 1.0, given.normal, given.tilt0, turned, normal, dt)
-    rollers.turn_kick[meeting.first] += dt * given.turn0 / rollers.inertia
+    if pair.surface is not None:
+        on_ring = dt * (given.tilt0 + turned)  # along t
+        pair.impulse[0] -= on_ring * normal[1]
+        pair.impulse[1] += on_ring * normal[0]
+        pair.moment[0] -= given.turn0
+    else:
+        _push_roller(rollers, meeting.first, 1.0, given.normal, given.tilt0, turned, normal, dt)
+        rollers.turn_kick[meeting.first] += dt * given.turn0 / rollers.inertia
 
 
 @part

@@ -29,7 +29,7 @@ from fem.kernels.node_kernels import set_held_row
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
-from fem.kernels.state import CONTACTS
+from fem.kernels.state import Pair
 
 # Columns of a row by the result file's names (`lagrange.columns`): numbers, then blocks of n_rollers; those of further
 # bodies stand behind. work_load, work_gravity and work_drive are parts of work_external.
@@ -350,7 +350,7 @@ def add_energy(pair, contacts, n, points, out):
     """Add the energy that a pair stores."""
 
 
-@add_energy.of(*CONTACTS)
+@add_energy.of(Pair)
 def _add_contact_energy(pair, contacts, n, points, out):
     """The energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
     forces, law = contacts.forces, pair.law

@@ -1,7 +1,7 @@
 """The arrays the time loop works on. Plain named tuples: what one holds is part of its type.
 
 A body has nodes, and a surface by which its contacts know it: `DiscSurface`, `RingSurface`, `RigidDisc`, `Hub` or
-`Ground`. A pair of bodies is a `Raceway` (a ring's surface and the rollers) or `Neighbours` (roller j and j + 1); its
+`Ground`. A `Pair` of bodies is a ring's surface and the rollers, or roller j and j + 1; its
 row is where its contacts stand in the arrays of `Contacts`. Surfaces and pairs share their arrays with the bodies. What
 a scene's bodies and contacts do not need is thereby not compiled.
 """
@@ -201,32 +201,26 @@ class RollerProfiles(NamedTuple):
     first: given("columns", np.int64)  # place of each roller's row
 
 
-class Raceway(NamedTuple):
-    """Rollers on a ring; side 0 is the ring."""
+class Pair(NamedTuple):
+    """Bodies that touch, of which side 1 is a roller: rollers on a ring, side 0; or roller j, side 0, with j + 1.
 
-    row: int
-    sign: float  # of the normal, from the ring's centre to a roller, outward of the raceway: 1, of a bore −1
-    radius: float
-    orbit: float  # m, of the rollers' centres
-    law: Law
-    surface: RingSurface | Hub | Ground
-    centre: np.ndarray  # (2,), m, of the ring
-    counted_from: np.ndarray  # (2,), m, rigid motion that is in the nodes' displacement
-    frame: np.ndarray  # (3,), turn, cosine, sine
-    impulse: np.ndarray  # (2,), N s, of this step on the ring as a whole
-    moment: np.ndarray  # (2,), of this step: on the frame, N m, held by the drive; on nodes about the origin, N m s
-    profile: RingProfile | None  # None: a perfect circle
-    roller_profiles: RollerProfiles | None  # None: perfect circles
-
-
-class Neighbours(NamedTuple):
-    """Roller j, on side 0, and roller j + 1."""
+    Of two rollers the surface of side 0 is theirs: `surface` and all after it is None.
+    """
 
     row: int
     law: Law
-
-
-CONTACTS = Raceway, Neighbours  # pairs that touch with surfaces, and have rows
+    sign: float = 1.0  # of the normal, from the ring's centre to a roller, outward of the raceway: 1, of a bore −1
+    surface: RingSurface | Hub | Ground | None = None
+    radius: float | None = None  # m, of the raceway
+    orbit: float | None = None  # m, of the rollers' centres
+    centre: np.ndarray | None = None  # (2,), m, of the ring
+    counted_from: np.ndarray | None = None  # (2,), m, rigid motion that is in the nodes' displacement
+    frame: np.ndarray | None = None  # (3,), turn, cosine, sine
+    impulse: np.ndarray | None = None  # (2,), N s, of this step on the ring as a whole
+    # of this step: on the frame, N m, held by the drive; on nodes about the origin, N m s
+    moment: np.ndarray | None = None
+    profile: RingProfile | None = None  # None: a perfect circle
+    roller_profiles: RollerProfiles | None = None  # None: perfect circles
 
 
 class Forces(NamedTuple):

@@ -60,7 +60,7 @@ class TiltedSurfaces(NamedTuple):
     rest: SpalledRest | None  # None: spalls take no part of the length
     whole: tuple  # `RingProfile` and `RollerProfiles`, of whose edges
     part: tuple  # the same of the part of the length that spalls take, of its sinkage too; None: there is none
-    frame: np.ndarray  # of the `Raceway`
+    frame: np.ndarray  # of the `Pair`
     moment: np.ndarray
 
 

@@ -60,7 +60,7 @@ def push_surfaces(groups, bodies, contacts, drive, points):
 def push_touching(groups, bodies, contacts, drive, dampers):
     """Impulses on surface nodes where rollers touch, if their dampers, which work one by one, need them given first."""
     if dampers is not None:
-        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, None, drive.dt)
+        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, drive.dt)
 
 
 @part

@@ -213,7 +213,7 @@ def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]
 
 
 def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What the inner and the outer `Raceway` know of surfaces that are not perfect.
+    """What the inner and the outer raceway's `Pair` know of surfaces that are not perfect.
 
     Both raceways have a profile where one has, and so one type and one code.
     """

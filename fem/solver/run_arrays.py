@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.kernels.fields import kind_of
 from fem.kernels.lanes import WIDTH
-from fem.kernels.state import Bodies, Contacts, DiscSurface, Drive, Neighbours, Raceway, RingSurface, Scratch
+from fem.kernels.state import Bodies, Contacts, DiscSurface, Drive, Pair, RingSurface, Scratch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,7 +15,7 @@ class Arrays:
     """All state of a run: what the kernels change in place."""
 
     bodies: Bodies
-    groups: tuple[tuple[Raceway | Neighbours, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
+    groups: tuple[tuple[Pair, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
     contacts: Contacts
     drive: Drive
     scratch: Scratch
@@ -53,7 +53,7 @@ class Arrays:
         """
         patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
         for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
-            sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
+            sides = pair.surface or self.bodies.surface, self.bodies.surface
             for side, surface in enumerate(sides):
                 _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
                 _check_between("patches.place", patches.place[2 * pair.row + side], _last_place(surface))

@@ -34,9 +34,8 @@ from fem.kernels.state import (
     Friction,
     Ground,
     Hub,
-    Neighbours,
+    Pair,
     Patches,
-    Raceway,
     RigidDisc,
     Ring,
     RingSurface,
@@ -77,7 +76,7 @@ def pair_groups(
         outer_surface = _moved_with(bearing, housing.place, housing, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
     inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
-    on_inner = Raceway(
+    on_inner = Pair(
         row=INNER,
         sign=1.0,
         radius=hub.raceway_radius,
@@ -91,7 +90,7 @@ def pair_groups(
         moment=drive.moment,
         **inner_profiles,
     )
-    on_outer = Raceway(
+    on_outer = Pair(
         row=OUTER,
         sign=-1.0,
         radius=ground.raceway_radius,
@@ -105,7 +104,7 @@ def pair_groups(
         moment=np.zeros(2) if turning is None else turning.moment,
         **outer_profiles,
     )
-    between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
+    between = Pair(row=ROLLER, law=data.laws[ROLLER])
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 

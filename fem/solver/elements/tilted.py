@@ -9,7 +9,7 @@ from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
 from fem.errors import UsageError
 from fem.kernels.fields import at_line, filled
-from fem.kernels.state import INNER, Raceway, RingProfile, RollerProfiles
+from fem.kernels.state import INNER, OUTER, Pair, RingProfile, RollerProfiles
 from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
 from fem.kernels.tilted_surfaces import PartProfiles, SpalledRest
 from fem.solver.elements.start import Start, Tilting
@@ -74,7 +74,7 @@ def check_slices(model: Model, axial: Axial, start: Start) -> None:
 
 def beyond_axes(arrays: Arrays) -> str | None:
     """`beyond_tables` of a run's arrays."""
-    laws = [pair.law for group in arrays.groups for pair in group if isinstance(pair, Raceway)]
+    laws = [pair.law for group in arrays.groups for pair in group if isinstance(pair, Pair)]
     sliced = [law for law in laws if isinstance(law, SlicedLaw)]
     return beyond_tables(sliced[0].axes.tilts, tuple(law.table for law in sliced)) if sliced else None
 
@@ -101,10 +101,10 @@ def with_axes(
         tilted=filled(PatchMoments, {"columns": rollers.columns}, **absent),
         n=rollers.n,
     )
-    outer = next(pair for group in arrays.groups for pair in group if isinstance(pair, Raceway) and pair.row != INNER)
+    outer = next(pair for group in arrays.groups for pair in group if getattr(pair, "row", None) == OUTER)
 
     def sliced(pair):
-        if not isinstance(pair, Raceway):
+        if not isinstance(pair, Pair) or pair.surface is None:
             return pair
         of_hub = pair.row == INNER
         law = SlicedLaw(
@@ -128,7 +128,7 @@ def with_axes(
     )
 
 
-def _surfaces(raceway: Raceway, rest: SpalledRest | None, part: PartProfiles | None) -> TiltedSurfaces:
+def _surfaces(raceway: Pair, rest: SpalledRest | None, part: PartProfiles | None) -> TiltedSurfaces:
     """What contacts with a raceway meet; `rest` and `part` where spalls take a part of the length."""
     of_part = None if part is None else (part.ring_profiles[raceway.row], part.roller_profiles[raceway.row])
     return TiltedSurfaces(
@@ -140,7 +140,7 @@ def _surfaces(raceway: Raceway, rest: SpalledRest | None, part: PartProfiles | N
     )
 
 
-def _without_edges(raceway: Raceway) -> dict[str, RingProfile | RollerProfiles]:
+def _without_edges(raceway: Pair) -> dict[str, RingProfile | RollerProfiles]:
     """A raceway's surfaces without edges, which tables take: for patches their compliances would be ripples."""
     found = {"profile": raceway.profile, "roller_profiles": raceway.roller_profiles}
     return {

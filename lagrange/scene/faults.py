@@ -154,7 +154,7 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
         likely = _likely(fault["loc"], model)
         lacking = None if likely else _absent(str(fault["loc"][-1]))
         if lacking is not None:
-            return [f"{place}: not in this program: {lacking}; see docs/limits"]
+            return [f"{place}: not supported: {lacking}; see docs/limits"]
         hint = f"did you mean {' or '.join(likely)}?" if likely else f"known here: {', '.join(known)}"
         return [f"{place}: unknown key; {hint}"]
     value = fault["input"]

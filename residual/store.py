@@ -21,7 +21,6 @@ from residual.errors import InputError
 from residual.evaluation import Evaluation
 from residual.figures.saved import LARGEST_SVG
 from residual.formatting import term_label
-from residual.spectrum import Envelope
 from residual.summary import PROGRAM, ReportOptions, summarise
 
 if TYPE_CHECKING:
@@ -185,52 +184,32 @@ def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]
     psd, density = "one-sided PSD of", "N2 Hz-1"
     yield "time", e.record.time, "time", "s", "time"
     yield "frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency"
-    yield "error_x", e.budget.x.error, "time", "N", "left side of equation (22)"
-    yield "error_y", e.budget.y.error, "time", "N", "left side of equation (23), load moved over"
-    for d in e.directions:
-        for name, term in d.budget.terms.items():
-            yield f"budget_{d.name}_{name}", term, "time", "N", f"{term_label(name)} term of error_{d.name}"
-        if d.budget.momentum is not None:
-            yield (
-                f"momentum_{d.name}",
-                d.budget.momentum,
-                "time",
-                "N",
-                f"error_{d.name} with the run's own contact forces",
-            )
+    if e.x.orders is not None:
+        turns = f"cycles per turn of the {e.x.orders.tracking.ring}"
+        yield "shaft_order", e.x.orders.path.frequency, "shaft_order", "1", turns
     yield "loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone"
-    for d in e.directions:
-        error = f"error_{d.name}"
+    for d, equation in zip(e.directions, ("equation (22)", "equation (23), load moved over"), strict=True):
+        error, body = f"error_{d.name}", d.vibration.body
+        yield error, d.budget.error, "time", "N", f"left side of {equation}"
         yield f"psd_{d.name}", d.spectrum.psd, "frequency", density, f"{psd} {error}"
-        for name, each in d.term_spectra.items():
-            of = f"{psd} the {term_label(name)} term of {error}"
-            yield f"psd_{d.name}_{name}", each.psd, "frequency", density, of
-        if d.envelope is not None:
-            of = f"{psd} the envelope of {error}, {_band(d.envelope)}"
-            yield f"envelope_psd_{d.name}", d.envelope.spectrum.psd, "frequency", density, of
-    for d in e.directions:
-        body, heard = d.vibration.body, d.vibration.envelope
-        if heard is not None:
-            of = f"{psd} the envelope of the {body}'s acceleration in {d.name}, {_band(heard)}"
-            yield f"{body}_envelope_psd_{d.name}", heard.spectrum.psd, "frequency", "m2 s-4 Hz-1", of
-    for d in e.directions:
-        if (found := d.orders) is not None:
-            if d is e.x:
-                yield (
-                    "shaft_order",
-                    found.path.frequency,
-                    "shaft_order",
-                    "1",
-                    f"cycles per turn of the {found.tracking.ring}",
-                )
-            of = f"one-sided PSD over orders of the hub's place in {d.name}"
-            yield f"hub_order_psd_{d.name}", found.path.psd, "shaft_order", "m2", of
-            of = f"one-sided PSD over orders of error_{d.name}"
-            yield f"order_psd_{d.name}", found.error.psd, "shaft_order", "N2", of
-
-
-def _band(found: Envelope) -> str:
-    return f"{found.low:.4g} to {found.high:.4g} Hz"
+        for name, term in d.budget.terms.items():
+            of = f"the {term_label(name)} term of {error}"
+            yield f"budget_{d.name}_{name}", term, "time", "N", of[4:]
+            yield f"psd_{d.name}_{name}", d.term_spectra[name].psd, "frequency", density, f"{psd} {of}"
+        if d.budget.momentum is not None:
+            of = f"{error} with the run's own contact forces"
+            yield f"momentum_{d.name}", d.budget.momentum, "time", "N", of
+        for found, name, of, unit in (
+            (d.envelope, "", error, density),
+            (d.vibration.envelope, f"{body}_", f"the {body}'s acceleration in {d.name}", "m2 s-4 Hz-1"),
+        ):
+            if found is not None:
+                of = f"{psd} the envelope of {of}, {found.low:.4g} to {found.high:.4g} Hz"
+                yield f"{name}envelope_psd_{d.name}", found.spectrum.psd, "frequency", unit, of
+        if d.orders is not None:
+            of = "one-sided PSD over orders of"
+            yield f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} the hub's place in {d.name}"
+            yield f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}"
 
 
 def _write_signals(evaluation: Evaluation, path: Path) -> None:

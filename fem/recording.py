@@ -21,8 +21,8 @@ from fem.result.store import ResultFile
 from fem.solver.solver import Plan, RunState, Samples
 from lagrange import mounting
 from lagrange.columns import ENERGIES
+from lagrange.contact.hertz import hertz_columns
 from lagrange.kinematics import mean_kinematics
-from lagrange.rating.contact_stress import hertz_columns
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import SpallEvent, spalls
 

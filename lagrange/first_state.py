@@ -19,10 +19,9 @@ from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turne
 from lagrange.load_history import load_share
 from lagrange.motion import State
 from lagrange.mounting import ring_place
-from lagrange.statics import Statics, held_hub, static_equilibrium
+from lagrange.statics import Placement, Statics, TiltedStatics, held_hub, static_equilibrium, tilted_equilibrium
 from lagrange.surface.deviation import Turns
 from lagrange.tilt import HubTilt, TiltedLaws, Tilts, hub_tilt, sliced_laws
-from lagrange.tilted_statics import Placement, TiltedStatics, tilted_equilibrium
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter

@@ -21,9 +21,8 @@ from lagrange.contact.hertz import Side, contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.equations import approaches
 from lagrange.kinematics import turned
-from lagrange.surface.edges import softening
+from lagrange.surface.edges import Circles, softening
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import Circles
 from residual.errors import InputError
 from residual.record import SMALL_LOAD, Record
 

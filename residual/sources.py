@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.axial.slices import Slices, contact_slices
-from lagrange.axial.stored import read_slices
+from lagrange.axial.slices import Slices, contact_slices, read_slices
 from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of
 from lagrange.contact.laws import contact_laws
 from lagrange.files.hdf5 import (

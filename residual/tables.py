@@ -6,10 +6,10 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.catalogue import dimension_series
+from lagrange.contact.hertz import hertz_columns
 from lagrange.findings import Section
 from lagrange.messages import G, engineering, shown
 from lagrange.rating import sources
-from lagrange.rating.contact_stress import hertz_columns
 from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torque
 from lagrange.rating.life import Dimensions, basic_life, dynamic_capacity, in_hours, static_capacity
 from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads

@@ -14,7 +14,7 @@ from fem.pictures.target import refuse_foreign
 from fem.rating.tilted import tilted_pitch
 from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.pressure import placed
-from lagrange.axial.stored import read_slices, write_slices
+from lagrange.axial.slices import read_slices, write_slices
 from lagrange.files.hdf5 import Damaged, hdf5_to_write
 from lagrange.scene import Scene
 

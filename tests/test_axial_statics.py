@@ -21,8 +21,8 @@ from lagrange.kinematics import roller_angles
 from lagrange.rating.life import Dimensions
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
+from lagrange.statics import Placement, TiltedStatics, tilted_equilibrium
 from lagrange.tilt import HubTilt, sliced_laws
-from lagrange.tilted_statics import Placement, TiltedStatics, tilted_equilibrium
 from tests.reference.bearings import LOAD, ON_A_ROLLER, operation, paper
 
 PAPER = paper()

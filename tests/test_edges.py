@@ -12,9 +12,8 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.motion import State, accelerations, contact_energy, contact_state
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
-from lagrange.surface.edges import Softened, softening
+from lagrange.surface.edges import Circles, Softened, softening
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import Circles
 from tests.reference.edge_contact import EdgeContact
 
 PAPER = Scene().ideal_bearing()

@@ -11,8 +11,8 @@ from scipy.integrate import cumulative_trapezoid
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import Scene, read_scene
+from lagrange.surface.edges import Circles, sinkage
 from lagrange.surface.faults import Spall
-from lagrange.surface.rolling_envelope import Circles, sinkage
 from residual.cli import main
 from residual.errors import InputError
 from residual.fault_finding import (
@@ -48,7 +48,7 @@ def recorded(*settings, noise=0.0, milliseconds=50):
 @pytest.mark.parametrize("meeting", RINGS)
 @pytest.mark.parametrize("width", [0.3e-3, 1e-3, 3e-3])
 def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, width):
-    """`lagrange.surface.rolling_envelope` closes the profile point by point; the search has a closed form."""
+    """`lagrange.surface.edges` closes the profile point by point; the search has a closed form."""
     own, sign = RINGS[meeting]
     spall = Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-3, edge_radius=1e-4)
     along = np.linspace(0.0, spall.half_opening(5e-3), 50)

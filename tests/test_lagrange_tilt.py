@@ -12,6 +12,7 @@ from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, angular_equations, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
+from lagrange.statics import Placement, tilted_equilibrium
 from lagrange.tilt import (
     HubTilt,
     TiltedLaws,
@@ -23,7 +24,6 @@ from lagrange.tilt import (
     sliced_laws,
     tilt_equations,
 )
-from lagrange.tilted_statics import Placement, tilted_equilibrium
 from tests.reference.forward_motion import simulate
 from tests.reference.lagrange_equations import derived_tilt_equations
 

@@ -11,9 +11,15 @@ from fem.rating.ross import coefficients
 from lagrange.axial.facts import logarithmic_drop
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
-from lagrange.contact.hertz import ball_pressure, contact_pairs
+from lagrange.contact.hertz import (
+    PERMITTED,
+    PERMITTED_OF_BALLS,
+    ball_pressure,
+    contact_pairs,
+    line_contact,
+    stress_below,
+)
 from lagrange.first_state import equilibrium_state
-from lagrange.rating.contact_stress import PERMITTED, PERMITTED_OF_BALLS, line_contact, stress_below
 from lagrange.rating.friction import caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     Basic,

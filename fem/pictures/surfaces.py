@@ -17,9 +17,9 @@ from fem.pictures.recover import Instant
 from fem.pictures.scale import rounded_down
 from lagrange.bearing import Bearing
 from lagrange.surface.deviation import Profiles, profiles
+from lagrange.surface.edges import outline
 from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness, own_radius, thickness
 from lagrange.surface.passages import spalls
-from lagrange.surface.rolling_envelope import outline
 
 HOLE_POINTS = 241
 AROUND = np.linspace(0.0, 2.0 * pi, 1441)  # rad

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
+from lagrange.contact.hertz import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
 from lagrange.rating import sources
-from lagrange.rating.contact_stress import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
 from lagrange.rating.life import (
     in_hours,
     reference_viscosity,

@@ -11,12 +11,11 @@ import numpy as np
 from lagrange import BallBearing, Operation, contact_laws
 from lagrange.axial import Axial
 from lagrange.catalogue import dimension_series, listed, width_of
-from lagrange.contact.hertz import Pair, ball_pressure, contact_pairs
+from lagrange.contact.hertz import LineContact, Pair, ball_pressure, contact_pairs, line_contact
 from lagrange.first_state import equilibrium_state
 from lagrange.fits import OperatingClearance, growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
-from lagrange.rating.contact_stress import LineContact, line_contact
 from lagrange.rating.friction import Torque, caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     EXPONENT,

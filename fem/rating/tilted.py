@@ -19,8 +19,8 @@ from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import roller_angles
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch, Point, over_pitch
+from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.tilt import TiltedLaws, hub_tilt
-from lagrange.tilted_statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 
 SAMPLES = 16  # cage angles in a pitch
 

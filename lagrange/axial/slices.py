@@ -3,19 +3,26 @@
 A slice of n carries the n-th part of what the plane law gives the whole length. Coupled, it yields to the others too:
 d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric.
 
-A contact's table is made of the energy of its slices at every knot.
+A contact's table is made of the energy of its slices at every knot. Result files hold
+the slices of elastic bodies, from which pressures along rollers follow by forces and moments.
 """
 
 from dataclasses import dataclass, replace
 from math import ceil, inf
-from typing import ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
 from lagrange.axial.facts import Axial
 from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, fitted
 from lagrange.bearing import Bearing
+from lagrange.contact.laws import LogarithmicLaw
+from lagrange.files.hdf5 import Damaged, check_array, has, variable
 from lagrange.surface.deviation import profiles
+
+if TYPE_CHECKING:
+    import h5py
+
 
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
@@ -277,3 +284,40 @@ def _on_grid(slices: Slices, rows: tuple[float, float, int], columns: tuple[floa
     least = np.where(known.any(axis=0), u.min(axis=0), u.min())
     u = np.where(known, u, least * signed / (-BELOW * step))
     return fitted((first, -half * by_slope), (step, by_slope), u)
+
+
+COMPLIANCES = {side: f"{side}_slice_compliance" for side in ("inner", "outer")}  # variables of the file
+LAW = "law_compliance", "law_level", "law_largest_force"  # their attributes: m/N, 1, N
+
+
+def write_slices(file: "h5py.File", slices: tuple[Slices, Slices]) -> None:
+    """Add compliances and laws of both contacts' slices to a file."""
+    variable(file, "slice", slices[0].place, ("slice",), "m", "middle of a slice along the roller")
+    for name, side, each in zip(COMPLIANCES.values(), COMPLIANCES, slices, strict=True):
+        about = f"approach of a slice by the force of another, {side} contact"
+        variable(file, name, each.coupling, ("slice", "slice"), "m/N", about)
+        assert isinstance(each.law, LogarithmicLaw)
+        for key, value in zip(LAW, (each.law.compliance, each.law.level, each.law.largest_force), strict=True):
+            file[name].attrs[key] = value
+
+
+def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slices, Slices] | None:
+    """The slices of a run with [axial]; None: the file holds none.
+
+    Errors
+    ------
+    Damaged: they are none of such a bearing.
+    """
+    if not all(has(file, name) for name in COMPLIANCES.values()):
+        return None
+    laws, couplings, n = [], [], axial.slices
+    for name in COMPLIANCES.values():
+        data = check_array(file, name, n, dimensions=(2,))
+        numbers = np.array([float(data.attrs[key]) for key in LAW])
+        coupling = data[:].astype(float) if data.shape == (n, n) else np.empty((0, 0))
+        if not (coupling.size and np.isfinite(coupling).all() and np.isfinite(numbers).all() and numbers.min() > 0.0):
+            raise Damaged(f"{name} is no compliance of {n} slices")
+        values = dict(zip(("compliance", "level", "largest_force"), numbers.tolist(), strict=True))
+        laws.append(LogarithmicLaw(name="series", source="plane series", **values))
+        couplings.append(coupling)
+    return contact_slices(bearing, axial, (laws[0], laws[1]), (couplings[0], couplings[1]))

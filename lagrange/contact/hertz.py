@@ -1,4 +1,4 @@
-"""Hertz's contacts of a bearing: lines between rollers and raceways, ellipses between balls and grooves.
+"""Hertz's contacts of a bearing: lines between rollers and raceways, ellipses of balls in grooves, stresses below.
 
 The point contact is that of equations (4) to (11) of the paper for any material; the constants 2.79e-4 and 2.15e5 that
 Harris and the paper print (N, mm) belong to E = 207 GPa, ν = 0.3 on both sides.
@@ -6,13 +6,17 @@ Harris and the paper print (N, mm) belong to E = 207 GPa, ν = 0.3 on both sides
 Source: Hertz 1881; Johnson, Contact Mechanics (1985), chapter 4; Harris, Rolling Bearing Analysis.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import exp, pi, sqrt
 from typing import Literal
 
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Material
+from lagrange.columns import DERIVED
+from lagrange.rating.sources import Unavailable
 
 Side = Literal["inner", "outer"]
 NEARLY_CIRCULAR = 1e-5  # below this F, F = 3 m/8 is more exact than the elliptic integrals' difference
@@ -24,14 +28,10 @@ def line_compliance(material: Material, length: float) -> float:
     return 2.0 / (pi * material.plane_strain_modulus * length)
 
 
-def ring_of(bearing: Bearing, side: Side) -> Material:
-    """Material of the ring that has this raceway."""
-    return bearing.inner_ring if side == "inner" else bearing.outer_ring
-
-
 def compliances(bearing: Bearing, side: Side) -> tuple[float, float]:
     """c = (1 − ν²)/E of rolling elements and of a ring, 1/Pa."""
-    return 1.0 / bearing.roller.plane_strain_modulus, 1.0 / ring_of(bearing, side).plane_strain_modulus
+    ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
+    return 1.0 / bearing.roller.plane_strain_modulus, 1.0 / ring.plane_strain_modulus
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,3 +198,77 @@ def ball_pressure(bearing: BallBearing, side: Side, force: float) -> float:
     """
     longer, shorter = contact_ellipse(bearing, side, force)
     return 1.5 * force / (pi * longer * shorter) if force > 0.0 else 0.0
+
+
+PERMITTED = 4000e6  # Pa, at ISO 76's C0: roller and raceway then keep 1e-4 of the roller's diameter
+PERMITTED_OF_BALLS = 4200e6  # Pa, the same of balls
+FATIGUE = 1500e6  # Pa, at ISO 281's C_u, of usual bearing steels
+DEPTHS = np.linspace(0.0, 3.0, 30_001)  # over the half-width
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineContact:
+    """One contact under its force; m, Pa."""
+
+    peak_pressure: float
+    half_width: float
+    largest_shear: float
+    shear_depth: float
+    largest_von_mises: float
+    von_mises_depth: float
+
+
+def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """σ_x, σ_y, σ_z over the peak pressure on the line of symmetry, at depths over the half-width.
+
+    Plane strain along y.
+
+    σ_x = −(1 + 2z²)/√(1 + z²) + 2z, σ_z = −1/√(1 + z²), σ_y = ν (σ_x + σ_z)
+
+    Source: Johnson, Contact Mechanics (1985), (4.49).
+    """
+    z = np.asarray(depth, dtype=float)
+    root = np.sqrt(1.0 + z * z)
+    across, down = 2.0 * z - (1.0 + 2.0 * z * z) / root, -1.0 / root
+    return across, poisson_ratio * (across + down), down
+
+
+@cache
+def _largest(poisson_ratio: float) -> tuple[float, float, float, float]:
+    """Largest shear and von Mises stress over the peak pressure, each with its depth over the half-width."""
+    x, y, z = stress_below(DEPTHS, poisson_ratio)
+    shear = 0.5 * np.abs(x - z)
+    mises = np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
+    rows = [(float(each.max()), float(DEPTHS[each.argmax()])) for each in (shear, mises)]
+    return *rows[0], *rows[1]
+
+
+def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of `lagrange.columns.DERIVED` from a run's contact forces, each (n_times, n_rollers).
+
+    b² = 4 R Q/(π E* L), p₀ = 2 Q/(π b L), R of the perfect circles: at edges of spalls pressures are higher.
+
+    Errors
+    ------
+    Unavailable: the contacts of balls are points.
+
+    Source: Johnson, Contact Mechanics (1985), (4.43) to (4.45).
+    """
+    if isinstance(bearing, BallBearing):
+        raise Unavailable("Hertz pressures of runs are those of line contacts; this bearing has balls")
+    found = {}
+    for pair, side in zip(contact_pairs(bearing), ("inner", "outer"), strict=False):
+        width = np.sqrt(pair.half_width_factor * samples[f"{side}_force"])
+        found[f"{side}_half_width"] = width
+        found[f"{side}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width  # Q = b² / factor
+    return {name: found[name] for name in DERIVED}
+
+
+def line_contact(pair: Pair, force: float) -> LineContact:
+    """Stresses of a pair under a force, N; the depths are those in steel of the ring's Poisson ratio."""
+    pressure, width = pair.peak_pressure(force), pair.half_width(force)
+    shear, shear_at, mises, mises_at = _largest(pair.materials[0].poisson_ratio)
+    return LineContact(
+        peak_pressure=pressure, half_width=width, largest_shear=shear * pressure, shear_depth=shear_at * width,
+        largest_von_mises=mises * pressure, von_mises_depth=mises_at * width,
+    )  # fmt: skip

@@ -20,9 +20,8 @@ import numpy as np
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.kinematics import kinematics, turned
-from lagrange.surface.edges import reach, softening
+from lagrange.surface.edges import Circles, Meeting, measured_sinkage, reach, sinkage, softening
 from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
-from lagrange.surface.rolling_envelope import Circles, Meeting, measured_sinkage, sinkage
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude

@@ -246,7 +246,7 @@ def _kick_axes(axes, drive):
 
 @drift_body.of(Axes)
 def _drift_axes(axes, drive):
-    turn_axes(axes.tilts, axes, drive)
+    turn_axes(axes.tilts, drive)
 
 
 @add_motion.of(Axes)

@@ -150,7 +150,7 @@ def test_a_shaft_on_a_tilt_spring_finds_the_slope_that_balances_it():
 def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
     acting = operation(speed=0.0, gravity=0.0, radial_load=20_000.0, misalignment=2e-3)
     for slices in (61, 201):
-        with pytest.raises(Unavailable, match=rf"axial.slices = {slices} are .* take at most 1\d"):
+        with pytest.raises(Unavailable, match=rf"axial.slices = {slices} are .* use at most 1\d"):
             tilted_pitch(PAPER, axial("logarithmic", slices, True), acting)
     tilted_pitch(PAPER, axial("logarithmic", 15, True), acting, samples=1)
 

@@ -96,7 +96,7 @@ def test_a_law_that_is_not_at_hand_is_no_bearing_s():
 
 
 REFUSED = {
-    "which": ({"law": "power"}, None, "which? give contact_stiffness_N_per_m_n = "),
+    "which": ({"law": "power"}, None, "needs contact_stiffness_N_per_m_n = "),
     "half of it": ({"contact_stiffness_N_per_m_n": [1e9, 1e9]}, None, "give both, or neither"),
     "of one raceway": ({"contact_stiffness_N_per_m_n": [1e9], "contact_exponent": 1.1}, None, "at least 2 items"),
     "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "greater than 0"),

@@ -53,7 +53,7 @@ def without_rollers_mass(bearing):
 @pytest.mark.parametrize(
     ("operation", "told"),
     [
-        ({"shaft": "springs"}, 'shaft = "springs": how stiff? give shaft_stiffness_N_per_m'),
+        ({"shaft": "springs"}, 'shaft = "springs" needs shaft_stiffness_N_per_m'),
         ({"shaft_stiffness_N_per_m": 1e7}, 'shaft_stiffness_N_per_m = 1e+07: only with shaft = "springs"'),
         ({"shaft": "rigid", "shaft_damping_N_s_m": 10.0}, 'shaft_damping_N_s_m = 10: only with shaft = "springs"'),
         ({"shaft": "springs", "shaft_stiffness_N_per_m": -1.0}, "operation.shaft_stiffness_N_per_m = -1.0"),

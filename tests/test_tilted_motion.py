@@ -160,7 +160,7 @@ def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, re
 def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
     heavy = {"operation__radial_load_N": 25_000.0, "operation__misalignment_mrad": 1.0}
     found = scene("reduced", {"slices": 21}, **heavy)
-    with pytest.raises(UsageError, match=r"axial.slices = 21 are 0.476 mm wide.*take at most 1\d"):
+    with pytest.raises(UsageError, match=r"axial.slices = 21 are 0.476 mm wide.*use at most 1\d"):
         make_plan(found)
 
 

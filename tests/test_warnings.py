@@ -115,8 +115,8 @@ def test_samples_that_miss_waves_are_warned_of():
 @pytest.mark.parametrize(
     ("value", "sound", "words"),
     [
-        ("bearing.clearance_um=1500", "bearing.clearance_um=90", "clearance, 1500 µm in operation, is 17 %"),
-        ("operation.radial_load_N=3", "operation.radial_load_N=0", "radial_load_N = 3: below a thousandth"),
+        ("bearing.clearance_um=1500", "bearing.clearance_um=90", "clearance, 1500 µm, is 17 %"),
+        ("operation.radial_load_N=3", "operation.radial_load_N=0", "radial_load_N = 3 is below a thousandth"),
         ("operation.speed_rpm=60000", "operation.speed_rpm=20000", "n d_m is 2.8e+06"),  # 46.5 mm
     ],
 )

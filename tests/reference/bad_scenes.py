@@ -176,8 +176,8 @@ BAD_SCENES = {
     # files that are no scenes
     "broken TOML": scene("[bearing\nrollers = 3", "TOML", "line 1"),
     "unfinished TOML": scene("name = ", "TOML"),
-    "decimal comma": scene("operation.radial_load_N = 3,5", "TOML", "radial_load_N = 3,5: decimals take a point"),
-    "text without quotes": scene("bearing.designation = NU206", "TOML", "designation = NU206: texts take quotes"),
+    "decimal comma": scene("operation.radial_load_N = 3,5", "TOML", "radial_load_N = 3,5: write a decimal point"),
+    "text without quotes": scene("bearing.designation = NU206", "TOML", "designation = NU206: put text in quotes"),
     "key twice": scene("[bearing]\nrollers = 12\nrollers = 13", "TOML"),
     "table twice": scene("[bearing]\n[bearing]", "TOML"),
     "JSON": scene('{"bearing": {"rollers": 13}}', "TOML"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.kernels.jit import kernel
-from fem.kernels.tilted_contact import TiltedLaw, energy_force_moment, force_and_stiffness
+from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness
 from fem.kernels.tilted_surfaces import in_series
 from lagrange.axial import ContactTable
 from lagrange.axial.facts import Profile
@@ -103,11 +103,6 @@ def test_peaks_by_force_and_moment_are_those_of_the_slices(kind):
 
 def test_the_kernel_and_numpy_read_a_table_alike(table):
     @kernel
-    def read(law, approach, slope, found):
-        for i in range(approach.size):
-            found[i, :3] = energy_force_moment(law, approach[i], slope[i])
-
-    @kernel
     def read_all(law, approach, slope, found):
         for i in range(approach.size):
             found[i, :6] = force_and_stiffness(law, approach[i], slope[i])
@@ -124,9 +119,6 @@ def test_the_kernel_and_numpy_read_a_table_alike(table):
         tolerance = 1e-9 if k < 9 else 1e-6  # in series second derivatives are those before the last step
         scale = np.abs(wanted[inside]).max()
         assert column[inside] == pytest.approx(wanted[inside], rel=tolerance, abs=tolerance * scale)
-    three = np.zeros((500, 3))
-    read(TiltedLaw.of(table), approach, slope, three)
-    assert np.array_equal(three, found[:, :3])
     closed = soft.force > 0.0
     own = (approach - SOFT * soft.force)[closed]
     assert table.at(own, slope[closed]).force == pytest.approx(soft.force[closed], rel=1e-9)

@@ -17,12 +17,12 @@ from rich.console import Console
 
 from benchmarks.measuring import new_table
 from fem.study import solving
-from fem.study.cluster import solve_on_cluster
 from fem.study.dataset import write_dataset
 from fem.study.folder import Folder
 from fem.study.sampling import design_of
 from fem.study.solving import Points, Solved, Wanted, checked_points, solve
 from fem.study.study_file import read_study
+from fem.study.workers import solve_on_cluster
 
 POINTS, LONG_POINTS = 300, 40
 STUDY = """

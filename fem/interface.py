@@ -1,6 +1,6 @@
 """Simulations from Python: what the commands do, without files, signals or printing, in any thread.
 
-from fem import Scene, simulate
+from fem.interface import Scene, simulate
 
 result = simulate(Scene(model="reduced"))
 result["inner_y"].mean(), result.quantities["load_zone"].value
@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from math import nan
 from pathlib import Path
 from threading import Lock
@@ -18,9 +17,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.errors import RunFailed, UsageError
 from fem.quantities import Quantity, labels
+from fem.rating.answers import rating
+from fem.recording import Memory, Result, open_result
 from fem.solver.simulate import make_plan, programs_named, run
+from fem.solver.solver import Progress
 from lagrange.mounting import from_outer_ring
+from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
 
 # The one place of the solver's side that knows the checker: for runs from Python, and for studies.
 #
@@ -76,13 +80,6 @@ def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
     return [Quantity(name, *about, found[name]) for name, about in OF_CHECK.items()]
 
 
-if TYPE_CHECKING:
-    from fem.errors import RunFailed, UsageError
-    from fem.rating.answers import rating
-    from fem.recording import Result, open_result
-    from fem.solver.solver import Progress
-    from lagrange.scene.scene import Scene, SceneError, read_scene
-
 __all__ = [
     "Progress",
     "Result",
@@ -99,33 +96,16 @@ __all__ = [
     "statics",
 ]
 
-_HOME = {
-    "Progress": "fem.solver.solver",
-    "Result": "fem.recording",
-    "RunFailed": "fem.errors",
-    "Scene": "lagrange.scene.scene",
-    "SceneError": "lagrange.scene.scene",
-    "UsageError": "fem.errors",
-    "open_result": "fem.recording",
-    "rating": "fem.rating.answers",
-    "read_scene": "lagrange.scene.scene",
-}
 _PLANNING = Lock()  # meshes, factorisations and compiling are not for two threads at once
 SHARE = 0.005  # of the load, by which it is changed to find the stiffness
 
 
-def __getattr__(name: str):
-    if name not in _HOME:
-        raise AttributeError(f"module 'fem.interface' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
-
-
 def simulate(
-    scene: "Scene",
+    scene: Scene,
     *,
-    progress: "Callable[[Progress], None] | None" = None,
+    progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] = lambda: False,
-) -> "Result":
+) -> Result:
     """Simulate a scene by the model that it names and keep its samples in memory.
 
     Parameters
@@ -142,8 +122,6 @@ def simulate(
     UsageError: the model can't take the scene, or a program it needs is missing. RunFailed: the run went wrong
     numerically.
     """
-    from fem.recording import Memory, Result
-
     began = time.perf_counter()
     with _PLANNING:
         plan = programs_named(lambda: make_plan(scene))
@@ -165,7 +143,7 @@ class Statics:
     roller_rho: np.ndarray  # (n_rollers,), m, from the outer ring's centre
     inner_force: np.ndarray  # (n_rollers,), N, >= 0
     outer_force: np.ndarray  # (n_rollers,), N, >= 0
-    scene: "Scene" = field(repr=False)
+    scene: Scene = field(repr=False)
 
     @cached_property
     def stiffness(self) -> float:
@@ -184,7 +162,7 @@ class Statics:
         return float(2.0 * SHARE * load * self.scene.bearing.cosine / (less.hub[1] - more.hub[1]))
 
 
-def statics(scene: "Scene") -> Statics:
+def statics(scene: Scene) -> Statics:
     """The static equilibrium of a scene, by the model that it names: the start of its run from equilibrium.
 
     Errors
@@ -209,8 +187,6 @@ def frequencies(designation: str, speed_rpm: float) -> dict[str, float]:
     ------
     SceneError: a designation that is not in the table.
     """
-    from lagrange.scene.scene import parse_scene
-
     tables = {"model": "lagrange", "bearing": {"designation": designation}, "operation": {"speed_rpm": speed_rpm}}
     found = labels(parse_scene(tables, designation))
     return {name: float(found[f"{name}_Hz"]) for name in ("FTF", "BSF", "BPFO", "BPFI")}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.run_summary import LOADED, RunStatistics
+from fem.run_summary import LOADED, load_zone
 from lagrange import kinematics
 from lagrange.kinematics import Kinematics
 from lagrange.messages import engineering
@@ -130,12 +130,11 @@ def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, flo
 
 
 def _of_record(ideal: Kinematics | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    seen, rolled, turned = RunStatistics(), 0.0, 0.0
-    seen.add(samples)
+    time, rolled, turned = samples["time"], 0.0, 0.0
     if ideal is not None and "cage_angle" in samples:
         angle = samples["cage_angle"]
-        rolled, turned = ideal.cage * (seen.last_time - seen.first_time), float(angle[-1] - angle[0])
-    zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
+        rolled, turned = ideal.cage * float(time[-1] - time[0]), float(angle[-1] - angle[0])
+    zone, width = load_zone(samples), np.ptp(from_outer_ring(samples, "inner"), axis=1)
     off = samples["inner_ay"] - samples["inner_ay"].mean()
     spread = float(np.mean(off**2))
     return {

@@ -19,7 +19,7 @@ from fem.result.checkpoint import (
     refuse_nothing_to_resume,
     save_checkpoint,
 )
-from fem.result.later_columns import read_blocks, read_columns, write_estimates
+from fem.result.later_columns import read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.run_summary import summary_columns
 from fem.solver.compiling import remember
@@ -143,7 +143,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
             names = (*summary_columns(plan.scene), *plan.scene.mounting().places)
-            print_run(state, read_blocks(path, names), path)
+            print_run(state, read_columns(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 

@@ -12,7 +12,7 @@ from fem.commands.run_fem import run_main
 from fem.elastic.assembly import assemble
 from fem.elastic.outer_support import bored_ring
 from fem.interface import rating
-from fem.rating.page import write_page
+from fem.rating.report import write_page
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import BallBearing, Material, kinematics
 from lagrange.bearing import Bearing

@@ -8,7 +8,7 @@ import pytest
 
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import result_name, run_main
-from fem.pictures.target import refuse_foreign
+from fem.pictures.render import refuse_foreign
 from lagrange.files.output import new_part, remove_left, replaced
 from residual.cli import main as check_main
 from tests.waiting import no_endless_wait
@@ -163,7 +163,7 @@ def test_an_export_is_replaced_by_the_next_and_any_file_by_force(ending, kept, c
 
 @pytest.mark.parametrize("ending", [".gif", ".mp4"])
 def test_films_are_known_as_such(ending, tmp_path):
-    from fem.pictures.film import write_film
+    from fem.pictures.render import write_film
 
     place, palette = tmp_path / f"a{ending}", np.zeros((1, 3), dtype=np.uint8)
     write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, palette)

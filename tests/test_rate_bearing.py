@@ -328,7 +328,7 @@ def test_what_lives_take_for_granted_is_told_where_it_is_not_so(tmp_path, monkey
 
 
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):
-    from fem.rating.page import write_page
+    from fem.rating.report import write_page
 
     write_page(tmp_path / "rating.html", rating(read_scene(None, ("bearing.type=ball", "model=lagrange"))))
     page = (tmp_path / "rating.html").read_text(encoding="utf-8")

@@ -8,9 +8,8 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.pictures.bodies import ARCS, drawn_bearing
-from fem.pictures.look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
+from fem.pictures.look import LARGEST_SHARE, Request, Scale, chosen_look, chosen_magnification, quantity
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import Scale, quantity
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING
 
 PAPER_RADIUS = 32.5e-3  # m, outside

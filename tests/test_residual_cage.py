@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.run_summary import CageStatistics
+from fem.run_summary import CAGE_COLUMNS, cage_rows
 from lagrange.scene.scene import parse_scene
 from residual.errors import InputError
 from residual.evaluation import evaluate
@@ -83,9 +83,9 @@ def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(
     assert summary["cage_Hz"]["rolling_without_slip"] is None
     assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
     assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
-    seen = CageStatistics(samples=1, angles=(0.0, 0.1), whirled=1.0)
-    assert "whirls" in seen.rows(1.0)["cage's centre"]
-    assert "whirls" not in seen.rows(0.0)["cage's centre"]
+    samples = dict.fromkeys(CAGE_COLUMNS, np.ones(2))
+    assert "whirls" in cage_rows(samples, 1.0)["cage's centre"]
+    assert "whirls" not in cage_rows(samples, 0.0)["cage's centre"]
 
 
 def test_within_one_turn_no_slip_of_the_cage_is_told(tmp_path):

@@ -19,15 +19,15 @@ from residual.cli import main as check_main
 N = 13
 
 
-def blocks(speed, slip=0.0, turns=1.0, samples=4001):
-    """A made-up run in two blocks: rollers loaded in the lower 120° of the circle, hub on an ellipse."""
+def samples(speed, slip=0.0, turns=1.0, count=4001):
+    """A made-up run: rollers loaded in the lower 120° of the circle, hub on an ellipse."""
     bearing = read_scene().ideal_bearing()
-    time = np.linspace(0.0, turns * tau / (kinematics(bearing, speed).cage * (1.0 - slip)), samples)
-    cage = turns * np.linspace(0.0, tau, samples)
+    time = np.linspace(0.0, turns * tau / (kinematics(bearing, speed).cage * (1.0 - slip)), count)
+    cage = turns * np.linspace(0.0, tau, count)
     theta = cage[:, None] + tau * np.arange(N) / N
     off = np.abs((theta + 0.5 * pi + pi) % tau - pi)  # from the load
     inner = np.where(off < pi / 3.0, 700.0 * np.cos(1.5 * off), 0.0)
-    values = {
+    return {
         "time": time,
         "inner_x": 1e-6 * np.sin(cage),
         "inner_y": 1e-6 * (-3.0 + 0.5 * np.cos(cage)),
@@ -35,12 +35,11 @@ def blocks(speed, slip=0.0, turns=1.0, samples=4001):
         "outer_force": inner + 6.0,
         "roller_theta": theta,
     }
-    return [{name: array[part] for name, array in values.items()} for part in (slice(1500), slice(1500, None))]
 
 
 def test_a_made_up_run_is_told_as_it_was_made():
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed, slip=0.02, turns=2.0))
+    told = run_summary(bearing, kinematics(bearing, speed), samples(speed, slip=0.02, turns=2.0))
     assert told["hub"] == "mean x 0.0000 µm, y -2.9999 µm; peak to peak 2.0000 and 1.0000 µm"
     assert "700.0 N (" in told["largest loads"] and "706.0 N (" in told["largest loads"]
     # above 1 % of 700 N where cos(1.5 off) is: 119.2°, to a degree of either side
@@ -54,7 +53,7 @@ def test_a_made_up_run_is_told_as_it_was_made():
 def test_the_pressure_is_hertz():
     """Johnson, Contact Mechanics (1985), chapter 4: p0 = sqrt(Q E* / (π L R))."""
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    told = run_summary(bearing, kinematics(bearing, speed), blocks(speed))["largest loads"]
+    told = run_summary(bearing, kinematics(bearing, speed), samples(speed))["largest loads"]
     modulus = 0.5 * bearing.roller.plane_strain_modulus
     radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
     pressure = np.sqrt(700.0 * modulus / (pi * bearing.roller_length * radius))
@@ -106,10 +105,10 @@ def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):
 
 def test_a_record_too_short_for_all_angles_names_no_load_zone():
     bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
-    assert "load zone" not in run_summary(bearing, kinematics(bearing, speed), blocks(speed, turns=0.02))
+    assert "load zone" not in run_summary(bearing, kinematics(bearing, speed), samples(speed, turns=0.02))
 
 
 def test_a_standing_bearing_has_no_cage_speed():
     bearing = read_scene().ideal_bearing()
-    told = run_summary(bearing, kinematics(bearing, 0.0), blocks(4500.0 * tau / 60.0))
+    told = run_summary(bearing, kinematics(bearing, 0.0), samples(4500.0 * tau / 60.0))
     assert set(told) == {"hub", "largest loads", "load zone"}

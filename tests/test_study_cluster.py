@@ -74,7 +74,7 @@ def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, s
 
 
 def test_what_is_no_scheduler_is_named(here, monkeypatch, capsys):
-    monkeypatch.setattr("fem.study.cluster.CONNECT", 0.5)
+    monkeypatch.setattr("fem.study.workers.CONNECT", 0.5)
     Path("study.toml").write_text(GRID, encoding="utf-8")
     with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
         hangs = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
@@ -121,7 +121,7 @@ LagrangianState.advance = advance
 def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
     here, started, scheduler, monkeypatch
 ):
-    monkeypatch.setattr("fem.study.cluster.GRACE", 3.0)
+    monkeypatch.setattr("fem.study.workers.GRACE", 3.0)
     Path("hanging.py").write_text(HANGING, encoding="utf-8")
     worker(started, scheduler, "--preload", str(here / "hanging.py"))
     Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 2.0\n", encoding="utf-8")

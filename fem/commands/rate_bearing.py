@@ -105,7 +105,7 @@ def _rate(
     written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]
     write_json(written[0], rated)
     if output is not None:
-        from fem.rating.page import write_page
+        from fem.rating.report import write_page
 
         written.append(folder / "rating.html")
         write_page(written[1], rated)

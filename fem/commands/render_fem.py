@@ -86,7 +86,7 @@ def _render(
 
     load_matplotlib()
     from fem.pictures.recover import StoredRun
-    from fem.pictures.target import refuse_foreign
+    from fem.pictures.render import refuse_foreign
 
     stored = StoredRun(run if run is not None else _newest())
     target = output or animation or export or stored.path.with_suffix(".png")
@@ -182,8 +182,7 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
     from fem.commands.progress import count_display
-    from fem.pictures.film import write_film
-    from fem.pictures.render import Renderer
+    from fem.pictures.render import Renderer, write_film
 
     shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * shown) if shown > 0.0 else inf

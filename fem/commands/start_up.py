@@ -12,22 +12,7 @@ from lagrange.commands import HELD
 from lagrange.commands import run_app_main as run_any_main
 from lagrange.errors import UsageError
 
-SAFE = "PYTHONSAFEPATH"
 MOST_THREADS = 4096
-
-
-@contextmanager
-def from_no_current_folder() -> Iterator[None]:
-    """Let Python processes that begin meanwhile import nothing from the current folder, whoever has put it there."""
-    before = os.environ.get(SAFE)
-    os.environ[SAFE] = "1"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ[SAFE]
-        else:
-            os.environ[SAFE] = before
 
 
 def need(package: str, user: str) -> None:

@@ -168,27 +168,26 @@ def _percent(error: float | None) -> str:
     return f"{100 * error:.2g} %" if error > LEAST_ERROR else f"below {100 * LEAST_ERROR:g} %"
 
 
-def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Path) -> None:
-    """Print the bearing's quantities from a run's samples, in blocks under the file's names, and the file's place."""
+def print_run(state: RunState, samples: dict[str, np.ndarray], path: Path) -> None:
+    """Print the bearing's quantities from a run's samples, by the file's names, and the file's place."""
     console, plan, progress = Console(highlight=False), state.plan, state.progress
     if plan.n_samples == 1:
-        first = next(iter(blocks))
-        force = first["inner_force"][0]
+        force = samples["inner_force"][0]
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
-        x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(first, "inner"))
+        x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(samples, "inner"))
         lines = [
             f"Static equilibrium{at_speed(plan.scene)}: hub x {x:.4f} µm, y {y:.4f} µm",
             f"Loaded rollers: {forces or 'none'} N",
         ]
-        moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in first]
+        moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in samples]
         lines[0] += ", from the outer ring's centre" if moved else ""
         for body in moved:
-            place = ", ".join(f"{axis} {1e6 * first[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
+            place = ", ".join(f"{axis} {1e6 * samples[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
             lines[0] += f"; {body.replace('_', ' ')} {place}"
     else:
         bearing = plan.scene.ideal_bearing()
         ideal = mean_kinematics(bearing, plan.scene.ideal_operation(), progress.simulated)
-        found = run_summary(bearing, ideal, blocks, tilts=plan.scene.axial is not None)
+        found = run_summary(bearing, ideal, samples, tilts=plan.scene.axial is not None)
         lines = [f"{name + ':':14s} {value}" for name, value in found.items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "

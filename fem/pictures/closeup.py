@@ -13,9 +13,8 @@ from fem.elastic.bodies import max_shear
 from fem.pictures.bodies import DrawnBearing
 from fem.pictures.canvas import ASPECT, FAULT, INK, Canvas, Panel, View, border, line, segments, strip
 from fem.pictures.legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed
-from fem.pictures.look import Look
+from fem.pictures.look import Look, Scale
 from fem.pictures.recover import Instant
-from fem.pictures.scale import Scale
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, hertz_stress
 from fem.pictures.surfaces import Drawing, holes
 from fem.solver.frames import rotated

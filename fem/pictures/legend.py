@@ -5,9 +5,8 @@ from math import pi
 import numpy as np
 
 from fem.pictures.canvas import INK, Canvas, Panel, View, arrow, bar, border, disc, line
-from fem.pictures.look import Look
+from fem.pictures.look import Look, Scale, rounded_down
 from fem.pictures.recover import Instant
-from fem.pictures.scale import Scale, rounded_down
 from fem.pictures.surfaces import chart_factor
 from lagrange.load_history import load_share
 from lagrange.scene.operation import RPM

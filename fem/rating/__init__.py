@@ -2,7 +2,7 @@
 
 elastic         equilibria of elastic rings over a pitch of the rollers
 answers         every number with its unit, meaning and source; `rating`
-report          the table that is printed, the JSON file
+report          the table that is printed, the JSON file, rating.html
 ross            bearing coefficients for rotordynamics
-figures, page   rating.html
+figures         those of the page
 """

@@ -10,13 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
-from fem.result.durable import put_in_place
 from fem.result.earlier import differences, scene_keys
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
 from lagrange.files.input import read_plain
-from lagrange.files.output import real_path
+from lagrange.files.output import real_path, replaced
 from lagrange.scene.scene import SceneError, parse_scene_text
 from lagrange.version import VERSION
 
@@ -74,12 +73,9 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
         "numbers": numbers,
         "scene": plan.scene.to_toml(),
     }
-    try:
-        with put_in_place(path) as part, open(part, "wb") as file:
-            arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}
-            np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
+    with replaced(path, durable=True) as part, open(part, "wb") as file:
+        arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}
+        np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
 
 
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:

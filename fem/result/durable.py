@@ -1,11 +1,11 @@
-"""Files that appear whole or not at all, in folders that several runs share; writes that say when they fail."""
+"""Files in folders that several runs share; writes that say when they fail."""
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
-from lagrange.files.output import BINARY, new_part
+from lagrange.files.output import BINARY
 
 try:
     import fcntl
@@ -82,33 +82,3 @@ def claim(handle: int, size: int) -> None:
         os.posix_fallocate(handle, 0, size)
     except OSError as error:
         raise OSError(error.errno, f"{error.strerror}: {size / 1e6:.3g} MB are needed") from None
-
-
-@contextmanager
-def put_in_place(path: Path) -> Iterator[Path]:
-    """Give the name of a file to write beside another; once it is on the disk it takes that one's place.
-
-    OSError: it can't be written; the earlier file stays as it is.
-    """
-    part = new_part(path)
-    try:
-        yield part
-        with open(part, "r+b") as file:
-            os.fsync(file.fileno())
-        move_into_place(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def move_into_place(temporary: Path, path: Path) -> None:
-    """Give a file that is on the disk its final name; a power cut leaves the old file or the new one.
-
-    Neither of the two may be open: not every system renames such.
-    """
-    os.replace(temporary, path)
-    with suppress(OSError):  # some file systems can't sync a folder
-        handle = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from fem.result.durable import alone_in, put_in_place
+from fem.result.durable import alone_in
 from lagrange.bearing import Bearing, Operation
 from lagrange.files.hdf5 import SCENE_FILE, hdf5_to_write
-from lagrange.files.output import real_path
+from lagrange.files.output import real_path, replaced
 from lagrange.scene.scene import Scene
 from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls, surfaces_met
 
@@ -42,7 +42,7 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
     OSError: no room for a second file; the first stays as it is.
     """
     path = real_path(path)
-    with alone_in(path.parent), put_in_place(path) as part:
+    with alone_in(path.parent), replaced(path, durable=True) as part:
         shutil.copyfile(path, part)
         with hdf5_to_write(part, "r+") as file:
             _add(file, found, coarse_mesh_size)
@@ -62,22 +62,11 @@ def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> N
     file.attrs["coarse_mesh_size"] = coarse_mesh_size
 
 
-BLOCK = 1 << 16  # samples
-
-
 def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
     """All committed samples of some variables."""
     with h5py.File(path, "r") as file:
         count = int(file.attrs["committed_samples"])
         return {name: file[name][:count] for name in names}
-
-
-def read_blocks(path: Path, names: tuple[str, ...]) -> Iterator[dict[str, np.ndarray]]:
-    """The same, a block at a time."""
-    with h5py.File(path, "r") as file:
-        count = int(file.attrs["committed_samples"])
-        for first in range(0, count, BLOCK):
-            yield {name: file[name][first : min(first + BLOCK, count)] for name in names}
 
 
 EVENTS = "events"

@@ -40,8 +40,10 @@ def refuse_special(path: Path) -> None:
 
 
 @contextmanager
-def replaced(path: str | Path) -> Iterator[Path]:
+def replaced(path: str | Path, durable: bool = False) -> Iterator[Path]:
     """An empty new file, to be written and closed, that is moved to `path` at the end, or removed after an error.
+
+    `durable` : it is brought to the disk first
 
     Errors
     ------
@@ -52,11 +54,30 @@ def replaced(path: str | Path) -> Iterator[Path]:
     part = new_part(path)
     try:
         yield part
-        os.replace(part, path)
+        if durable:
+            with open(part, "r+b") as file:
+                os.fsync(file.fileno())
+            move_into_place(part, path)
+        else:
+            os.replace(part, path)
     except OSError as error:
         raise named(error, path, part) from None
     finally:
         part.unlink(missing_ok=True)
+
+
+def move_into_place(temporary: Path, path: Path) -> None:
+    """Give a file that is on the disk its final name; a power cut leaves the old file or the new one.
+
+    Neither of the two may be open: not every system renames such.
+    """
+    os.replace(temporary, path)
+    with suppress(OSError):  # some file systems can't sync a folder
+        handle = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def named(error: OSError, path: Path, part: Path) -> OSError:

@@ -242,7 +242,8 @@ def history_figure(evaluation: Evaluation, equations: bool, folder: Path) -> Sav
     t, loaded = evaluation.record, evaluation.budget.loaded
     j = chosen_roller(loaded, evaluation.chatter)
     curves = {"hub x, µm": 1e6 * t.inner_x, "hub y, µm": 1e6 * t.inner_y}
-    curves[f"ρ of roller {j}, mm"] = 1e3 * np.hypot(t.roller_x[:, j], t.roller_y[:, j])
+    rho = np.hypot(t.roller_x[:, j], t.roller_y[:, j]) - t.bearing.pitch_radius
+    curves[f"ρ of roller {j}, µm"] = 1e6 * rho
     if equations:
         curves |= {f"error_{d.name}, N": d.budget.error for d in evaluation.directions}
     time, count = 1e3 * t.time, len(curves)
@@ -253,8 +254,8 @@ def history_figure(evaluation: Evaluation, equations: bool, folder: Path) -> Sav
         axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
     errors = "; error forces, 0 for a perfect model" if equations else ""
     caption = (
-        f"Centre of the inner ring; radial place ρ of roller {j} about the outer ring's centre, shaded where its inner "
-        f"contact is closed (load zone){errors}."
+        f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner contact "
+        f"is closed (load zone){errors}."
     )
     return save(figure, folder, "history", "Motion over time", caption)
 

@@ -254,8 +254,8 @@ def history_figure(evaluation: Evaluation, equations: bool, folder: Path) -> Sav
         axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
     errors = "; error forces, 0 for a perfect model" if equations else ""
     caption = (
-        f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner contact "
-        f"is closed (load zone){errors}."
+        f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner "
+        f"contact is closed (load zone){errors}."
     )
     return save(figure, folder, "history", "Motion over time", caption)
 

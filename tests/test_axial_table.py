@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from fem.kernels.jit import kernel
-from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness
-from fem.kernels.tilted_surfaces import in_series
+from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness, in_series
 from lagrange.axial import ContactTable
 from lagrange.axial.facts import Profile
 from lagrange.axial.pressure import Ends, peak_table, placed, pressures, pressures_under

@@ -9,8 +9,7 @@ from numba import njit
 
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import EVENLY
-from fem.kernels.cage import CagePair, GuidingRing, Riders
-from fem.kernels.cage_kernels import meet, rub
+from fem.kernels.cage import CagePair, GuidingRing, Riders, meet, rub
 from fem.kernels.jit import OPTIONS
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import cage_state, critical_with_cage

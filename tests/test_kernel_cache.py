@@ -14,11 +14,11 @@ def test_a_change_of_any_module_makes_kernels_anew(tmp_path):
     before = digest(folder)
     assert cache_folder().name == version() and version().removesuffix("-checked") == before
     found = {before}
-    for module in sorted(folder.glob("*.py")):
+    for module in sorted(folder.rglob("*.py")):
         text = module.read_bytes()
         module.write_bytes(text + b"\n# changed")
         found.add(digest(folder))
         module.write_bytes(text)
-    assert len(found) == 1 + len(list(folder.glob("*.py"))) > 20
+    assert len(found) == 1 + len(list(folder.rglob("*.py"))) > 20
     (folder / "new.py").write_text("")
     assert digest(folder) not in found

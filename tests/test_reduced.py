@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 
 from fem.elastic.continuum import ring_sections, roller_section, stick_approach
 from fem.errors import UsageError
-from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.rigid.state import INNER, OUTER
 from fem.solver.reduced_state import slowest_vibration
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan

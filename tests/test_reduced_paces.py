@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.kernels.reduced_paces import FAR, NEAR
+from fem.kernels.rigid.paces import FAR, NEAR
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import parse_scene

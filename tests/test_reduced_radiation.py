@@ -7,7 +7,7 @@ import pytest
 
 from fem.elastic.continuum import Section
 from fem.elastic.vibration import inertia
-from fem.kernels.reduced_radiation import given
+from fem.kernels.rigid.strikes import given
 from tests.reference.bearings import LENGTH, STEEL, paper
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.reduced_runs import CLEARANCE, plan_of

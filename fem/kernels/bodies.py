@@ -3,6 +3,7 @@
 from fem.kernels.jit import every, part, verb
 
 DONE, NOT_FINITE = 0, 1
+TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `rigid.kick`
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
@@ -15,6 +16,14 @@ def lost(hub_velocity, rollers):
         if not abs(rollers.velocity[0, j]) + abs(rollers.velocity[1, j]) < FASTEST:
             return j
     return -2
+
+
+@part
+def rescale_kick(before, after, k, back):
+    """Change the velocities before and after a kick to those of another step length."""
+    gained = after[k] - before[k]
+    before[k] += back * gained
+    after[k] -= back * gained
 
 
 @verb

@@ -1,19 +1,39 @@
-"""A cage as named tuples of arrays, and its contacts: with rollers in its pockets, with the ring that guides it."""
+"""THE CAGE, a rigid one: what its pockets and its guide do to it, to rollers and to the hub, in a step of leapfrog.
+
+A pocket's middle is at c + R e, e turning with the cage. A cage that a ring guides has pockets with flat walls across
+the pitch circle: of a roller's centre at r, s = (r − c)·t is how far it is ahead of the middle. A cage that rollers
+guide has round pockets, which hold them along the radius too: there s is the distance of r from the middle. Where |s|
+exceeds half the clearance, a wall with the normal n meets the roller's surface at r + radius·n. The spring's force is
+the gradient of ½ k (|s| − ½ clearance)², taken with the step's other forces (`meet`). Dashpots and friction, which have
+no potential, act after all others, each solved for its own velocity at the step's end, one after the other (`rub`):
+each can but take energy, whatever its constants, so none limits the step. Friction acts across n and turns the roller.
+
+Works are exact: a force's is that of the mean of its velocities before and after the whole step. So that of a step's
+force ends when the next one begins.
+
+Equation (1) of docs/cage.md.
+"""
 
 from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.bodies import add_motion, drift_body, kick_body
+from fem.kernels.contact_kernels import normal_forces
+from fem.kernels.drive import speed_of
 from fem.kernels.fields import given, state
 from fem.kernels.jit import part
+from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, absolute, square_root
 from fem.kernels.law import kick_force
+from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 DASHPOTS, FRICTION, DRAG = 0, 1, 2  # of `Cage.lost`
 # of a sample, in this order: place, angle, speed, guide's force, losses; then three blocks of rollers
 N_CAGE_SCALARS = 9
+SMALLEST = 1e-30  # m
 
 
 class Riders(NamedTuple):
@@ -211,12 +231,8 @@ def guide_force(guide):
     """On the cage, N, x and y."""
     if guide is None or guide.closed[0] == 0.0:
         return 0.0, 0.0
-    nx, ny, pushed, rubbed = (
-        guide.normal[0, 0],
-        guide.normal[1, 0],
-        guide.given[0, 0] - guide.force[0],
-        guide.given[1, 0],
-    )
+    nx, ny = guide.normal[0, 0], guide.normal[1, 0]
+    pushed, rubbed = guide.given[0, 0] - guide.force[0], guide.given[1, 0]
     return pushed * nx - rubbed * ny, pushed * ny + rubbed * nx
 
 
@@ -232,20 +248,12 @@ def given_beyond(pair):
 
 
 @part
-def guide_squared(guide):
-    return 0.0 if guide is None else guide.force[0] ** 2
-
-
-@part
 def push_ring_as_a_whole(ring):
     """The guiding ring's velocity by what the guide has given it, where it has no mesh that is kicked."""
     if ring is not None:
         for k in range(2):
             ring.velocity[k] += ring.impulse[k] / ring.mass
             ring.impulse[k] = 0.0
-
-
-SMALLEST = 1e-30  # m
 
 
 @part
@@ -294,16 +302,11 @@ def _off_middles(cage, guide, riders):
         ey = s * load(cage.cosine, group) + c * load(cage.sine, group)
         x = load(riders.centre, group) - cage.motion[0, 0]
         y = load(riders.centre, riders.centre.shape[1] + group) - cage.motion[0, 1]
-        store(cage.off, group, _off_middle(cage, guide, x, y, ex, ey))
-
-
-@part
-def _off_middle(cage, guide, x, y, ex, ey):
-    """Of eight rollers at x, y from the cage's centre, whose pockets lie in these directions."""
-    if guide is None:
-        x, y = x - cage.pitch_radius * ex, y - cage.pitch_radius * ey
-        return square_root(x * x + y * y)
-    return absolute(y * ex - x * ey)
+        if guide is None:
+            x, y = x - cage.pitch_radius * ex, y - cage.pitch_radius * ey
+            store(cage.off, group, square_root(x * x + y * y))
+        else:
+            store(cage.off, group, absolute(y * ex - x * ey))
 
 
 @part
@@ -382,3 +385,92 @@ def pocket_force(pockets, j):
     nx, ny, pushed, rubbed = pockets.normal[0, j], pockets.normal[1, j], pockets.given[0, j], pockets.given[1, j]
     pushed -= pockets.force[j]
     return pushed * nx + rubbed * ny, pushed * ny - rubbed * nx
+
+
+# the steps of a cage
+
+
+@normal_forces.of(CagePair)
+def _press(pair, rollers, disc, contacts, drive):
+    meet(pair, speed_of(drive.history, drive), drive.dt)
+
+
+@part
+def rub_cage(pair, drive):
+    """The end of a kick of the finite elements: see `rub`."""
+    rub(pair, drive.dt)
+    ring = pair.ring
+    if ring is not None and ring.turns:
+        drive.moment[1] += ring.place[0] * ring.rubbed[1] - ring.place[1] * ring.rubbed[0] + ring.rubbed[2]
+
+
+@part(inlined=False)
+def meet(pair, speed, dt):
+    """Begin a step: end the last one's works, find the contacts, give the springs' impulses; `speed` of the shaft."""
+    cage = pair.cage
+    end_pocket_works(cage, pair.riders, dt)
+    end_guide_work(cage, cage.guide, pair.ring, dt)
+    cage.lost[DRAG] -= 0.5 * cage.drag[0] * cage.motion[1, 2]
+    if pair.ring is not None and pair.ring.turns:
+        pair.ring.speed[0] = speed
+    for i in range(3):
+        cage.motion[2, i] = cage.motion[1, i]
+        cage.impulse[i] = 0.0
+    meet_rollers(cage, pair.riders, dt)
+    meet_guide(cage, cage.guide, pair.ring, dt)
+
+
+@part(inlined=False)
+def rub(pair, dt):
+    """End a kick: dashpots and friction, each solved for the velocity it leaves, in turn."""
+    cage = pair.cage
+    rub_pockets(cage, pair.riders, dt)
+    rub_guide(cage, cage.guide, pair.ring, dt)
+
+
+@kick_body.of(Cage)
+def _kick(cage, drive):
+    """The cage's weight, its springs' impulses, and its drag, which stops it at most."""
+    velocity = cage.motion[1]
+    velocity[0] += cage.impulse[0] / cage.mass
+    velocity[1] += cage.impulse[1] / cage.mass - drive.gravity * drive.dt
+    velocity[2] += cage.impulse[2] / cage.inertia
+    most = cage.drag_torque * drive.dt
+    cage.drag[0] = -min(max(cage.inertia * velocity[2], -most), most)
+    velocity[2] += cage.drag[0] / cage.inertia
+    cage.lost[DRAG] -= 0.5 * cage.drag[0] * cage.motion[2, 2]
+
+
+@drift_body.of(Cage)
+def _drift(cage, drive):
+    for i in range(3):
+        cage.motion[0, i] += drive.dt * cage.motion[1, i]
+    cage.frame[0], cage.frame[1] = cosine_and_sine(cage.motion[0, 2])
+
+
+@add_motion.of(Cage)
+def _add_motion(cage, drive, out, kinetic):
+    """The cage's share of a sample's energies, and its own numbers."""
+    motion, pockets, at = cage.motion, cage.pockets, cage.at
+    before, after = motion[2], motion[1]
+    both = cage.mass * (before[0] * after[0] + before[1] * after[1]) + cage.inertia * before[2] * after[2]
+    out[kinetic] += 0.5 * both
+    out[WORK_GRAVITY] -= drive.gravity * cage.mass * motion[0, 1]
+    for i in range(3):
+        out[at + i] = motion[0, i]
+        out[at + 6 + i] = cage.lost[i]
+        out[DISSIPATED] += cage.lost[i]
+    out[at + 3] = 0.5 * (before[2] + after[2])
+    out[at + 4], out[at + 5] = guide_force(cage.guide)
+    n, stored, at = pockets.force.size, 0.0, at + N_CAGE_SCALARS
+    c, s = cage.frame[0], cage.frame[1]
+    for j in range(n):
+        ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
+        x, y = pocket_force(pockets, j)
+        out[at + j] = y * ex - x * ey
+        out[at + n + j] = x * ex + y * ey
+        out[at + 2 * n + j] = -pockets.given[1, j] * cage.roller_radius
+        stored += pockets.force[j] ** 2
+    if cage.guide is not None:
+        stored += cage.guide.force[0] ** 2
+    out[CONTACT] += 0.5 * stored / cage.stiffness

@@ -12,7 +12,6 @@ import numpy as np
 from fem.kernels import ring_kernels
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
-from fem.kernels.lanes import total
 
 # entries of `LoadHistory.now`; the first ones of `OuterTurn.now` too
 TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
@@ -94,9 +93,7 @@ def _carrying_load(outer, now):
 @part
 def radial_load_at(drive, time):
     """Radial load that stays, N, ramped up by half a cosine."""
-    if time >= drive.ramp:
-        return drive.radial_load
-    return drive.radial_load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
+    return drive.radial_load * share_at(drive, time)
 
 
 @part
@@ -186,37 +183,6 @@ def outer_axes(outer):
     if outer is None:
         return 1.0, 0.0
     return outer.frame[1], outer.frame[2]
-
-
-@part
-def on_outer(outer, x, y):
-    """Directions in the outer ring's frame, lanes."""
-    if outer is None:
-        return x, y
-    c, s = cos(outer.now[TURN]), sin(outer.now[TURN])
-    return c * x + s * y, c * y - s * x
-
-
-@part
-def less_outer(outer, slip):
-    """Slips, m/s, against the outer raceway's surface that moves along them."""
-    if outer is None:
-        return slip
-    return slip - outer.now[SPEED] * outer.radius
-
-
-@part
-def drive_outer(outer, drive, tractions):
-    """Count the work of the outer ring's drive against tractions on rollers, N, in a step."""
-    if outer is not None:
-        drive.sums[1] += outer.now[SPEED] * outer.radius * drive.dt * total(tractions)
-
-
-@part
-def turn_against(outer, drive, moment):
-    """The same against a moment, N m, of surfaces that are not perfect circles."""
-    if outer is not None:
-        drive.sums[1] -= outer.now[SPEED] * drive.dt * total(moment)
 
 
 @part

@@ -43,6 +43,6 @@ def cache_folder() -> Path | None:
 def digest(folder: Path) -> str:
     """Of the text of all modules of a folder, and of dampers: any of them may be part of a kernel."""
     text = hashlib.sha256()
-    for module in (*sorted(folder.glob("*.py")), Path(damping.__file__)):
+    for module in (*sorted(folder.rglob("*.py")), Path(damping.__file__)):
         text.update(module.name.encode() + module.read_bytes())
     return text.hexdigest()[:16]

@@ -106,8 +106,7 @@ def _kind(code: ir.FunctionIR, arguments: tuple, value, depth: int) -> types.Typ
     if not isinstance(value, ir.Expr):
         return None
     if value.op == "build_tuple":
-        kinds = [of(item) for item in value.items]
-        return SOMETHING if None in kinds else types.BaseTuple.from_types(kinds)
+        return types.BaseTuple.from_types([of(item) or types.unknown for item in value.items])
     if value.op == "getattr":
         kind = of(value.value)
         if isinstance(kind, types.BaseNamedTuple) and value.attr in kind.fields:
@@ -120,5 +119,5 @@ def _kind(code: ir.FunctionIR, arguments: tuple, value, depth: int) -> types.Typ
             found = code._definitions.get(index.name, [])
             index = found[0].value if len(found) == 1 and isinstance(found[0], ir.Const) else None
         if isinstance(kind, types.BaseTuple) and isinstance(index, int) and index < len(kind):
-            return kind[index]
+            return None if kind[index] is types.unknown else kind[index]
     return None

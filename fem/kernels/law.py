@@ -178,7 +178,9 @@ def kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level):
 def released(most, Q, P, residual, ways, shortest):
     """Kicks P and residual energies of contacts that open, whose last force was `most`.
 
-    `ways` : by how far approaches have changed, and by how much further forces are taken; `shortest` : that counts
+    Half of a kick works in the step behind, half in the step ahead, which is longer by the acceleration: 12 times how
+    much further forces are taken. `ways` : by how far bodies have moved, and by how much further forces are taken;
+    `shortest` : that counts
     """
     behind, ahead = ways
     behind = select(behind < 0.0, behind, 0.0)  # no release of an unknown residual

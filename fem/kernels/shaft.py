@@ -21,8 +21,7 @@ import numpy as np
 from fem.kernels.bodies import add_motion, drift_body, end_kick, kick_body
 from fem.kernels.fields import state
 from fem.kernels.jit import part
-from fem.kernels.rigid_parts import TWELFTH, accelerate, change_step, drift_part, kick_part, write_part
-from fem.kernels.sample_kernels import DISSIPATED, KINETIC
+from fem.kernels.sample_kernels import DISSIPATED
 
 
 @part
@@ -123,35 +122,3 @@ def _add_motion(shaft, drive, out, kinetic):
     moved_x, moved_y = drive.dt * before[0] + slowed[0, 0], drive.dt * before[1] + slowed[0, 1]
     out[DISSIPATED] += shaft.dissipated[0] - 0.5 * (drag[0] * moved_x + drag[1] * moved_y)
     out[shaft.column] = shaft.stored[0]
-
-
-@accelerate.of(Shaft)
-def _accelerate(shaft, step, push):
-    for k in range(2):
-        step.before.hub_acceleration[k] -= shaft.stiffness / shaft.mass * shaft.place[k]
-
-
-@kick_part.of(Shaft)
-def _kick_rigid(shaft, step, push):
-    """The kick of springs that are taken ahead as the contacts' forces are: see `reduced_kick`."""
-    dt, acceleration, place = step.drive.dt, step.before.hub_acceleration, shaft.place
-    ahead = TWELFTH * dt * dt
-    pull(shaft, dt, place[0] + ahead * acceleration[0], place[1] + ahead * acceleration[1])
-
-
-@write_part.of(Shaft)
-def _write(shaft, step, out):
-    add_motion(shaft, step.drive, out, KINETIC)
-
-
-@change_step.of(Shaft)
-def _change(shaft, step, change):
-    velocity = step.before.hub_velocity
-    for k in range(2):
-        shaft.dissipated[0] -= 0.5 * shaft.drag[k] * (step.drive.dt * shaft.before[k] - change.drive.dt * velocity[k])
-        shaft.before[k] = velocity[k]
-
-
-@drift_part.of(Shaft)
-def _drift_part(shaft, step):
-    drift_body(shaft, step.drive)

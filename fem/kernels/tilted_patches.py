@@ -3,7 +3,7 @@
 The mesh gives the approach of the patches and carries the normal force alone; rigid slopes of rollers and hub give the
 misalignment ψ. A contact's table has what the mesh lacks of U(δ, ψ): `fem.contacts.tilted`. At a place where the mesh
 is stiffer by the ripple r than in the mean the contact stores U(δ − r Q, ψ) + ½ r Q², of which Q is the slope by δ.
-Where spalls let a part of the length sink by h, U(δ, ψ, h) stands in its place: `fem.kernels.tilted_surfaces`.
+Where spalls let a part of the length sink by h, U(δ, ψ, h) stands in its place: `fem.kernels.tilted_contact`.
 
 Tilts are bodies of their own, moved by leapfrog as all others: moments act where contacts are, none is taken ahead.
 
@@ -24,10 +24,19 @@ from fem.kernels.lanes import WIDTH, absolute, select, splat, square_root, total
 from fem.kernels.sample_kernels import energy_below
 from fem.kernels.state import Law
 from fem.kernels.surfaces import lowered_ring, lowered_rollers
-from fem.kernels.tilted_contact import TiltedLaw, kick_by_work
-from fem.kernels.tilted_contacts import note_furthest
-from fem.kernels.tilted_surfaces import FALL, NOW, PART_EDGES, SUNK, SpalledRest, fallen, own_approach, table_at
-from fem.kernels.tilts import Tilts, kick_axes, kick_hub_axis, turn_axes, write_axes
+from fem.kernels.tilted_contact import (
+    FALL,
+    NOW,
+    PART_EDGES,
+    SUNK,
+    SpalledRest,
+    TiltedLaw,
+    fallen,
+    kick_by_work,
+    own_approach,
+    table_at,
+)
+from fem.kernels.tilts import Tilts, kick_axes, kick_hub_axis, note_furthest, turn_axes, write_axes
 
 FAINTEST = 1e-300  # N, of which a logarithm is a number
 
@@ -64,7 +73,7 @@ class TiltedSurfaces(NamedTuple):
     moment: np.ndarray
 
 
-# contacts as `tilted_surfaces.table_at` takes them
+# contacts as `tilted_contact.table_at` takes them
 class Looked(NamedTuple):
     tilted: PatchMoments
     estimate: np.ndarray

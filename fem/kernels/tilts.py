@@ -9,12 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.bodies import TWELFTH, rescale_kick
 from fem.kernels.drive import SPEED, outer_of, speed_of, with_outer
 from fem.kernels.fields import room, state
 from fem.kernels.jit import part
+from fem.kernels.lane_functions import maximum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
-from fem.kernels.rigid_parts import TWELFTH, change_step, drift_part, rescale_kick, write_part
 from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
 
 INNER, OUTER = 0, 1
@@ -53,15 +54,9 @@ class TiltedForces(NamedTuple):
     gained: state("2, haloed")  # what they turn out beyond that
     met: room("2, 4, columns")  # own misalignment, energy, moment; ∂Q/∂ψ
     stiffness: room("2, columns")  # −∂M/∂ψ, N m/rad
-    taken: state("2, 2, columns")  # m, of approaches by other contacts' forces: now, at the last kick
-    # see `tilted_surfaces`
+    # see `tilted_contact`
     edges: state("4, 2, columns")  # compliance of edges, m/N; None: surfaces are perfect circles
     sunken: state("8, 2, columns")  # of the part of the length that spalls take; None: they take none
-
-
-@drift_part.of(Tilts)
-def _drift(tilts, step):
-    turn_axes(tilts, step.drive)
 
 
 @part
@@ -117,8 +112,15 @@ def kick_axes(tilts, drive, group, moments):
 
 
 @part
+def note_furthest(tilts, row, approach, slope):
+    furthest, columns = tilts.furthest, tilts.furthest.shape[1]
+    store(furthest, row * columns, maximum(load(furthest, row * columns), approach))
+    store(furthest, 2 * columns, maximum(load(furthest, 2 * columns), slope))
+
+
+@part
 def unrest_of_tilts(tilts, forces, n):
-    """Σ I (τ̈² − τ̇ d³τ/dt³), J/s², of rollers and hub: see `reduced_paces`."""
+    """Σ I (τ̈² − τ̇ d³τ/dt³), J/s², of rollers and hub: see `rigid.paces`."""
     found = 0.0
     if tilts is not None:
         for j in range(n):
@@ -130,20 +132,15 @@ def unrest_of_tilts(tilts, forces, n):
     return found
 
 
-@change_step.of(Tilts)
-def _change(tilts, step, change):
+@part
+def change_axes(tilts, n, change):
     """Slopes of the axes of guided rollers and hub, as all other motions."""
-    for j in range(step.bodies.n):
+    for j in range(n):
         tilts.tilt[j] += change.shift * tilts.pushed[j]
         rescale_kick(tilts.before, tilts.rate, j, change.back)
     for k in range(2):
         tilts.slope[k] += change.shift * tilts.slope_pushed[k]
         rescale_kick(tilts.slope_before, tilts.slope_rate, k, change.back)
-
-
-@write_part.of(Tilts)
-def _write(tilts, step, out):
-    write_axes(tilts, step.bodies, step.forces, step.drive, out)
 
 
 @part

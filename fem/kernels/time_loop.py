@@ -8,8 +8,7 @@ import fem.kernels.shaft
 import fem.kernels.tilted_patches  # noqa: F401
 from fem.kernels.bodies import DONE, NOT_FINITE, drift_others, end_kicks, kick_others, lost
 from fem.kernels.body_damping import damp_bodies
-from fem.kernels.cage import CagePair
-from fem.kernels.cage_kernels import rub_cage
+from fem.kernels.cage import CagePair, rub_cage
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.damping_kernels import damp_contacts
 from fem.kernels.drive import (

@@ -12,7 +12,7 @@ from fem.kernels.cage import CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.fields import filled, lined_up
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_state import RigidBodies
+from fem.kernels.rigid.state import RigidBodies
 from fem.kernels.state import Drive, Rollers
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_width

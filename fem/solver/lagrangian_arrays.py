@@ -4,19 +4,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.bodies import TWELFTH
 from fem.kernels.fields import filled
-from fem.kernels.isolated_contacts import Isolated, PowerConstants
 from fem.kernels.lanes import WIDTH
-from fem.kernels.prescribed_rollers import Prescribed
-from fem.kernels.reduced_housing import TWELFTH
-from fem.kernels.reduced_state import UNEVEN, ReducedForces, RigidBodies
+from fem.kernels.rigid.rays import Prescribed
+from fem.kernels.rigid.state import UNEVEN, Contacts, PowerConstants, ReducedForces, RigidBodies
 from fem.kernels.state import Law
-from fem.kernels.tilted_contacts import Tilted
-from fem.solver.part_arrays import raceway_profiles, rigid_dampers
+from fem.solver.part_arrays import rigid_dampers, surfaces_of
 from fem.solver.rigid_arrays import Placed, columns_for, rigid_bodies
 from fem.solver.samples import row_width
-from fem.solver.tilted_arrays import rigid_compliance, tilted, with_moments, with_tilts
-from lagrange import Bearing, kinematics
+from fem.solver.tilted_arrays import tilted_contacts, with_moments, with_tilts
+from lagrange import kinematics
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
 from lagrange.axial.slices import steepest_slope
@@ -80,28 +78,22 @@ def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.n
     return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
 
 
-def contact_laws_of(problem: Problem, times: float) -> Isolated | Tilted:
-    """Contact laws on the surfaces of a problem; `times` : see `tables_of`."""
+def contacts_of(problem: Problem, times: float) -> Contacts:
+    """Contacts on the surfaces of a problem; `times` : see `tables_of`."""
     reach, track = touching_distances(problem.bearing)
-    if problem.axial is not None:
-        columns = columns_for(problem.bearing.n_rollers)
-        still = rigid_compliance(reach, track, columns)._replace(**_surfaces(problem.bearing))
-        return tilted(still, tables_of(problem, problem.axial, times), problem.bearing)
-    return Isolated(
-        inner=_constants(problem.laws.inner),
-        outer=_constants(problem.laws.outer),
+    columns, inner, outer, tilted = columns_for(problem.bearing.n_rollers), None, None, None
+    if problem.axial is None:
+        inner, outer = _constants(problem.laws.inner), _constants(problem.laws.outer)
+    else:
+        tilted = tilted_contacts(tables_of(problem, problem.axial, times), problem.bearing, columns)
+    return Contacts(
+        inner=inner,
+        outer=outer,
         reach=float(reach),
         track=float(track),
-        **_surfaces(problem.bearing),
+        **surfaces_of(problem.bearing, columns),
+        tilted=tilted,
     )
-
-
-def _surfaces(bearing: Bearing) -> dict[str, tuple]:
-    inner, outer = raceway_profiles(bearing, columns_for(bearing.n_rollers))
-    return {
-        "ring_profiles": (inner["profile"], outer["profile"]),
-        "roller_profiles": (inner["roller_profiles"], outer["roller_profiles"]),
-    }
 
 
 def tables_of(
@@ -120,7 +112,7 @@ def _constants(law) -> PowerConstants | Law:
     if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
         A, B = float(2.0 * law.compliance), float(0.5 * law.level)
         return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
-    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `isolated_contacts.law_force`")
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `fem.kernels.rigid.contacts.law_force`")
 
 
 def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
@@ -128,14 +120,14 @@ def contact_forces(plan: "LagrangianPlan") -> ReducedForces:
     problem, start, n = plan.problem, plan.begin.samples, plan.problem.bearing.n_rollers
     columns = columns_for(n)
     absent = () if profiles(problem.bearing) is not None else UNEVEN
+    absent += ("taken",) if problem.axial is None else ("ahead", "cut")
     found = filled(
         ReducedForces,
         {"columns": columns, "haloed": 0, "lanes": WIDTH, "neighbours": 0},
         first=np.full((2, columns), np.nan),
-        tilt=np.zeros((2, columns if problem.axial is not None else 0)),
+        tilt=np.zeros((2, 0)),
         lifted=np.zeros((2, 2, 0)),
         radiation=None,
-        taken=None,
         halo=0,
         dampers=rigid_dampers(problem.damping, columns),
         **dict.fromkeys(absent),

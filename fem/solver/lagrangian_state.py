@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.solver.guards import n_in_place, through_trouble
-from fem.solver.lagrangian_arrays import bodies_of, contact_forces, contact_laws_of
+from fem.solver.lagrangian_arrays import bodies_of, contact_forces, contacts_of
 from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, Verdict
 from fem.solver.rigid_arrays import outer_drive
 from fem.solver.rigid_state import RigidState
@@ -37,7 +37,7 @@ class LagrangianState(RigidState):
     def arrays_of(self, plan: "LagrangianPlan"):
         problem = plan.problem
         drive = outer_drive(problem.bearing, problem.operation, plan.time_step, problem.load_ramp)
-        return bodies_of(plan), contact_laws_of(problem, plan.reach), contact_forces(plan), drive
+        return bodies_of(plan), contacts_of(problem, plan.reach), contact_forces(plan), drive
 
     def _begin(self) -> None:
         super()._begin()

@@ -11,10 +11,10 @@ from fem.kernels.drive import N_NOW, N_OUTER_NOW
 from fem.kernels.fields import at_line, filled
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_state import ReducedDampers
+from fem.kernels.rigid.state import ReducedDampers
 from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Dampers, Drive, LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
-from fem.kernels.tilted_surfaces import PartProfiles
+from fem.kernels.tilted_contact import PartProfiles
 from fem.solver.run_arrays import Arrays
 from fem.solver.samples import row_places
 from lagrange import Bearing, Kinematics, Operation
@@ -225,6 +225,15 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
     return tuple(
         {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
     )
+
+
+def surfaces_of(bearing: Bearing, columns: int) -> dict[str, tuple]:
+    """The same as fields of contacts of rigid bodies."""
+    inner, outer = raceway_profiles(bearing, columns)
+    return {
+        "ring_profiles": (inner["profile"], outer["profile"]),
+        "roller_profiles": (inner["roller_profiles"], outer["roller_profiles"]),
+    }
 
 
 def part_profiles(bearing: Bearing, columns: int) -> PartProfiles:

@@ -6,22 +6,21 @@ import numpy as np
 
 from fem.kernels.fields import at_line, filled
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_state import (
+from fem.kernels.rigid.state import (
     INNER,
     OUTER,
     UNEVEN,
-    Compliance,
+    Contacts,
+    Coupling,
     Radiation,
     ReducedDrive,
     ReducedForces,
     RigidBodies,
-    Spacing,
 )
-from fem.kernels.tilted_contacts import Tilted
-from fem.solver.part_arrays import raceway_profiles, rigid_dampers
+from fem.solver.part_arrays import rigid_dampers, surfaces_of
 from fem.solver.rigid_arrays import STILL, Placed, outer_drive, rigid_bodies
-from fem.solver.tilted_arrays import tilted, with_moments, with_tilts
-from fem.statics.reduced_bearing import RingCouplings, neighbours_of
+from fem.solver.tilted_arrays import tilted_contacts, with_moments, with_tilts
+from fem.statics.reduced_bearing import neighbours_of
 from lagrange import kinematics
 from lagrange.axial import SpalledTable
 from lagrange.equations import touching_distances
@@ -60,40 +59,29 @@ def bodies_of(plan: "ReducedPlan") -> RigidBodies:
     return with_tilts(bodies, bearing, operation, axial, free, start.tilts)
 
 
-def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance | Tilted:
-    """Compliance of the contacts on the surfaces of the plan's scene; `columns`: of the bodies' arrays."""
+def contacts_of(plan: "ReducedPlan", columns: int) -> Contacts:
+    """Contacts on the surfaces of the plan's scene; `columns`: of the bodies' arrays."""
     model = plan.model
     reach, track = touching_distances(model.bearing)
-    inner, outer = raceway_profiles(model.bearing, columns)
-    rings, spacing = _couplings(plan, columns)
-    pocket = np.arange(columns)
-    pocket[: model.bearing.n_rollers] = np.array(model.bearing.pocket) - model.bearing.pocket[0]
-    apart = 2.0 * np.pi / model.bearing.pockets * pocket
-    found = Compliance(
+    return Contacts(
         inner=model.inner_law.constants,
         outer=model.outer_law.constants,
-        between=model.between.constants,
         reach=float(reach + model.inner_growth + model.roller_growth),
         track=float(track - model.roller_growth + model.outer_growth),
+        **surfaces_of(model.bearing, columns),
         sag=model.sag,
-        across=model.across,
-        relaxation_factor=plan.relaxation_factor,
-        **vars(rings),
-        apart=np.array([np.cos(apart), np.sin(apart)]),
-        tangential=plan.tangential,
-        ring_profiles=(inner["profile"], outer["profile"]),
-        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
-        spacing=spacing,
+        coupling=_coupling(plan, columns),
+        tilted=None if plan.tables is None else tilted_contacts(plan.tables, model.bearing, columns),
     )
-    return found if plan.tables is None else tilted(found, plan.tables, model.bearing)
 
 
-def _couplings(plan: "ReducedPlan", columns: int) -> tuple[RingCouplings, Spacing | None]:
-    """Along the rings by neighbours, and of each roller where some are missing."""
-    bearing, rings = plan.model.bearing, plan.model.rings
-    if not bearing.missing:
-        return rings, None
+def _coupling(plan: "ReducedPlan", columns: int) -> Coupling:
+    """Compliances along the rings, of each roller by its neighbours."""
+    model, bearing, rings = plan.model, plan.model.bearing, plan.model.rings
     found, at = neighbours_of(bearing, rings)
+    pocket = np.arange(columns)
+    pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
+    apart = 2.0 * np.pi / bearing.pockets * pocket
 
     def of_each(values: np.ndarray) -> np.ndarray:
         """(..., neighbours, columns) of (..., pockets)."""
@@ -101,23 +89,30 @@ def _couplings(plan: "ReducedPlan", columns: int) -> tuple[RingCouplings, Spacin
         filled_in[..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
         return at_line(filled_in)
 
-    return found, Spacing(**{name: of_each(getattr(rings, name)) for name in Spacing._fields})
+    return Coupling(
+        between=model.between.constants,
+        across=model.across,
+        relaxation_factor=plan.relaxation_factor,
+        **vars(found) | {name: of_each(getattr(rings, name)) for name in ("along", "steep", "bent", "crossed")},
+        apart=np.array([np.cos(apart), np.sin(apart)]),
+        tangential=plan.tangential,
+    )
 
 
-def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
+def contact_forces(plan: "ReducedPlan", columns: int, coupling: Coupling) -> ReducedForces:
     """Contacts under the start's forces, with the accounts that the plan's scene asks for."""
     n, start = plan.model.bearing.n_rollers, plan.start
-    rings, spacing = _couplings(plan, columns)
-    halo = int(np.abs(rings.distance).max(initial=0))
+    halo = int(np.abs(coupling.distance).max(initial=0))
     uneven = profiles(plan.model.bearing) is not None
     absent = () if uneven else UNEVEN
     if plan.tables is not None:  # with accounts of their own
+        absent += "ahead", "cut"
+    elif not plan.strikes:
         absent += "ahead", "cut", "taken"
-    absent += () if plan.strikes else ("ahead", "cut", "taken")
     found = filled(
         ReducedForces,
-        {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": rings.distance.size},
-        along=np.repeat(rings.along[:, :, None], columns, axis=2) if spacing is None else spacing.along.copy(),
+        {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": coupling.distance.size},
+        along=at_line(coupling.along),
         radiation=_radiation(plan, columns) if plan.tables is None else None,
         halo=halo,
         dampers=rigid_dampers(plan.scene.damping.contacts, columns),

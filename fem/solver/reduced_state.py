@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.solver.reduced_arrays import bodies_of, contact_compliance, contact_forces, drive_of
+from fem.solver.reduced_arrays import bodies_of, contact_forces, contacts_of, drive_of
 from fem.solver.rigid_state import RigidState
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
 from fem.solver.validity import add_samples, law_warning, no_sums, vibration_warning
@@ -35,8 +35,8 @@ class ReducedState(RigidState):
 
     def arrays_of(self, plan: "ReducedPlan"):
         bodies = bodies_of(plan)
-        columns = bodies.columns
-        return bodies, contact_compliance(plan, columns), contact_forces(plan, columns), drive_of(plan)
+        contacts = contacts_of(plan, bodies.columns)
+        return bodies, contacts, contact_forces(plan, bodies.columns, contacts.coupling), drive_of(plan)
 
     def _begin(self) -> None:
         super()._begin()

@@ -7,8 +7,8 @@ import numpy as np
 
 from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_paces import INSIDE, ON_INNER_RING, ON_OUTER_RING, OUTSIDE, Paces
-from fem.kernels.reduced_state import ReducedDrive, RigidBodies
+from fem.kernels.rigid.paces import INSIDE, ON_INNER_RING, ON_OUTER_RING, OUTSIDE, Paces
+from fem.kernels.rigid.state import ReducedDrive, RigidBodies
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.part_arrays import history_arrays, housing_of, springs_on
 from fem.solver.rigid.plan import RigidPlan, spalls_met

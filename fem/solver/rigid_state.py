@@ -1,4 +1,4 @@
-"""A run of rigid bodies in their time loop, whatever the compliance of their contacts."""
+"""A run of rigid bodies in their time loop, whatever their contacts."""
 
 import hashlib
 from abc import abstractmethod
@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from fem.kernels.fields import filled
-from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import Before, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.rigid.loop import advance_rigid
+from fem.kernels.rigid.state import Before, ReducedDrive, ReducedForces, RigidBodies
 from fem.solver.rigid_arrays import paces_of
 from fem.solver.row_state import RowState
 from fem.solver.run_arrays import changing_arrays
@@ -36,19 +36,19 @@ class RigidState(RowState):
 
     @abstractmethod
     def arrays_of(self, plan) -> tuple[RigidBodies, tuple, ReducedForces, ReducedDrive]:
-        """Bodies, contacts' compliance and forces, and what acts from outside, at a plan's start."""
+        """Bodies, contacts and their forces, and what acts from outside, at a plan's start."""
 
     def _begin(self) -> None:
         self.plan = plan = self._whole.reaching(2**self._doublings).halved(self._halvings)
         self.reader = SampleReader(plan)
         self._largest, self._missed, self._passed_on = np.zeros(3), 0.0, 0.0
-        self.bodies, self.compliance, self.forces, self.drive = self.arrays_of(plan)
+        self.bodies, self.contacts, self.forces, self.drive = self.arrays_of(plan)
         self.drives, self.paces = paces_of(plan, self.drive)
         self._before = filled(Before, {"columns": self.bodies.columns})
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)
-        tables = getattr(self.compliance, "tables", ())
+        tables = () if self.contacts.tilted is None else self.contacts.tilted.tables
         if block.trouble is None and (beyond := beyond_tables(self.bodies.tilts, tables)) is not None:
             return self._further(block, beyond)
         return self.judged(block)
@@ -82,8 +82,8 @@ class RigidState(RowState):
         return Block(samples=samples, restarts=why)
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
-        moving = self.bodies, self.compliance, self.forces, self._before
-        return advance_reduced(moving, self.drives, self.paces, first // stride, stride, rows)
+        moving = self.bodies, self.contacts, self.forces, self._before
+        return advance_rigid(moving, self.drives, self.paces, first // stride, stride, rows)
 
     @property
     def progress(self) -> Progress:
@@ -109,7 +109,7 @@ class RigidState(RowState):
     @property
     def fixed(self) -> tuple:
         """Compliances of the contacts, without surfaces, which follow from the scene that checkpoints hold."""
-        return self.compliance._replace(ring_profiles=(), roller_profiles=())
+        return self.contacts._replace(ring_profiles=(), roller_profiles=())
 
     def digest(self) -> str:
         return hashlib.sha256(np.concatenate([*_numbers(self.fixed)]).tobytes()).hexdigest()

@@ -4,11 +4,8 @@ import numpy as np
 
 from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_state import Compliance, ReducedForces, RigidBodies
-from fem.kernels.tilted_contact import TiltedLaw
-from fem.kernels.tilted_contacts import Tilted
-from fem.kernels.tilted_damping import TiltedDampers
-from fem.kernels.tilted_surfaces import SpalledRest
+from fem.kernels.rigid.state import ReducedForces, RigidBodies, TiltedContacts, TiltedDampers
+from fem.kernels.tilted_contact import SpalledRest, TiltedLaw
 from fem.kernels.tilts import TiltedForces
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.part_arrays import part_profiles
@@ -52,13 +49,13 @@ def axes_at(
     return tilts
 
 
-def tilted(
-    compliance: Compliance, tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing
-) -> Tilted:
-    """Contacts of rollers that tilt, with the compliance of their tables, otherwise as those of parallel axes."""
+def tilted_contacts(
+    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing, columns: int
+) -> TiltedContacts:
+    """What contacts of rollers that tilt have beside those of parallel axes."""
     length, (laws, rests) = float(bearing.roller_length), laws_of(tables)
-    part = None if rests[0] is None else part_profiles(bearing, compliance.apart.shape[1])
-    return Tilted(*compliance, tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
+    part = None if rests[0] is None else part_profiles(bearing, columns)
+    return TiltedContacts(tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
 
 
 def laws_of(tables: tuple[ContactTable | SpalledTable, ...]) -> tuple[tuple[TiltedLaw, ...], tuple]:
@@ -92,17 +89,6 @@ def with_moments(
         sizes, length = {"columns": columns}, float(bearing.roller_length)
         dampers = dampers._replace(tilted=filled(TiltedDampers, sizes, over_reach=over_reach, length=length))
     return forces._replace(tilted=found, dampers=dampers)
-
-
-def rigid_compliance(reach: float, track: float, columns: int) -> Compliance:
-    """Of rigid bodies, whose contacts do not know each other."""
-    nothing, none = np.zeros((2, 0)), np.zeros(2, dtype=np.intp)
-    return Compliance(
-        inner=None, outer=None, between=None, reach=float(reach), track=float(track), sag=(0.0, 0.0), across=0.0,
-        relaxation_factor=1.0, distance=none[:0], felt=np.zeros((2, 2), dtype=np.intp), along=nothing, steep=nothing,
-        bent=np.zeros((2, 4, 0)), strays=0.0, crossed=nothing, crossing=none, apart=np.zeros((2, columns)),
-        tangential=np.zeros(3), ring_profiles=(None, None), roller_profiles=(None, None),
-    )  # fmt: skip
 
 
 LESS = "reduce impacts and tilt of the rollers, or leave [axial] out"  # where tables go no further

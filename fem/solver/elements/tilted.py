@@ -10,8 +10,8 @@ from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
 from fem.errors import UsageError
 from fem.kernels.fields import at_line, filled
 from fem.kernels.state import INNER, OUTER, Pair, RingProfile, RollerProfiles
+from fem.kernels.tilted_contact import PartProfiles, SpalledRest
 from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
-from fem.kernels.tilted_surfaces import PartProfiles, SpalledRest
 from fem.solver.elements.start import Start, Tilting
 from fem.solver.part_arrays import part_profiles
 from fem.solver.rigid import start as rigid_start

@@ -3,7 +3,7 @@
 Time is cut into sections of one length each. At the border of two sections the last section's steps make their kick;
 where the next one has steps of another length, velocities half a step away and positions are then changed to those that
 belong to the same motion. Leapfrog's positions y are those of the motion less dt²/12 of the acceleration (see
-`reduced_kick`), and its velocities before and after a kick v ∓ dt/2 of the acceleration, so y changes by
+`kick`), and its velocities before and after a kick v ∓ dt/2 of the acceleration, so y changes by
 (dt² − dt'²)/12·a and v by ± (dt − dt')/2·a. Every force of that kick has worked in half of the old step and is to work
 in half of the new one: sums of works that count whole steps are corrected for that, and nothing else need know.
 
@@ -15,18 +15,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.bodies import TWELFTH, rescale_kick
 from fem.kernels.drive import TURN, outer_of, turn_at, with_outer, with_side_load
-from fem.kernels.housing_kernels import Housing
-from fem.kernels.isolated_contacts import Isolated
-from fem.kernels.jit import part, verb
+from fem.kernels.jit import part
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_contacts import wrap
-from fem.kernels.reduced_housing import ring_rates
-from fem.kernels.reduced_radiation import QUIET
-from fem.kernels.reduced_state import INNER, OUTER
-from fem.kernels.rigid_parts import TWELFTH, Change, change_all, parts_of, rescale_kick
-from fem.kernels.tilted_contacts import Tilted
-from fem.kernels.tilts import unrest_of_tilts
+from fem.kernels.rigid.contacts import wrap
+from fem.kernels.rigid.dampers import change_damped
+from fem.kernels.rigid.mounts import change_cage, change_ring, change_shaft, ring_rates
+from fem.kernels.rigid.rays import change_rays
+from fem.kernels.rigid.state import INNER, OUTER, Change
+from fem.kernels.rigid.strikes import QUIET, change_radiated
+from fem.kernels.tilts import change_axes, unrest_of_tilts
 
 NEAR, FAR = 0, 1  # paces, and places of what belongs to one
 ON_INNER_RING, ON_OUTER_RING, INSIDE, OUTSIDE = range(4)  # `Arcs`: of rings, and of rollers in either contact
@@ -50,32 +49,6 @@ class Paces(NamedTuple):
 
 
 @part
-def sections_of(paces):
-    """Of a row."""
-    return 1 if paces is None else paces.sections
-
-
-@part
-def steps_of(paces, stride):
-    """Of the section that begins, if its steps are as long as those before; `stride` : of a row."""
-    return stride if paces is None else paces.counts[paces.now[0]]
-
-
-@part
-def drive_of(paces, drives):
-    """The drive with the pace's step."""
-    return drives[0] if paces is None else drives[paces.now[0]]
-
-
-@part
-def short_steps(paces, stride, section, inside):
-    """Number of a step, in short ones."""
-    if paces is None:
-        return section * stride + inside
-    return section * paces.counts[NEAR] + inside * paces.counts[NEAR] // paces.counts[paces.now[0]]
-
-
-@part
 def take_pace(paces, step, drives):
     """Choose the pace of a section whose first kick has just been made, and change to it."""
     if paces is not None:
@@ -93,15 +66,13 @@ def _take(paces, step, drives):
         pace = NEAR
     elif now == NEAR and _struck(forces.radiation):
         pace = NEAR
-    elif now == NEAR and not _unrest(paces, bodies, step.compliance, forces, step.before, drive.dt) < paces.calm:
+    elif now == NEAR and not _unrest(paces, step) < paces.calm:
         pace = NEAR
     if pace != now:
         new, dt = drives[pace], drives[pace].dt
         shift, back = TWELFTH * (drive.dt * drive.dt - dt * dt), 0.5 * (1.0 - dt / drive.dt)
         _change(step, Change(new, shift, back, paces.step[pace], paces.half_step[pace]))
         paces.now[0] = pace
-        if pace == FAR and paces.smooth:
-            _smooth(step.compliance, bodies, forces)
 
 
 @part
@@ -134,15 +105,17 @@ def _near_edges(paces, bodies, forces, turn, outer_turn):
 
 
 @part
-def _unrest(paces, bodies, compliance, forces, before, dt):
+def _unrest(paces, step):
     """Σ m (a·a − v·ȧ), J/s²: of vibrations twice ω² times their energy, whatever their phase.
 
     Rollers that fly have that yet to come, by the speed at which they will strike the outer raceway.
     """
+    bodies, forces, before = step.bodies, step.forces, step.before
     next_ = ring_rates(bodies.housing)[1]
     hub, ring = before.hub_acceleration, before.ring_acceleration
     found = bodies.hub_mass * (hub[0] * hub[0] + hub[1] * hub[1])
-    found += _mass_of(bodies.housing) * (ring[0] * ring[0] + ring[1] * ring[1])
+    if bodies.housing is not None:
+        found += bodies.housing.mass * (ring[0] * ring[0] + ring[1] * ring[1])
     for j in range(bodies.n):
         ax, ay = before.acceleration[0, j], before.acceleration[1, j]
         found += bodies.mass * (ax * ax + ay * ay)
@@ -154,38 +127,12 @@ def _unrest(paces, bodies, compliance, forces, before, dt):
         for row in range(2):
             stiffness = forces.stiffness[row, j]
             if stiffness > 0.0:
-                rate = _force_rate(compliance, forces, row, j, dt, inward if row == INNER else outward)
+                if step.contacts.coupling is None:
+                    rate = stiffness * (inward if row == INNER else outward)
+                else:
+                    rate = (forces.guess[row, forces.halo + j] - forces.force[row, j]) / step.drive.dt
                 found += rate * rate / stiffness
     return found + unrest_of_tilts(bodies.tilts, forces, bodies.n)
-
-
-@verb
-def _force_rate(compliance, forces, row, j, dt, closing):
-    """Of a contact that closes at a speed, m/s; N/s."""
-    return (forces.guess[row, forces.halo + j] - forces.force[row, j]) / dt
-
-
-@_force_rate.of(Isolated)
-def _force_rate_alone(compliance, forces, row, j, dt, closing):
-    return forces.stiffness[row, j] * closing
-
-
-@_force_rate.of(Tilted)
-def _force_rate_tilted(compliance, forces, row, j, dt, closing):
-    if compliance.between is None:
-        return forces.stiffness[row, j] * closing
-    return (forces.guess[row, forces.halo + j] - forces.force[row, j]) / dt
-
-
-@verb
-def _mass_of(housing):
-    """Of a housing with its ring, kg."""
-    return 0.0
-
-
-@_mass_of.of(Housing)
-def _mass_of_housing(housing):
-    return housing.mass
 
 
 @part
@@ -210,68 +157,39 @@ def _change(step, change):
         rescale_kick(before.spin, bodies.spin, j, change.back)
     sums[1] -= change.back * (sums[1] - before.driven[0])
     ratio = new.dt / old.dt
-    _change_forces(step.compliance, forces, bodies.n, ratio)
-    _change_ahead(forces.ahead, bodies.n, ratio)
-    change_all(parts_of(bodies, forces), step, change)
-
-
-@verb
-def _change_forces(compliance, forces, n, ratio):
-    """What is expected of forces in the next step; contacts that know nothing of each other expect nothing."""
-    for row in range(2):
-        for j in range(n):
-            Q, at = forces.force[row, j], forces.halo + j
-            forces.guess[row, at] = max(Q + ratio * (forces.guess[row, at] - Q), 0.0)
-        wrap(forces.guess, row, n, forces.halo)
-    for lane in range(WIDTH):
-        forces.fastest[lane] *= ratio
-
-
-@_change_forces.of(Isolated)
-def _change_no_forces(compliance, forces, n, ratio):
-    pass
-
-
-@_change_forces.of(Tilted)
-def _change_tilted_forces(compliance, forces, n, ratio):
-    # Forces and moments that tell each other what to expect; None: they do not.
-    if compliance.between is not None:
+    if step.contacts.coupling is not None:  # what is expected of forces and moments in the next step
         for row in range(2):
-            for j in range(n):
-                Q, M, at = forces.force[row, j], forces.tilted.moment[row, j], forces.halo + j
-                forces.guess[row, at] = max(Q + ratio * (forces.guess[row, at] - Q), 0.0)
-                forces.tilted.guess[row, at] = M + ratio * (forces.tilted.guess[row, at] - M)
-            wrap(forces.guess, row, n, forces.halo)
-            wrap(forces.tilted.guess, row, n, forces.halo)
+            _change_guess(forces.force, forces.guess, forces, row, bodies.n, ratio)
+            for j in range(bodies.n):
+                forces.guess[row, forces.halo + j] = max(forces.guess[row, forces.halo + j], 0.0)
+            wrap(forces.guess, row, bodies.n, forces.halo)
+            if step.contacts.tilted is not None:
+                _change_guess(forces.tilted.moment, forces.tilted.guess, forces, row, bodies.n, ratio)
+                wrap(forces.tilted.guess, row, bodies.n, forces.halo)
         for lane in range(WIDTH):
             forces.fastest[lane] *= ratio
+    if forces.ahead is not None:
+        for row in range(2):
+            for j in range(bodies.n):
+                forces.ahead[0, row, j] *= ratio * ratio
+    if bodies.shaft is not None:
+        change_shaft(bodies.shaft, step, change)
+    if bodies.housing is not None:
+        change_ring(bodies.housing, step, change)
+    if bodies.cage is not None:
+        change_cage(bodies.cage, step, change)
+    if bodies.tilts is not None:
+        change_axes(bodies.tilts, bodies.n, change)
+    if forces.radiation is not None:
+        change_radiated(forces.radiation, step, new.dt)
+    if bodies.prescribed is not None:
+        change_rays(bodies.prescribed, step, change)
+    if forces.dampers is not None:
+        change_damped(forces.dampers, step, change)
 
 
 @part
-def _change_ahead(ahead, n, ratio):
-    if ahead is not None:
-        for row in range(2):
-            for j in range(n):
-                ahead[0, row, j] *= ratio * ratio
-
-
-@verb
-def _smooth(compliance, bodies, forces):
-    """What contacts meet on perfect circles, which nothing looks up."""
-    for j in range(bodies.columns):
-        forces.bracket_now[INNER, j], forces.bracket_now[OUTER, j] = compliance.inner.B, compliance.outer.B
-        for i in range(4):
-            forces.slope[i, j] = forces.softening[i, j] = 0.0
-
-
-@_smooth.of(Tilted)
-def _smooth_tilted(compliance, bodies, forces):
-    pass  # they look it up, and find nothing
-
-
-@_smooth.of(Isolated)
-def _smooth_alone(compliance, bodies, forces):
-    for j in range(bodies.columns):
-        forces.bracket_now[INNER, j] = forces.bracket_now[OUTER, j] = 0.0
-        for i in range(4):
-            forces.slope[i, j] = 0.0
+def _change_guess(last, guess, forces, row, n, ratio):
+    for j in range(n):
+        now, at = last[row, j], forces.halo + j
+        guess[row, at] = now + ratio * (guess[row, at] - now)

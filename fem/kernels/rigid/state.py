@@ -1,4 +1,4 @@
-"""State of the reduced model: rigid bodies, and contacts between bodies whose elasticity has no mass.
+"""State of the loop of rigid bodies: these, and contacts between bodies whose elasticity has no mass.
 
 Named tuples of arrays, for kernels. Rollers are lanes: `columns` is their number rounded up to WIDTH, entries of spare
 ones mean nothing. SI throughout.
@@ -11,16 +11,16 @@ import numpy as np
 from fem.kernels.cage import CagePair
 from fem.kernels.fields import given, room, state
 from fem.kernels.housing_kernels import Housing
-from fem.kernels.prescribed_rollers import Prescribed
+from fem.kernels.rigid.rays import Prescribed
 from fem.kernels.shaft import Shaft
 from fem.kernels.state import Law, LoadHistory
-from fem.kernels.tilted_damping import TiltedDampers
 from fem.kernels.tilts import TiltedForces, Tilts
 from lagrange.contact.damping import ContactDamping
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
-UNEVEN = "bracket", "bracket_now", "slope", "softening"  # of `ReducedForces`: None on perfect circles
+UNEVEN = "soft_before", "soft", "slope", "softening"  # of `ReducedForces`: None on perfect circles
+SLOPE, ENERGY, MOMENT, CROSS = range(4)  # entries of `TiltedForces.met`
 
 
 class RigidBodies(NamedTuple):
@@ -45,43 +45,88 @@ class RigidBodies(NamedTuple):
     tilts: Tilts | None = None  # None: axes stay parallel
 
 
-class Spacing(NamedTuple):
-    """`Compliance`'s arrays by neighbour for rollers that are not equally far apart: of each of them."""
+class PowerConstants(NamedTuple):
+    """Q = K δⁿ."""
 
-    along: given("2, neighbours, columns")
-    steep: given("2, neighbours, columns")
-    bent: given("2, 4, neighbours, columns")
-    crossed: given("2, neighbours, columns")
+    stiffness: float  # K, N/mⁿ
+    exponent: float  # n
 
 
-class Compliance(NamedTuple):
-    """Compliance of contacts under their own laws and the forces on other contacts of the same body."""
+class Coupling(NamedTuple):
+    """What forces on other contacts of the same elastic body do to a contact; of each roller by its neighbours."""
 
-    inner: Law
-    outer: Law
     between: Law  # of two rollers
-    reach: float  # m, distance of centres at which a roller, grown by its spin, touches the grown inner ring
-    track: float  # m, and the outer ring
-    sag: tuple[float, float]  # m, by which the raceways' centres lie below hub and outer ring, by the rings' own weight
     across: float  # m/N, approach of a roller's contact by the force on its other one
-    relaxation_factor: float  # of the force increments that neighbours use: see `reduced_contacts`
+    relaxation_factor: float  # of the force increments that neighbours use: see `contacts`
     distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
     felt: np.ndarray  # (2, 2), whole: by row, of how many of these compliances follow angles, and how many count
-    along: np.ndarray  # (2, neighbours), m/N, at equal angles
-    steep: np.ndarray  # (2, neighbours), m/N per rad that the angle to the neighbour is larger
-    bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
+    along: given("2, neighbours, columns")  # m/N, at the pockets' angles
+    steep: given("2, neighbours, columns")  # m/N per rad that the angle to the neighbour is larger
+    bent: given("2, 4, neighbours, columns")  # m/N/rad² to m/N/rad⁵
     strays: float  # rad, by which angles may be smaller or larger; beyond, compliances stay
-    crossed: np.ndarray  # (2, neighbours), m/N, by their tractions on these rollers
+    crossed: given("2, neighbours, columns")  # m/N, by their tractions on these rollers
     crossing: np.ndarray  # (2,), whole: by row, of how many of them
-    apart: np.ndarray  # (2, columns), cosine and sine of the angles from the first roller on, if they are equal
+    apart: np.ndarray  # (2, columns), cosine and sine of the pockets' angles from the first roller on
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
+
+
+class TiltedContacts(NamedTuple):
+    """What tilt takes of contacts."""
+
+    tables: tuple  # `tilted_contact.TiltedLaw` of the inner and the outer contacts
+    rests: tuple  # `tilted_contact.SpalledRest` of both; None: spalls take no part of the length
+    part: tuple  # `tilted_contact.PartProfiles`; None: as above
+    share: float  # 12/L², 1/m²
+    length: float  # m, of a roller
+
+
+class Contacts(NamedTuple):
+    """Contacts of rollers with raceways."""
+
+    inner: tuple  # `Law`, or `PowerConstants` without coupling; where bodies are rigid and tilt there are tables alone
+    outer: tuple
+    reach: float  # m, distance of centres at which a roller, grown by its spin, touches the grown inner ring
+    track: float  # m, and the outer ring
     ring_profiles: tuple  # of the inner and the outer raceway, see `surfaces`; None: a perfect circle
     roller_profiles: tuple  # of the rollers in their contacts with them
-    spacing: Spacing | None = None  # None: rollers are equally far apart
+    sag: tuple[float, float] = (0.0, 0.0)  # m, by which raceways' centres lie below hub and outer ring, by own weight
+    coupling: Coupling | None = None  # None: bodies are rigid, contacts do not know each other
+    tilted: TiltedContacts | None = None  # None: axes stay parallel
+
+
+class Step(NamedTuple):
+    """A step of leapfrog, from velocities half of it behind to those half of it ahead."""
+
+    bodies: tuple  # `RigidBodies`
+    contacts: tuple  # `Contacts`
+    forces: tuple  # `ReducedForces`
+    before: tuple  # `Before`
+    drive: tuple  # `ReducedDrive`
+    time: float  # s, of the kick
+
+
+class Change(NamedTuple):
+    """The change from one step length to another: see `paces`."""
+
+    drive: tuple  # with the new step
+    shift: float  # s², of an acceleration by which places change
+    back: float  # of what a kick has given, by which velocities change
+    step: np.ndarray  # (2, 3), a sensor's with the new step: see `housing_kernels.Resonator`
+    half_step: np.ndarray  # (2, 3)
+
+
+class TiltedDampers(NamedTuple):
+    """Further dampers to `ReducedDampers`. Arrays over rollers by row."""
+
+    moment: state("2, columns")  # N m, of the last kick
+    lever: room("2, columns")  # m, z
+    turning: room("2, columns")  # N m s, g
+    over_reach: float  # 1/m, over the distance of rollers' centres from the hub's
+    length: float  # m, of a roller
 
 
 class ReducedDampers(NamedTuple):
-    """Dampers of contacts: see `reduced_damping`. Arrays over rollers by row."""
+    """Dampers of contacts: see `dampers`. Arrays over rollers by row."""
 
     law: ContactDamping
     force: state("3, columns")  # N
@@ -93,7 +138,7 @@ class ReducedDampers(NamedTuple):
 
 
 class Radiation(NamedTuple):
-    """What strikes give to elastic waves that the model does not follow: see `reduced_radiation`."""
+    """What strikes give to elastic waves that the model does not follow: see `strikes`."""
 
     inertia: tuple[float, float]  # s⁴/kg, of both raceways' contacts, Σ s²/ω⁴ of all modes that the model lacks
     settling: float  # s, 1/ω of the slowest of them
@@ -120,15 +165,15 @@ class ReducedForces(NamedTuple):
     estimate: state("2, columns")  # N, its force; room
     stiffness: state("2, columns")  # N/m; room
     normal: state("2, 2, columns")  # outward; room
-    # at the angles where rollers are: see `reduced_surfaces`
+    # at the angles where rollers are: see `contacts.follow_angles`
     strayed: room("haloed")  # rad, by how much rollers are ahead of equal angles
     along: room("2, neighbours, columns")  # m/N
     steep: room("2, neighbours, columns")  # m/N per rad
     tilt: room("2, columns")  # of the raceways under contacts by forces on others
-    # of surfaces that are not perfect circles, or None: laws' B with the edges' compliance; slopes of approaches and of
-    # compliances along the inner raceway, the roller's share of that, the outer raceway, the roller's share
-    bracket: state("2, columns")  # in the last kick
-    bracket_now: state("2, columns")  # room
+    # of surfaces that are not perfect circles, or None: compliance of edges; slopes of approaches and of compliances
+    # along the inner raceway, the roller's share of that, the outer raceway, the roller's share
+    soft_before: state("2, columns")  # m/N, in the last kick
+    soft: state("2, columns")  # room
     slope: state("4, columns")  # m/rad; room
     softening: state("4, columns")  # m/N/rad; room
     radiation: Radiation | None  # None: no waves are reckoned with

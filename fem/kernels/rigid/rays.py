@@ -16,8 +16,7 @@ from fem.kernels.drive import SPEED, STEP, TURN, follow, outer_of, speed_of, ste
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, splat, total
-from fem.kernels.reduced_housing import ring_place, ring_rates
-from fem.kernels.rigid_parts import begin, change_step, kick_part, note_work, write_part
+from fem.kernels.rigid.mounts import ring_place, ring_rates
 from fem.kernels.sample_kernels import WORK_DRIVE
 
 
@@ -34,8 +33,8 @@ class Prescribed(NamedTuple):
     column: int  # of a sample's row, the cage's first; < 0: no cage is reported
 
 
-@begin.of(Prescribed)
-def _begin(prescribed, step):
+@part
+def roll(prescribed, step):
     """Turn the rollers as they roll."""
     bodies, drive = step.bodies, step.drive
     outer, more = outer_of(drive.history), prescribed.spin_by_outer
@@ -68,20 +67,12 @@ def along_ray(prescribed, ox, oy, ax, ay):
     return out * ox, out * oy
 
 
-@kick_part.of(Prescribed)
-def _kick(prescribed, step, push):
-    _hold(prescribed.first, prescribed, step.bodies, step.drive, step.time)
-
-
 @part
 def hold(prescribed, bodies, drive, time):
     """Give rollers the impulse along the pitch circle that lets them drift onto the rays of the next instant."""
-    if prescribed is not None:
-        _hold(prescribed.first, prescribed, bodies, drive, time)
-
-
-@part
-def _hold(first, prescribed, bodies, drive, time):
+    if prescribed is None:
+        return
+    first = prescribed.first
     if first is None:
         return
     columns, dt, outer, more = bodies.columns, drive.dt, outer_of(drive.history), prescribed.cage_by_outer
@@ -104,8 +95,8 @@ def _hold(first, prescribed, bodies, drive, time):
         store(prescribed.force, group, load(prescribed.force, group) + gained * (bodies.mass / dt))
 
 
-@note_work.of(Prescribed)
-def _note(prescribed, step):
+@part
+def note_rays(prescribed, step):
     """Add the work of the rays at the velocities before and after the whole kick."""
     if prescribed.first is not None:
         bodies, half = step.bodies, 0.5 * step.drive.dt
@@ -124,16 +115,16 @@ def _power(prescribed, bodies, forces, velocity):
     return total(found)
 
 
-@change_step.of(Prescribed)
-def _change(prescribed, step, change):
+@part
+def change_rays(prescribed, step, change):
     if prescribed.first is not None:
         follow(change.drive.history, step.time, change.drive.dt)
-        _hold(prescribed.first, prescribed, step.bodies, change.drive, step.time)
+        hold(prescribed, step.bodies, change.drive, step.time)
         prescribed.work[1] = 0.5 * change.drive.dt * _power(prescribed, step.bodies, step.forces, step.bodies.velocity)
 
 
-@write_part.of(Prescribed)
-def _write(prescribed, step, out):
+@part
+def write_rays(prescribed, step, out):
     """The rays' work, and a cage that they stand for: its place, turn, speed and forces."""
     drive = step.drive
     out[WORK_DRIVE] += prescribed.work[0]

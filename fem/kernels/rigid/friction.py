@@ -1,4 +1,4 @@
-"""Tractions of the reduced model's contacts, and its contacts of rollers with each other, forces and tractions.
+"""FRICTION of rigid bodies' contacts; contacts of rollers with each other, forces and tractions.
 
 A contact's tangential compliance takes what its bodies slip in a step but for Carter's creep.
 """
@@ -6,48 +6,51 @@ A contact's tangential compliance takes what its bodies slip in a step but for C
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
-from fem.kernels.drive import drive_outer, less_outer, outer_of, speed_of
+from fem.kernels.drive import SPEED, speed_of
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import maximum
+from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import gather, load, scatter_add, store
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
-from fem.kernels.law import SLIP_FLOOR, contact_force, creep_traction, kick_force
-from fem.kernels.reduced_damping import damped_neighbours, no_dampers
-from fem.kernels.reduced_housing import ring_velocity
-from fem.kernels.reduced_state import INNER, NEXT, OUTER
+from fem.kernels.law import SLIP_FLOOR, STEEPEST, contact_force, creep_traction, damping_coefficient, kick_force
+from fem.kernels.rigid.mounts import ring_rates
+from fem.kernels.rigid.state import INNER, NEXT, OUTER
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 
 
 @part
-def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
+def tractions(step, group, Q_i, Q_o):
     """Tractions of eight rollers, N, on them along +θ: elastic up to Carter's creep.
 
     A contact's tangential compliance takes what the bodies slip in a step but for its creep. The slip is that on the
     way here, so tractions are springs like the normal forces, and no contact's depends on another's.
     """
+    bodies, contacts, forces, drive, before = step.bodies, step.contacts, step.forces, step.drive, step.before
     columns, hub_x, hub_y = bodies.columns, before.hub_velocity[0], before.hub_velocity[1]
     vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
-    spin, soft = load(before.spin, group), compliance.tangential
+    spin, soft = load(before.spin, group), contacts.coupling.tangential
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
     slip -= spin * bodies.radius + speed_of(drive.history, drive) * drive.inner_radius
-    rolling = absolute(spin - along * (1.0 / compliance.reach)) * bodies.radius
-    T_i = creep(compliance.inner, soft[INNER], forces, drive, columns * INNER + group, Q_i, slip, rolling)
-    ring_x, ring_y = ring_velocity(bodies.housing)
+    rolling = absolute(spin - along * (1.0 / contacts.reach)) * bodies.radius
+    T_i = _creep(contacts.inner, soft[INNER], forces, drive, columns * INNER + group, Q_i, slip, rolling)
+    ring_x, ring_y = ring_rates(bodies.housing)[1]  # its kick is yet to come
     along = (vy - ring_y) * ox - (vx - ring_x) * oy
-    rolling = absolute(spin - along * (1.0 / compliance.track)) * bodies.radius
-    slip = less_outer(outer_of(drive.history), along + spin * bodies.radius)
-    T_o = creep(compliance.outer, soft[OUTER], forces, drive, columns * OUTER + group, Q_o, slip, rolling)
+    rolling = absolute(spin - along * (1.0 / contacts.track)) * bodies.radius
+    slip, outer = along + spin * bodies.radius, None if drive.history is None else drive.history.outer
+    if outer is not None:
+        slip = slip - outer.now[SPEED] * outer.radius
+    T_o = _creep(contacts.outer, soft[OUTER], forces, drive, columns * OUTER + group, Q_o, slip, rolling)
     drive.sums[1] += speed_of(drive.history, drive) * drive.inner_radius * drive.dt * total(T_i)
-    drive_outer(outer_of(drive.history), drive, T_o)
+    if outer is not None:
+        drive.sums[1] += outer.now[SPEED] * outer.radius * drive.dt * total(T_o)
     return T_i, T_o
 
 
 @part
-def creep(law, soft, forces, drive, at, Q, slip, rolling):
+def _creep(law, soft, forces, drive, at, Q, slip, rolling):
     """Tractions of eight contacts, N, and what they dissipate; `soft` : m/N, of contacts that stick."""
     last, dt = load(forces.traction, at), drive.dt
     full_slip = maximum(drive.friction * law.curvature * square_root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
@@ -60,9 +63,18 @@ def creep(law, soft, forces, drive, at, Q, slip, rolling):
 
 
 @part
-def press_neighbours(bodies, compliance, forces, drive, before):
+def coefficient(dampers, law, Q):
+    """N s/m, of the dampers of eight contacts under forces of their laws, N; 0 of open ones."""
+    closed = Q > 0.0
+    soft = law.A * maximum(law.B - 0.5 * logarithm(select(closed, minimum(Q, law.Q_line), 1.0)) - 0.5, STEEPEST)
+    return select(closed, damping_coefficient(dampers.law, Q, 1.0 / soft), 0.0)
+
+
+@part
+def press_neighbours(step):
     """Contacts of rollers with the next ones: their forces and tractions as kicks; seldom any are near."""
-    columns, n, law, reach = bodies.columns, bodies.n, compliance.between, 2.0 * bodies.radius * TOUCHING
+    bodies, coupling, forces, drive, before = step.bodies, step.contacts.coupling, step.forces, step.drive, step.before
+    columns, n, law, reach = bodies.columns, bodies.n, coupling.between, 2.0 * bodies.radius * TOUCHING
     over, centre, velocity = drive.dt / bodies.mass, bodies.centre, bodies.velocity
     for group in range(0, n, WIDTH):
         i, at = next_rollers(group, n), NEXT * columns + group
@@ -74,7 +86,8 @@ def press_neighbours(bodies, compliance, forces, drive, before):
             store(forces.kick, at, splat(0.0))
             store(forces.approach, at, splat(np.nan))
             store(forces.traction, at, splat(0.0))
-            no_dampers(forces.dampers, at)
+            if forces.dampers is not None:
+                store(forces.dampers.force, at, splat(0.0))
             continue
         distance = select(near, square_root(square), 1.0)
         nx, ny = x / distance, y / distance
@@ -94,7 +107,7 @@ def press_neighbours(bodies, compliance, forces, drive, before):
             slip = (gather(before.velocity, i + columns) - load(before.velocity, columns + group)) * nx
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
-            T = creep(law, compliance.tangential[NEXT], forces, drive, at, Q, slip, splat(0.0))
+            T = _creep(law, coupling.tangential[NEXT], forces, drive, at, Q, slip, splat(0.0))
         store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - load(forces.force, at))))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))
@@ -102,7 +115,12 @@ def press_neighbours(bodies, compliance, forces, drive, before):
         store(forces.residual, at, residual)
         closing = (load(before.velocity, group) - gather(before.velocity, i)) * nx
         closing += (load(before.velocity, columns + group) - gather(before.velocity, i + columns)) * ny
-        P = damped_neighbours(forces.dampers, law, at, select(near, Q, 0.0), P, closing, 2.0 * over)
+        if forces.dampers is not None:
+            c, half = coefficient(forces.dampers, law, select(near, Q, 0.0)), over
+            F = maximum(c * (closing - half * P) / (1.0 + c * half), -P)
+            F = select(near & (Q > 0.0), F, 0.0)
+            store(forces.dampers.force, at, F)
+            P = P + F
         fx, fy = (P * nx - T * ny) * over, (P * ny + T * nx) * over
         turned = T * (-drive.dt * bodies.radius / bodies.inertia)
         fx, fy, turned = select(near, fx, 0.0), select(near, fy, 0.0), select(near, turned, 0.0)

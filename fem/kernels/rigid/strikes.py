@@ -15,11 +15,9 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import store
 from fem.kernels.lanes import any_lane, select
 from fem.kernels.law import STEEPEST
-from fem.kernels.reduced_housing import push_ring, ring_rates
-from fem.kernels.reduced_state import INNER, OUTER, Radiation
-from fem.kernels.rigid_parts import change_step, kick_part, note_work, write_part
+from fem.kernels.rigid.mounts import push_hub, push_ring, ring_rates
+from fem.kernels.rigid.state import INNER, OUTER
 from fem.kernels.sample_kernels import DISSIPATED, FORCE, N_SCALARS
-from fem.kernels.shaft import give_way, mobility
 
 QUIET, STRUCK, KICKED = 0, 1, 2  # of `Radiation.state`
 MOST = 0.1  # of a roller's momentum, that one impulse takes
@@ -35,20 +33,20 @@ def note_strikes(radiation, before, now, at, there, dt):
     store(radiation.speed, at, select(closes | opens, speed, 0.0))
 
 
-@kick_part.of(Radiation)
-def _kick(radiation, step, push):
+@part
+def radiate(radiation, step):
     """Take from bodies what contacts that have closed in this step give to waves, or have given as they opened."""
     radiation.work[0] += radiation.work[1]
     radiation.work[1] = 0.0
     if radiation.state[0] != QUIET:
-        _radiate(radiation, step.bodies, step.compliance, step.forces, step.drive)
+        _radiate(radiation, step.bodies, step.contacts, step.forces, step.drive)
 
 
 @part(inlined=False)
-def _radiate(radiation, bodies, compliance, forces, drive):
+def _radiate(radiation, bodies, contacts, forces, drive):
     any_kick = False
     for row in range(2):
-        law = compliance.inner if row == INNER else compliance.outer
+        law = contacts.inner if row == INNER else contacts.outer
         for j in range(bodies.n):
             radiation.kick[row, j] = 0.0
             speed = radiation.speed[row, j]
@@ -86,63 +84,44 @@ def _push(bodies, forces, drive, row, j, impulse):
     if row == INNER:
         bodies.velocity[0, j] += over * x
         bodies.velocity[1, j] += over * y
-        over = mobility(bodies.shaft, bodies.hub_mass, drive.dt) / drive.dt
-        bodies.hub_velocity[0] -= over * x
-        bodies.hub_velocity[1] -= over * y
-        give_way(bodies.shaft, 0, -over * x)
-        give_way(bodies.shaft, 1, -over * y)
+        push_hub(bodies, -x / drive.dt, -y / drive.dt, drive.dt)
     else:
         bodies.velocity[0, j] -= over * x
         bodies.velocity[1, j] -= over * y
         push_ring(bodies.housing, x / drive.dt, y / drive.dt, drive.dt)
 
 
-@note_work.of(Radiation)
-def _note(radiation, step):
+@part
+def note_radiated(radiation, step):
+    """Add what the impulses take, by the velocities before and after the whole kick: half of each works on its side."""
     if radiation.state[0] == KICKED:
-        _note_work(radiation, step.bodies, step.forces, step.before, step.drive)
-
-
-@part(inlined=False)
-def _note_work(radiation, bodies, forces, before, drive):
-    """What the impulses take, by the velocities before and after the whole kick: half of each works on its side."""
-    past, next_ = ring_rates(bodies.housing)
-    for j in range(bodies.n):
-        ix, iy = forces.normal[INNER, 0, j], forces.normal[INNER, 1, j]
-        ox, oy = forces.normal[OUTER, 0, j], forces.normal[OUTER, 1, j]
-        F_i, F_o, half = radiation.kick[INNER, j], radiation.kick[OUTER, j], 0.5 * drive.dt
-        vx, vy = before.velocity[0, j], before.velocity[1, j]
-        inner = (before.hub_velocity[0] - vx) * ix + (before.hub_velocity[1] - vy) * iy
-        outer = (vx - past[0]) * ox + (vy - past[1]) * oy
-        radiation.work[0] += half * (F_i * inner + F_o * outer)
-        vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
-        inner = (bodies.hub_velocity[0] - vx) * ix + (bodies.hub_velocity[1] - vy) * iy
-        outer = (vx - next_[0]) * ox + (vy - next_[1]) * oy
-        radiation.work[1] += half * (F_i * inner + F_o * outer)
+        n, before, (past, _) = step.bodies.n, step.before, ring_rates(step.bodies.housing)
+        radiation.work[0] += _work(radiation, n, step.forces, before.hub_velocity, before.velocity, past, step.drive.dt)
+        change_radiated(radiation, step, step.drive.dt)
 
 
 @part
-def _power_ahead(radiation, bodies, forces):
-    """What the impulses of the last kick take in the half step ahead, over the step, W."""
-    found, next_ = 0.0, ring_rates(bodies.housing)[1]
+def change_radiated(radiation, step, dt):
+    """What the impulses of the last kick take in the half step ahead, J, with a step length."""
     if radiation.state[0] == KICKED:
-        for j in range(bodies.n):
-            vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
-            rate = (bodies.hub_velocity[0] - vx) * forces.normal[INNER, 0, j]
-            rate += (bodies.hub_velocity[1] - vy) * forces.normal[INNER, 1, j]
-            found += 0.5 * radiation.kick[INNER, j] * rate
-            rate = (vx - next_[0]) * forces.normal[OUTER, 0, j] + (vy - next_[1]) * forces.normal[OUTER, 1, j]
-            found += 0.5 * radiation.kick[OUTER, j] * rate
+        bodies, (_, ring) = step.bodies, ring_rates(step.bodies.housing)
+        radiation.work[1] = _work(radiation, bodies.n, step.forces, bodies.hub_velocity, bodies.velocity, ring, dt)
+
+
+@part(inlined=False)
+def _work(radiation, n, forces, hub, velocity, ring, dt):
+    """What the impulses take in half a step at velocities of hub, rollers and outer ring, J."""
+    found = 0.0
+    for j in range(n):
+        vx, vy = velocity[0, j], velocity[1, j]
+        inner = (hub[0] - vx) * forces.normal[INNER, 0, j] + (hub[1] - vy) * forces.normal[INNER, 1, j]
+        outer = (vx - ring[0]) * forces.normal[OUTER, 0, j] + (vy - ring[1]) * forces.normal[OUTER, 1, j]
+        found += 0.5 * dt * (radiation.kick[INNER, j] * inner + radiation.kick[OUTER, j] * outer)
     return found
 
 
-@change_step.of(Radiation)
-def _change(radiation, step, change):
-    radiation.work[1] = change.drive.dt * _power_ahead(radiation, step.bodies, step.forces)
-
-
-@write_part.of(Radiation)
-def _write(radiation, step, out):
+@part
+def write_radiated(radiation, step, out):
     """Add what waves have been given, J, and the impulses over the step to the forces, N."""
     n = step.bodies.n
     out[DISSIPATED] += radiation.work[0]

@@ -1,0 +1,483 @@
+"""CONTACT FORCES of rigid bodies at given places: approaches, laws, and what contacts of one body do to each other.
+
+Where bodies are elastic (`Contacts.coupling`) a contact's approach depends on the forces on others:
+
+    approach = overlap of the circles − across·(force on the roller's other contact) − Σ along_k·(force k rollers away)
+               − Σ crossed_k·(traction k rollers away)
+
+Those forces are extrapolated from the last steps (predictor), the law gives force and stiffness, and a linear sweep
+corrects them (corrector): the error left is the square of a few hundredths of the predictor's. In rings of soft
+material with many rollers a neighbour's compliance is as large as a contact's own, and whole load zones would gain and
+lose force alternately: there the increments that neighbours use are multiplied by a relaxation factor
+(`fem.solver.rigid.reduced.relaxation_factor`). Rigid bodies have no coupling: each contact is alone with its law.
+
+Where rollers tilt (`Contacts.tilted`) a contact is a table of energy by approach and misalignment. The misalignment is
+the bodies' plus the response to moments along its ring: a ring of the compliance C under a force that is spread along
+the length L has 12 C/L² under a moment. Forces, moments and energy further on follow by Taylor's series of second
+order from one look at the table, whose derivatives are exact.
+
+Equation (1) of docs/reduced.md.
+"""
+
+from fem.kernels.drive import SPEED, turn_at
+from fem.kernels.jit import part, verb
+from fem.kernels.lane_functions import arc_tangent, exponential, logarithm, maximum, minimum
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
+from fem.kernels.law import STEEPEST, distant_force, next_force, stored_energy
+from fem.kernels.rigid.mounts import ring_place
+from fem.kernels.rigid.state import CROSS, ENERGY, INNER, MOMENT, OUTER, SLOPE, PowerConstants
+from fem.kernels.rigid.surfaces import keep_edges, keep_slopes, surfaces_met
+from fem.kernels.tilted_contact import table_at
+from fem.kernels.tilts import push_axes
+
+AGAIN = 16  # steps, and at samples, between looks at angles: compliances change by far less than forces are solved to
+NEAR = 0.03  # of a force: a step of third order no longer leaves a hundredth of its cube, less than sweeps do
+MOST_STEPS, SETTLED = 60, 1e-10  # of Newton's method, and of a depth: what is left is of its square
+
+
+@part
+def find_forces(step, inside):
+    """Forces and moments of all contacts; sums of the forces on hub and outer ring, N."""
+    bodies, contacts, forces, drive = step.bodies, step.contacts, step.forces, step.drive
+    coupling, tilted, tilts, columns = contacts.coupling, contacts.tilted, bodies.tilts, bodies.columns
+    if coupling is not None:
+        if inside % AGAIN == 0:
+            follow_angles(bodies, coupling, forces)
+    reach, track = touching(contacts, drive)
+    ring_x, ring_y = ring_place(bodies.housing)
+    turn = turn_at(drive.history, drive, step.time)
+    for group in range(0, bodies.n, WIDTH):
+        there = count_from(group) < bodies.n
+        x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+        out, ox, oy = direction(x - ring_x, y - ring_y + contacts.sag[1], there)
+        away, ix, iy = direction(x - bodies.hub[0], y - bodies.hub[1] + contacts.sag[0], there)
+        store_pair(forces.normal, group, columns, ix, iy)
+        store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
+        deep_i, deep_o, guess = reach - away, out - track, (splat(0.0), splat(0.0))
+        if forces.slope is not None:
+            met = surfaces_met(step, group, turn)
+            deep_i, deep_o = keep_edges(step, group, met, deep_i, deep_o)
+        if coupling is not None:
+            guess = guesses(forces, forces.guess, group, there)
+            less_i = coupling.across * guess[1] + along_ring(coupling, forces, forces.guess, INNER, group)
+            less_o = coupling.across * guess[0] + along_ring(coupling, forces, forces.guess, OUTER, group)
+            less_i += lift(coupling, forces, drive, INNER, group)
+            less_o += lift(coupling, forces, drive, OUTER, group)
+            tilt_i = raceway_tilt(coupling, forces, INNER, group)
+            tilt_o = raceway_tilt(coupling, forces, OUTER, group)
+            over_i, over_o = 1.0 / away, 1.0 / out
+            if tilted is not None:
+                over_i, over_o = splat(1.0 / contacts.reach), splat(1.0 / contacts.track)
+            store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
+            if forces.taken is not None:
+                store_pair(forces.taken, group, columns, less_i, less_o)
+            deep_i, deep_o = deep_i - less_i, deep_o - less_o
+        deep_i, deep_o = select(there, deep_i, -1.0), select(there, deep_o, -1.0)
+        if tilted is None:
+            Q_i = _look(step, contacts.inner, INNER, group, deep_i, guess[0])
+            Q_o = _look(step, contacts.outer, OUTER, group, deep_o, guess[1])
+            if coupling is not None:
+                _tell(coupling, forces, columns, group, (Q_i, Q_o), guess)
+        else:
+            tilt = load(tilts.tilt, group)
+            slope_i = (tilt * ox - tilts.slope[0]) * ix + (tilt * oy - tilts.slope[1]) * iy
+            slope_o, given = -tilt, (splat(0.0), splat(0.0))
+            if coupling is not None:
+                given = guesses(forces, forces.tilted.guess, group, there)
+                slope_i += tilted.share * along_ring(coupling, forces, forces.tilted.guess, INNER, group)
+                slope_o += tilted.share * along_ring(coupling, forces, forces.tilted.guess, OUTER, group)
+            Q_i, M_i = _look_up(forces, tilted.tables[0], tilted.rests[0], INNER, columns, group, deep_i, slope_i)
+            Q_o, M_o = _look_up(forces, tilted.tables[1], tilted.rests[1], OUTER, columns, group, deep_o, slope_o)
+            if coupling is not None:
+                Q_i, Q_o = _tell(coupling, forces, columns, group, (Q_i, Q_o), guess)
+                by_o, by_i = coupling.across * (Q_o - guess[1]), coupling.across * (Q_i - guess[0])
+                turn_i = M_i + load(forces.tilted.met, place_of(INNER, CROSS, columns, group)) * by_o - given[0]
+                turn_o = M_o + load(forces.tilted.met, place_of(OUTER, CROSS, columns, group)) * by_i - given[1]
+                at, width, factor = forces.halo + group, forces.gained.shape[1], coupling.relaxation_factor
+                store_pair(forces.tilted.gained, at, width, factor * turn_i, factor * turn_o)
+        if forces.slope is not None:
+            keep_slopes(step, group, met, Q_i, Q_o)
+    if coupling is not None:
+        _correct(bodies, contacts, forces)
+    return _sums(bodies, forces, drive)
+
+
+@part
+def touching(contacts, drive):
+    """Distances from hub and centre, m, at which rollers touch the rings, grown by their spin."""
+    history = drive.history
+    if history is None:
+        return contacts.reach, contacts.track
+    more = history.now[SPEED] * history.now[SPEED] - drive.speed * drive.speed
+    reach, track = contacts.reach + history.growth * more, contacts.track - history.roller_growth * more
+    outer = history.outer
+    if outer is None:
+        return reach, track
+    # where the outer ring turns rollers spin by the difference of both surfaces' speeds, and it grows
+    ratio = outer.radius / drive.inner_radius
+    now, first = history.now[SPEED] - ratio * outer.now[SPEED], drive.speed - ratio * outer.speed
+    spun = history.roller_growth * (now * now - first * first - more)  # beyond what the shaft alone makes of it
+    grown = outer.growth * (outer.now[SPEED] * outer.now[SPEED] - outer.speed * outer.speed)
+    return reach + spun, track - spun + grown
+
+
+@part
+def direction(x, y, there):
+    """Lengths and unit vectors of eight ways; of spare lanes numbers."""
+    length = square_root(select(there, x * x + y * y, 1.0))
+    over = 1.0 / length
+    return length, select(there, x * over, 1.0), select(there, y * over, 0.0)
+
+
+@part
+def load_pair(array, at, apart):
+    return load(array, at), load(array, at + apart)
+
+
+@part
+def store_pair(array, at, apart, one, other):
+    store(array, at, one)
+    store(array, at + apart, other)
+
+
+@part
+def place_of(row, what, columns, group):
+    """Of eight contacts in `TiltedForces.met`."""
+    return (4 * row + what) * columns + group
+
+
+# the laws
+
+
+@part
+def _look(step, law, row, group, deep, guess):
+    """Forces, N, of eight contacts of rollers that stand straight; approach, force and stiffness are kept."""
+    forces, at = step.forces, row * step.bodies.columns + group
+    soft = None if forces.soft is None else load(forces.soft, at)
+    if step.contacts.coupling is None:  # from forces of the last step before they were taken ahead
+        soft_before = None if forces.soft is None else load(forces.soft_before, at)
+        last = load(forces.estimate, at), load(forces.first, at), soft_before
+        Q, stiffness = law_force(law, deep, soft, last)
+    else:
+        Q, stiffness = _guessed_force(law, _level(law, soft), deep, guess)
+    store(forces.first, at, deep)
+    store(forces.estimate, at, Q)
+    store(forces.stiffness, at, stiffness)
+    return Q
+
+
+@verb
+def law_force(law, depth, soft, last):
+    """Forces of eight contacts, N, and their stiffness, N/m, 0 of open ones.
+
+    Parameters
+    ----------
+    depth : m; soft : m/N, compliance of edges, or None; last : force, depth and compliance of the last step
+    """
+    Q_before, before, soft_before = last
+    Q = next_force(depth, law.A, _level(law, soft), law.Q_line, Q_before, before, _level(law, soft_before))
+    closed = Q > 0.0
+    give = select(closed, depth - 0.5 * law.A * minimum(Q, law.Q_line), 1.0)  # Q dδ/dQ
+    return Q, select(closed, Q / give, 0.0)
+
+
+@part
+def _level(law, soft):
+    """B of eight contacts with a compliance of edges, m/N, or None."""
+    if soft is None:
+        return splat(law.B)
+    return law.B + soft * (1.0 / law.A)
+
+
+@law_force.of(PowerConstants)
+def _power_force(law, depth, soft, last):
+    closed = depth > 0.0
+    own = select(closed, depth, 1.0)
+    if soft is not None:
+        yielding = select(closed, soft, 0.0)
+        if any_lane(yielding != 0.0):
+            own = _less_yielding(law, own, yielding)
+    Q = select(closed, _power(law, own), depth - depth)  # what is not a number stays so
+    stiffness = law.exponent * Q / own
+    if soft is not None:
+        stiffness = stiffness / (1.0 + soft * stiffness)
+    return Q, stiffness
+
+
+@part
+def _power(law, depth):
+    return law.stiffness * exponential(law.exponent * logarithm(depth))
+
+
+@part
+def _less_yielding(law, depth, soft):
+    """Depths of eight closed contacts, m, less what a compliance in series takes of them: Newton's method."""
+    own = depth
+    for _ in range(MOST_STEPS):
+        force = _power(law, own)
+        step = (own + soft * force - depth) / (1.0 + soft * law.exponent * force / own)
+        own = maximum(own - step, 0.1 * own)
+        if not any_lane(absolute(step) > SETTLED * own):
+            break
+    return own
+
+
+@verb
+def law_energy(law, Q, depth, soft):
+    """Energy of eight contacts under forces, N, that their depths, m, go with, J: ∫ Q dδ."""
+    return stored_energy(Q, depth, law.A, law.Q_line)
+
+
+@law_energy.of(PowerConstants)
+def _power_energy(law, Q, depth, soft):
+    if soft is None:
+        return Q * depth * (1.0 / (law.exponent + 1.0))
+    return Q * (depth - soft * Q) * (1.0 / (law.exponent + 1.0)) + 0.5 * soft * Q * Q
+
+
+@part
+def _guessed_force(law, B, approach, guess):
+    """Forces of eight approaches, N, and their stiffness, N/m, 0 of open contacts.
+
+    From a good guess one step of third order, from a fair one two, from any other `law.distant_force`.
+    """
+    known = guess > 0.0
+    Q, stiffness, step = _nearer(law, B, approach, select(known, guess, 1.0))
+    rough = known & ((absolute(step) >= NEAR) | (Q >= law.Q_line))
+    if any_lane(rough):
+        Q, stiffness, step = _nearer(law, B, approach, select(known, maximum(Q, 0.1 * guess), 1.0))
+        rough = known & ((absolute(step) >= NEAR) | (Q >= law.Q_line))
+    found, stiffness = select(known, Q, 0.0), select(known, stiffness, 0.0)
+    if any_lane(rough | ((guess <= 0.0) & (approach > 0.0))):
+        found = distant_force(approach, law.A, B, law.Q_line, guess)
+        closed = found > 0.0
+        soft = select(closed, approach, 1.0) / select(closed, found, 1.0) - 0.5 * law.A
+        stiffness = select(closed, 1.0 / maximum(soft, STEEPEST * law.A), 0.0)
+    return found, stiffness
+
+
+@part
+def _nearer(law, B, approach, Q):
+    """Forces of eight approaches by a step of third order from forces Q > 0, their stiffness, and the step over Q."""
+    bracket = B - 0.5 * logarithm(Q)
+    relative = 1.0 / (law.A * Q * (bracket - 0.5))  # stiffness over force
+    step = (approach - law.A * Q * bracket) * relative
+    stiffness = relative * Q
+    bend = 0.5 * law.A * stiffness * step
+    return Q + Q * step * (1.0 + 0.5 * bend), stiffness * (1.0 + bend), step
+
+
+@part
+def _look_up(forces, table, rest, row, columns, group, deep, slope):
+    """Forces, N, and moments, N m, of eight contacts that tilt, by their tables; all derivatives are kept."""
+    met, at = forces.tilted.met, row * columns + group
+    energy, Q, M, stiff, cross, tilting = table_at(forces, (table, rest), at, columns, deep, slope)
+    store(forces.first, at, deep)
+    store(forces.estimate, at, Q)
+    store(forces.stiffness, at, stiff)
+    store(forces.tilted.stiffness, at, tilting)
+    store(met, place_of(row, SLOPE, columns, group), slope)
+    store(met, place_of(row, ENERGY, columns, group), energy)
+    store(met, place_of(row, MOMENT, columns, group), M)
+    store(met, place_of(row, CROSS, columns, group), cross)
+    return Q, M
+
+
+# what contacts of elastic bodies do to each other
+
+
+@part
+def wrap(array, row, n, halo):
+    """Repeat a ring's first and last contacts beyond its ends."""
+    for k in range(halo):
+        array[row, halo - 1 - k] = array[row, halo + n - 1 - k]
+        array[row, halo + n + k] = array[row, halo + k]
+
+
+@part
+def guesses(forces, array, group, there):
+    """Forces or moments expected of eight rollers' contacts, inner and outer."""
+    at = forces.halo + group
+    return select(there, load(array, at), 0.0), select(there, load(array, array.shape[1] + at), 0.0)
+
+
+@part
+def along_ring(coupling, forces, array, row, group):
+    """Σ along_k·(entry k rollers away) of eight contacts: the approach, m, that forces along their ring take away."""
+    found, to, columns = splat(0.0), row * array.shape[1] + forces.halo + group, forces.normal.shape[2]
+    for k in range(coupling.felt[row, 1]):
+        Q = load(array, to + coupling.distance[k])
+        found += load(forces.along, (row * coupling.distance.size + k) * columns + group) * Q
+    return found
+
+
+@part
+def raceway_tilt(coupling, forces, row, group):
+    """How fast the approach of eight contacts grows along their ring by the forces guessed, m/rad.
+
+    Rollers that neither friction nor a cage holds apart are spread by that.
+    """
+    found, to, columns = splat(0.0), row * forces.guess.shape[1] + forces.halo + group, forces.normal.shape[2]
+    for k in range(coupling.felt[row, 0]):
+        Q = load(forces.guess, to + coupling.distance[k])
+        found += load(forces.steep, (row * coupling.distance.size + k) * columns + group) * Q
+    return found
+
+
+@part
+def lift(coupling, forces, drive, row, group):
+    """Approach of eight contacts, m, that tractions along their ring, of the last step, take away."""
+    found, columns = splat(0.0), forces.normal.shape[2]
+    if drive.friction > 0.0:
+        to = row * forces.guess.shape[1] + forces.halo + group
+        for k in range(coupling.crossing[row]):
+            crossed = load(coupling.crossed, (row * coupling.distance.size + k) * columns + group)
+            found += load(forces.pulled, to + coupling.distance[k]) * crossed
+        store(forces.lifted, row * columns + group, found)
+    return found
+
+
+@part
+def both_forces(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
+    """A roller's two forces, each with the other's change; `by_`: stiffness times what a newton on the other does."""
+    beyond_inner, beyond_outer = inner - guess_inner, outer - guess_outer
+    more = by_inner * (by_outer * beyond_inner - beyond_outer) / (1.0 - by_inner * by_outer)
+    return inner + more, outer - by_outer * (beyond_inner + more)
+
+
+@part
+def _tell(coupling, forces, columns, group, Q, guess):
+    """Keep what eight rollers' forces turn out beyond the guesses, for others; the forces with the other's change."""
+    by_i, by_o = load_pair(forces.stiffness, group, columns)
+    Q_i, Q_o = both_forces(Q[0], Q[1], by_i * coupling.across, by_o * coupling.across, guess[0], guess[1])
+    at, width, factor = forces.halo + group, forces.gained.shape[1], coupling.relaxation_factor
+    store_pair(forces.gained, at, width, factor * (Q_i - guess[0]), factor * (Q_o - guess[1]))
+    return Q_i, Q_o
+
+
+@part
+def _correct(bodies, contacts, forces):
+    """Forces, moments and approaches with what all others have gained."""
+    columns, n, halo, coupling = bodies.columns, bodies.n, forces.halo, contacts.coupling
+    across = coupling.across
+    for row in range(2):
+        wrap(forces.gained, row, n, halo)
+        if contacts.tilted is not None:
+            wrap(forces.tilted.gained, row, n, halo)
+    for group in range(0, n, WIDTH):
+        at = columns + group
+        guess_i, guess_o = guesses(forces, forces.guess, group, count_from(group) < n)
+        less_i = along_ring(coupling, forces, forces.gained, INNER, group)
+        less_o = along_ring(coupling, forces, forces.gained, OUTER, group)
+        stiff_i, stiff_o = load_pair(forces.stiffness, group, columns)
+        Q_i, Q_o = load(forces.estimate, group) - stiff_i * less_i, load(forces.estimate, at) - stiff_o * less_o
+        turn_i, turn_o = None, None
+        if contacts.tilted is not None:
+            turn_i = contacts.tilted.share * along_ring(coupling, forces, forces.tilted.gained, INNER, group)
+            turn_o = contacts.tilted.share * along_ring(coupling, forces, forces.tilted.gained, OUTER, group)
+            Q_i += load(forces.tilted.met, place_of(INNER, CROSS, columns, group)) * turn_i
+            Q_o += load(forces.tilted.met, place_of(OUTER, CROSS, columns, group)) * turn_o
+        Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
+        Q_i, Q_o = maximum(Q_i, 0.0), maximum(Q_o, 0.0)
+        less_i, less_o = less_i + across * (Q_o - guess_o), less_o + across * (Q_i - guess_i)
+        take_more(forces.taken, columns, group, less_i, less_o)
+        if contacts.tilted is None:
+            store_pair(forces.estimate, group, columns, Q_i, Q_o)
+            first_i, first_o = load_pair(forces.first, group, columns)
+            store_pair(forces.first, group, columns, first_i - less_i, first_o - less_o)
+        else:
+            move(forces, INNER, columns, group, -less_i, turn_i)
+            move(forces, OUTER, columns, group, -less_o, turn_o)
+
+
+@part
+def take_more(taken, columns, group, inner, outer):
+    """Keep what other contacts' forces take of eight rollers' approaches more, m, where that is asked for."""
+    if taken is not None:
+        store_pair(taken, group, columns, load(taken, group) + inner, load(taken, columns + group) + outer)
+
+
+@part
+def move(forces, row, columns, group, further, turned):
+    """Move eight contacts that tilt by a further approach, m, and misalignment, rad."""
+    met, at = forces.tilted.met, row * columns + group
+    slope_at, energy_at = place_of(row, SLOPE, columns, group), place_of(row, ENERGY, columns, group)
+    moment_at, cross = place_of(row, MOMENT, columns, group), load(met, place_of(row, CROSS, columns, group))
+    Q, M, energy = load(forces.estimate, at), load(met, moment_at), load(met, energy_at)
+    Q_now = Q + load(forces.stiffness, at) * further + cross * turned
+    M_now = M - cross * further - load(forces.tilted.stiffness, at) * turned
+    energy += 0.5 * (Q + Q_now) * further - 0.5 * (M + M_now) * turned
+    closed = (Q > 0.0) & (Q_now > 0.0)
+    store(forces.estimate, at, select(closed, Q_now, 0.0))
+    store(forces.first, at, load(forces.first, at) + further)
+    store(met, slope_at, load(met, slope_at) + turned)
+    store(met, moment_at, select(closed, M_now, 0.0))
+    store(met, energy_at, select(closed, maximum(energy, 0.0), 0.0))
+
+
+@part
+def _sums(bodies, forces, drive):
+    """Sums of forces on hub and outer ring, N; angular accelerations of rollers and hub are kept."""
+    columns, n, tilts = bodies.columns, bodies.n, bodies.tilts
+    hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    on_x, on_y = splat(0.0), splat(0.0)
+    for group in range(0, n, WIDTH):
+        ix, iy = load_pair(forces.normal, group, columns)
+        ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+        Q_i, Q_o = load_pair(forces.estimate, group, columns)
+        hub_x -= Q_i * ix
+        hub_y -= Q_i * iy
+        ring_x += Q_o * ox
+        ring_y += Q_o * oy
+        if tilts is not None:
+            there = count_from(group) < n
+            M_i = select(there, load(forces.tilted.met, place_of(INNER, MOMENT, columns, group)), 0.0)
+            M_o = select(there, load(forces.tilted.met, place_of(OUTER, MOMENT, columns, group)), 0.0)
+            store(tilts.pushed, group, (M_i * (ix * ox + iy * oy) - M_o) * (1.0 / tilts.inertia))
+            on_x -= M_i * ix
+            on_y -= M_i * iy
+    if tilts is not None:
+        push_axes(tilts, drive, (total(on_x), total(on_y)))
+    return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
+
+
+@part(inlined=False)
+def follow_angles(bodies, coupling, forces):
+    """Compliances along both rings, and their slopes, at the angles where rollers are now."""
+    columns, most, strayed, neighbours = bodies.columns, coupling.strays, forces.strayed, coupling.distance.size
+    _stray(bodies, coupling, forces)
+    for row in range(2):
+        for k in range(coupling.felt[row, 0]):
+            distance = coupling.distance[k]
+            for group in range(0, bodies.n, WIDTH):
+                at, to, apart = forces.halo + group, (row * neighbours + k) * columns + group, neighbours * columns
+                first = to + 3 * row * apart
+                a, b = load_pair(coupling.bent, first, apart)
+                c, d = load_pair(coupling.bent, first + 2 * apart, apart)
+                steep = load(coupling.steep, to)
+                off = load(strayed, at + distance) - load(strayed, at)
+                x = maximum(minimum(off, most), -most)
+                along = load(coupling.along, to) + x * (steep + x * (a + x * (b + x * (c + x * d))))
+                store(forces.along, to, along)
+                slope = steep + x * (2.0 * a + x * (3.0 * b + x * (4.0 * c + x * (5.0 * d))))
+                store(forces.steep, to, select(x == off, slope, 0.0))
+
+
+@part
+def _stray(bodies, coupling, forces):
+    """Tell by how much rollers are ahead of their pockets' angles from the first one's, about the outer ring.
+
+    About the hub they are ahead by as much but for a thousandth of a roller's distance.
+    """
+    columns, n, halo, strayed = bodies.columns, bodies.n, forces.halo, forces.strayed
+    ring_x, ring_y = ring_place(bodies.housing)
+    x, y = bodies.centre[0, 0] - ring_x, bodies.centre[1, 0] - ring_y
+    for group in range(0, n, WIDTH):
+        c, s = load_pair(coupling.apart, group, columns)
+        to_x, to_y = c * x - s * y, s * x + c * y
+        here_x, here_y = load(bodies.centre, group) - ring_x, load(bodies.centre, columns + group) - ring_y
+        store(strayed, halo + group, arc_tangent(to_x * here_y - to_y * here_x, to_x * here_x + to_y * here_y))
+    for k in range(halo):
+        strayed[halo - 1 - k] = strayed[halo + n - 1 - k]
+        strayed[halo + n + k] = strayed[halo + k]

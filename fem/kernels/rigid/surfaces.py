@@ -1,0 +1,177 @@
+"""Surfaces of rigid bodies that are not perfect circles: what contacts meet, forces along slopes, how slopes pass.
+
+Edges of spalls are compliances in series with a contact, or, where rollers tilt, with either part of one whose length
+spalls take a part of: equation (5) of docs/tilted_motion.md and `tilted_contact`.
+"""
+
+from math import cos, sin
+
+from fem.kernels.drive import SPEED, TURN, outer_of, speed_of, with_outer
+from fem.kernels.jit import part
+from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import count_from, select, splat, total
+from fem.kernels.rigid.mounts import ring_place
+from fem.kernels.rigid.rays import take_moment
+from fem.kernels.surfaces import lowered_ring, lowered_rollers
+from fem.kernels.tilted_contact import FALL, NOW, PART_EDGES, SUNK
+
+
+@part
+def surfaces_met(step, group, turn):
+    """What eight rollers' contacts meet: of the whole length, and of spalls' part of it, or None."""
+    tilted, outer = step.contacts.tilted, outer_of(step.drive.history)
+    whole = _met(step.contacts, step, group, turn, outer)
+    if tilted is None:
+        return whole, None
+    if tilted.part is None:
+        return whole, None
+    return whole, _met(tilted.part, step, group, turn, outer)
+
+
+@part
+def _met(profiles, step, group, turn, outer):
+    """What contacts meet of inner ring, roller, outer ring and roller; where steps pass no edge nothing.
+
+    Each minus the sinkage, m, minus its slope per rad, the compliance of edges, m/N, and its slope.
+    """
+    bodies, forces = step.bodies, step.forces
+    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    if not step.drive.looks:
+        return still, still, still, still
+    columns = bodies.columns
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    c, s = cos(turn), sin(turn)
+    ring = lowered_ring(profiles.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
+    bx, by = ox, oy  # in the outer ring's frame
+    if outer is not None:
+        c, s = cos(outer.now[TURN]), sin(outer.now[TURN])
+        bx, by = c * ox + s * oy, c * oy - s * ox
+    ring_o = lowered_ring(profiles.ring_profiles[1], 1.0, still, bx, by)
+    c, s = cosine_and_sine(load(bodies.turn, group))
+    own = lowered_rollers(profiles.roller_profiles[0], group, still, -(c * ix + s * iy), s * ix - c * iy)
+    own_o = lowered_rollers(profiles.roller_profiles[1], group, still, c * ox + s * oy, c * oy - s * ox)
+    return ring, own, ring_o, own_o
+
+
+@part
+def keep_edges(step, group, met, inner, outer):
+    """Approaches of eight rollers, m, less what their contacts sink; compliances of edges are kept."""
+    forces, columns = step.forces, step.bodies.columns
+    ring, own, ring_o, own_o = met[0]
+    if step.contacts.tilted is None:
+        _keep(forces.soft, 0, columns, group, ring[2] + own[2], ring_o[2] + own_o[2])
+    else:
+        sunken = forces.tilted.sunken
+        _keep(forces.tilted.edges, NOW, columns, group, ring[2] + own[2], ring_o[2] + own_o[2])
+        if sunken is not None:
+            a, b, c, d = met[1]
+            _keep(sunken, SUNK, columns, group, -a[0] - b[0], -c[0] - d[0])
+            _keep(sunken, PART_EDGES, columns, group, a[2] + b[2], c[2] + d[2])
+    return inner + ring[0] + own[0], outer + ring_o[0] + own_o[0]
+
+
+@part
+def _keep(array, what, columns, group, inner, outer):
+    store(array, 2 * what * columns + group, inner)
+    store(array, (2 * what + 1) * columns + group, outer)
+
+
+@part
+def _kept(array, what, columns, group):
+    return load(array, 2 * what * columns + group), load(array, (2 * what + 1) * columns + group)
+
+
+@part
+def keep_slopes(step, group, met, Q_i, Q_o):
+    """Slopes of approaches along surfaces, m/rad, with those of all by which energies fall over the forces, N."""
+    contacts, forces, columns = step.contacts, step.forces, step.bodies.columns
+    ring, own, ring_o, own_o = met[0]
+    soft_i, soft_o = 0.5 * Q_i, 0.5 * Q_o
+    if contacts.tilted is not None:
+        soft_i, soft_o = _kept(forces.tilted.edges, FALL, columns, group)
+    elif contacts.coupling is not None:  # by the forces of the kick: see `push_along`
+        soft_i, soft_o = splat(0.0), splat(0.0)
+        _keep(forces.softening, 0, columns, group, ring[3] + own[3], own[3])
+        _keep(forces.softening, 1, columns, group, ring_o[3] + own_o[3], own_o[3])
+    turning, turning_o = own[1] - soft_i * own[3], own_o[1] - soft_o * own_o[3]
+    both, both_o = ring[1] - soft_i * ring[3] + turning, ring_o[1] - soft_o * ring_o[3] + turning_o
+    if contacts.tilted is not None:
+        if forces.tilted.sunken is not None:
+            ring, own, ring_o, own_o = met[1]
+            share_i, share_o = _kept(forces.tilted.sunken, SUNK + FALL, columns, group)
+            soft_i, soft_o = _kept(forces.tilted.sunken, PART_EDGES + FALL, columns, group)
+            more, more_o = share_i * own[1] - soft_i * own[3], share_o * own_o[1] - soft_o * own_o[3]
+            both += share_i * ring[1] - soft_i * ring[3] + more
+            both_o += share_o * ring_o[1] - soft_o * ring_o[3] + more_o
+            turning, turning_o = turning + more, turning_o + more_o
+    _keep(forces.slope, 0, columns, group, both, turning)
+    _keep(forces.slope, 1, columns, group, both_o, turning_o)
+
+
+@part
+def _distances(bodies, forces, group):
+    """Of eight rollers' centres from those of hub and outer ring, m."""
+    columns = bodies.columns
+    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+    ring_x, ring_y = ring_place(bodies.housing)
+    out = (x - ring_x) * load(forces.normal, 2 * columns + group)
+    out += (y - ring_y) * load(forces.normal, 3 * columns + group)
+    x, y = x - bodies.hub[0], y - bodies.hub[1]
+    away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
+    there = count_from(group) < bodies.n
+    return select(there, away, 1.0), select(there, out, 1.0)
+
+
+@part
+def push_along(step, group, P, Q):
+    """Forces of eight rollers along +θ, N, inner and outer, that slopes add; these turn rollers and inner ring too.
+
+    Pairs: P : N, what a kick gives, Q : N, forces of the laws, whose compliance changes along edges.
+    """
+    bodies, forces, drive = step.bodies, step.forces, step.drive
+    if forces.slope is None:
+        return splat(0.0), splat(0.0)
+    if not drive.looks:
+        return splat(0.0), splat(0.0)
+    columns, slope, soft = bodies.columns, forces.slope, forces.softening
+    away, out = _distances(bodies, forces, group)
+    half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
+    both = P[0] * load(slope, group) - half * load(soft, group)
+    own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
+    both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
+    own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
+    drive.sums[1] -= speed_of(drive.history, drive) * drive.dt * total(both - own)
+    outer = None if drive.history is None else drive.history.outer
+    if outer is not None:
+        drive.sums[1] -= outer.now[SPEED] * drive.dt * total(both_o - own_o)
+    take_moment(bodies.prescribed, drive, own + own_o)
+    store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
+    return -both / away, -both_o / out
+
+
+@part
+def passing_rates(step, group, motion):
+    """Rates at which eight rollers' approaches grow as surfaces pass, m/s, inner and outer.
+
+    What `push_along` gives of a force works along these, no more and no less. `motion` : velocities of hub and rollers,
+    spins, velocity of the outer ring.
+    """
+    bodies, forces, drive = step.bodies, step.forces, step.drive
+    if forces.slope is None:
+        return splat(0.0), splat(0.0)
+    if not drive.looks:
+        return splat(0.0), splat(0.0)
+    columns, slope, (hub, velocity, spin, ring) = bodies.columns, forces.slope, motion
+    away, out = _distances(bodies, forces, group)
+    vx, vy, turn = load(velocity, group), load(velocity, columns + group), load(spin, group)
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    around = ((vy - hub[1]) * ix - (vx - hub[0]) * iy) / away
+    around_o = ((vy - ring[1]) * ox - (vx - ring[0]) * oy) / out
+    both, own = load(slope, group), load(slope, columns + group)
+    both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
+    inner = both * around - own * turn - (both - own) * speed_of(drive.history, drive)
+    outer = both_o * around_o - own_o * turn
+    return inner, with_outer(outer_of(drive.history), outer, own_o - both_o, SPEED)

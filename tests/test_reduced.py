@@ -166,7 +166,7 @@ def test_forces_of_the_samples_are_the_hubs_and_rollers_accelerations():
 def test_places_of_the_samples_are_those_that_their_forces_belong_to():
     """What the laws and all compliances make of the forces is how far the bodies overlap, the hub vibrating by 2 µm."""
     plan = plan_of(*PRELOAD, *STILL, "numerics.output_interval_us=2")
-    given = plan.first_state().compliance
+    given = plan.first_state().contacts
 
     def push(state):
         state.bodies.hub_velocity[:] = 0.0, 0.1
@@ -179,8 +179,8 @@ def test_places_of_the_samples_are_those_that_their_forces_belong_to():
         (given.outer, outer, inner, OUTER, found["roller_rho"] - given.track),
     ):
         assert 0.0 < Q.min() < 0.9 * Q.max() < 0.9 * law.Q_line
-        neighbours = zip(given.along[row], given.distance, strict=True)
-        felt = given.across * other + sum(along * np.roll(Q, -distance, axis=1) for along, distance in neighbours)
+        neighbours = zip(given.coupling.along[row, :, 0], given.coupling.distance, strict=True)
+        felt = given.coupling.across * other + sum(along * np.roll(Q, -distance, axis=1) for along, distance in neighbours)
         missed = overlap - felt - law.A * Q * (law.B - 0.5 * np.log(Q))
         assert np.abs(missed).max() < 3e-4 * np.ptp(overlap)  # a hundredth by places of leapfrog's own
 

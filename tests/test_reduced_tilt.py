@@ -55,7 +55,7 @@ def test_rollers_are_pushed_along_raceways_as_elastic_energy_falls():
     along = np.array([-centre[1], centre[0]]) / away
     loaded = found["inner_force"][at] > 1.0
     assert 3 <= np.count_nonzero(loaded) < n
-    given = plan.first_state().compliance
+    given = plan.first_state().contacts
     step, wanted, flat = 1e-7, np.zeros(n), np.zeros(n)
     still = couplings(plan.model, np.arctan2(centre[1], centre[0]))
     for j in np.flatnonzero(loaded):

@@ -46,7 +46,7 @@ def test_a_traction_moves_a_raceway_as_a_mesh_says():
 def test_sliding_neighbours_take_of_an_approach_what_a_mesh_says():
     """Overlap of circles, less what all other forces take, less the law's own: what tractions have moved."""
     plan = plan_of(*SLIDING, "numerics.output_interval_us=0.5")
-    model, given = plan.model, plan.first_state().compliance
+    model, given = plan.model, plan.first_state().contacts
     found = {name: value[-1] for name, value in samples_of(plan, stop_rollers, count=50).items()}
     hub, centre = np.array([found["inner_x"], found["inner_y"]]), np.array([found["roller_x"], found["roller_y"]])
     angle, Q, T = np.arctan2(centre[1], centre[0]), found["inner_force"], found["inner_traction"]

@@ -93,7 +93,7 @@ def _push(bodies, forces, drive, row, j, impulse):
 
 @part
 def note_radiated(radiation, step):
-    """Add what the impulses take, by the velocities before and after the whole kick: half of each works on its side."""
+    """Add the work of the impulses at the velocities before and after the whole kick: half of each on its side."""
     if radiation.state[0] == KICKED:
         n, before, (past, _) = step.bodies.n, step.before, ring_rates(step.bodies.housing)
         radiation.work[0] += _work(radiation, n, step.forces, before.hub_velocity, before.velocity, past, step.drive.dt)
@@ -102,7 +102,7 @@ def note_radiated(radiation, step):
 
 @part
 def change_radiated(radiation, step, dt):
-    """What the impulses of the last kick take in the half step ahead, J, with a step length."""
+    """Work of the last kick's impulses in the half step ahead, J, with a step length."""
     if radiation.state[0] == KICKED:
         bodies, (_, ring) = step.bodies, ring_rates(step.bodies.housing)
         radiation.work[1] = _work(radiation, bodies.n, step.forces, bodies.hub_velocity, bodies.velocity, ring, dt)
@@ -110,7 +110,7 @@ def change_radiated(radiation, step, dt):
 
 @part(inlined=False)
 def _work(radiation, n, forces, hub, velocity, ring, dt):
-    """What the impulses take in half a step at velocities of hub, rollers and outer ring, J."""
+    """Work of the impulses in half a step at velocities of hub, rollers and outer ring, J."""
     found = 0.0
     for j in range(n):
         vx, vy = velocity[0, j], velocity[1, j]

@@ -103,6 +103,7 @@ class Record:
     inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
     outer_damping_force: np.ndarray | None = None
     roller_tilt: np.ndarray | None = None  # (n_times, n_rollers), rad, of rollers that tilt, as the columns below
+    roller_skew: np.ndarray | None = None  # 0: they are guided
     inner_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, of contacts
     outer_moment: np.ndarray | None = None
     inner_slope_x: np.ndarray | None = None  # (n_times,), rad, of the hub's axis

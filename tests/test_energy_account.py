@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.solver import reduced_state
 from fem.solver.guards import IMBALANCE_LIMIT, EnergyAccount, n_balanced
-from fem.solver.reduced_state import LIMIT, ReducedState
+from fem.solver.rigid import state as rigid_state
+from fem.solver.rigid.state import LIMIT, ReducedState
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
 
@@ -81,7 +81,7 @@ def test_steps_are_halved_for_what_is_missed_of_the_dissipated_energy(share, is_
 @pytest.mark.slow  # compiles a loop
 def test_a_run_that_dissipates_fifty_times_what_it_exchanges_needs_no_shorter_steps(tmp_path, capsys, monkeypatch):
     """Its imbalance comes to 5e-6 of the exchanged energy and more, its energy error stays at 1e-6."""
-    monkeypatch.setattr(reduced_state, "LIMIT", 3e-6)
+    monkeypatch.setattr(rigid_state, "LIMIT", 3e-6)
     scene = tmp_path / "drag.toml"
     scene.write_text(
         'model = "reduced"\n[bearing]\ndesignation = "NU206"\nclearance_um = 20.0\n'

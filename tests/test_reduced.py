@@ -10,8 +10,8 @@ from scipy.linalg import eigh
 from fem.elastic.continuum import ring_sections, roller_section, stick_approach
 from fem.errors import UsageError
 from fem.kernels.rigid.state import INNER, OUTER
-from fem.solver.reduced_state import slowest_vibration
 from fem.solver.rigid.reduced import ReducedPlan
+from fem.solver.rigid.state import slowest_vibration
 from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from fem.statics.reduced_bearing import tangential_compliance
@@ -225,7 +225,7 @@ def test_rollers_that_meet_exchange_their_momentum():
     assert found["roller_roller_force"][:, 0].max() > 1.0 and spacing[-1] > 2.0 * r
     speed = np.hypot(np.diff(found["roller_x"], axis=0), np.diff(found["roller_y"], axis=0)) / found["time"][1]
     assert speed[-1, 1] == pytest.approx(0.2, rel=1e-3) and speed[-1, 0] < 1e-3
-    assert np.abs(found["imbalance"]).max() < 1e-3 * found["exchanged"][-1]  # as `fem.solver.reduced_state.LIMIT`
+    assert np.abs(found["imbalance"]).max() < 1e-3 * found["exchanged"][-1]  # as `fem.solver.rigid.state.LIMIT`
 
 
 @pytest.mark.parametrize(("setting", "word"), [

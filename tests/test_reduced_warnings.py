@@ -10,7 +10,7 @@ import pytest
 
 from fem.elastic.continuum import Section, plane_compliance, ring_sections, roller_section
 from fem.elastic.vibration import shift_vibrations
-from fem.solver.reduced_state import MOST_HALVINGS
+from fem.solver.rigid.state import ReducedState
 from fem.solver.simulate import make_plan
 from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_warning, no_sums, vibration_warning
 from fem.statics.exact_statics import exact_contacts, law_error
@@ -120,7 +120,7 @@ def test_a_run_whose_energy_is_off_says_so():
     """Rollers that rattle without friction, and no shorter steps: 1 % of what is exchanged in 20 ms."""
     plan = in_longer_steps(RATTLES)
     state, worst = plan.first_state(), 0.0
-    state._halvings = MOST_HALVINGS  # none is left
+    state._halvings = ReducedState.most_halvings  # none is left
     while state.done < plan.n_samples:
         samples = state.advance(100).samples
         worst = max(worst, np.abs(samples.imbalance).max())

@@ -239,7 +239,7 @@ def test_a_run_that_restarts_says_so_and_starts_its_file_anew(tmp_path, monkeypa
 
 
 def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_fails(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("fem.solver.lagrangian_state.MOST_HALVINGS", 0)
+    monkeypatch.setattr("fem.solver.rigid.state.LagrangianState.most_halvings", 0)
     path = tmp_path / "run.nc"
     for option in ((), ("--resume",)):
         assert run(CASES["Lagrangian that refines"], path, "--quiet", *option) == 0

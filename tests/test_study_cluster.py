@@ -106,7 +106,7 @@ def test_points_of_a_killed_worker_are_solved_by_another(here, started, schedule
 
 HANGING = """
 import ctypes
-from fem.solver.lagrangian_state import LagrangianState
+from fem.solver.rigid.state import LagrangianState
 
 def advance(state, most, real=LagrangianState.advance):
     if state.plan.scene.operation.speed_rpm == 3000.0:

@@ -19,7 +19,7 @@ TWO = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsi
 CHILD = """
 import sys
 sys.path[:0] = {path!r}
-from fem.solver.lagrangian_state import LagrangianState
+from fem.solver.rigid.state import LagrangianState
 
 def advance(state, most, real=LagrangianState.advance):
     if state.plan.scene.operation.speed_rpm == 3000.0:

@@ -6,10 +6,10 @@ import pytest
 from fem import interface
 from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
-from fem.solver import rigid_state
 from fem.solver.elements import plan as elements
-from fem.solver.lagrangian_arrays import tables_of
 from fem.solver.rigid import start as rigid_start
+from fem.solver.rigid import state as rigid_state
+from fem.solver.rigid.state import tables_of
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures

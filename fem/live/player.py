@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.errors import RunFailed, UsageError
 from fem.live.controls import changed, controls, values_of
-from fem.solver.reduced_state import LIMIT
+from fem.solver.rigid.state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from fem.statics.tilted_pressures import scene_slices, slice_pressures

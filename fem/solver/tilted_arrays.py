@@ -4,24 +4,14 @@ import numpy as np
 
 from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
-from fem.kernels.rigid.state import ReducedForces, RigidBodies, TiltedContacts, TiltedDampers
 from fem.kernels.tilted_contact import SpalledRest, TiltedLaw
-from fem.kernels.tilts import TiltedForces
 from fem.kernels.tilts import Tilts as TiltArrays
-from fem.solver.part_arrays import part_profiles
 from fem.solver.samples import row_width
 from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Cage
 from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
-
-
-def with_tilts(
-    bodies: RigidBodies, bearing: Bearing, operation: Operation, axial: Axial, cage: Cage | None, start: Tilts
-) -> RigidBodies:
-    """Bodies whose axes tilt, from the slopes and rates of a start on."""
-    return bodies._replace(tilts=axes_at(bearing, operation, axial, cage, start, bodies.columns))
 
 
 def axes_at(
@@ -49,15 +39,6 @@ def axes_at(
     return tilts
 
 
-def tilted_contacts(
-    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing, columns: int
-) -> TiltedContacts:
-    """What contacts of rollers that tilt have beside those of parallel axes."""
-    length, (laws, rests) = float(bearing.roller_length), laws_of(tables)
-    part = None if rests[0] is None else part_profiles(bearing, columns)
-    return TiltedContacts(tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
-
-
 def laws_of(tables: tuple[ContactTable | SpalledTable, ...]) -> tuple[tuple[TiltedLaw, ...], tuple]:
     """Laws of contacts by their tables, of all slices, and without those that spalls take; None: these take none."""
     laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
@@ -70,25 +51,6 @@ def _rest(table: ContactTable | SpalledTable) -> SpalledRest:
     if not isinstance(table, SpalledTable):
         return SpalledRest(law=TiltedLaw.of(table), of_rest=1.0, of_part=0.0)
     return SpalledRest(law=TiltedLaw.of(table.rest), of_rest=1.0 / (1.0 - table.share), of_part=1.0 / table.share)
-
-
-def with_moments(
-    forces: ReducedForces, inner: np.ndarray, outer: np.ndarray, bearing: Bearing, spalled: bool
-) -> ReducedForces:
-    """Forces with moments, of a start (n_rollers,), N m; `spalled` : whether spalls take a part of the length."""
-    columns, halo, n = forces.force.shape[1], forces.halo, inner.size
-    absent = {} if spalled else {"sunken": None}
-    absent |= {} if forces.slope is not None else {"edges": None}
-    found = filled(TiltedForces, {"columns": columns, "haloed": forces.guess.shape[1]}, **absent)
-    for row, moment in enumerate((inner, outer)):
-        found.moment[row, :n] = moment
-        if found.guess.shape[1]:
-            found.guess[row, : n + 2 * halo] = moment[np.arange(-halo, n + halo) % n]
-    if (dampers := forces.dampers) is not None:
-        over_reach = 1.0 / (bearing.inner_raceway_radius + bearing.roller_radius)
-        sizes, length = {"columns": columns}, float(bearing.roller_length)
-        dampers = dampers._replace(tilted=filled(TiltedDampers, sizes, over_reach=over_reach, length=length))
-    return forces._replace(tilted=found, dampers=dampers)
 
 
 LESS = "reduce impacts and tilt of the rollers, or leave [axial] out"  # where tables go no further

@@ -22,7 +22,7 @@ from cyclopts import App
 from rich.console import Console
 
 from fem.errors import RunFailed, UsageError
-from fem.solver.reduced_state import HARD_SHOCK, SHOCK
+from fem.solver.rigid.state import HARD_SHOCK, SHOCK
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import SceneError, parse_scene

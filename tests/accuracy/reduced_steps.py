@@ -13,8 +13,8 @@ from cyclopts import App
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
-from fem.solver.reduced_state import LIMIT
 from fem.solver.rigid.reduced import SHARE, ReducedPlan, strongest_coupling
+from fem.solver.rigid.state import LIMIT
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.accuracy.reduced import found

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fem.solver.lagrangian_state import LagrangianState
 from fem.solver.rigid.lagrangian import LagrangianPlan
+from fem.solver.rigid.state import LagrangianState
 from fem.solver.solver import Samples
 from lagrange import BallBearing
 from lagrange.first_state import Problem

@@ -368,7 +368,7 @@ class LagrangianPlan(RigidPlan):
     def first_state(self) -> RunState:
         if self.n_samples == 1:
             return StartState(self)
-        from fem.solver.lagrangian_state import LagrangianState  # needs a compiler
+        from fem.solver.rigid.state import LagrangianState  # needs a compiler
 
         return LagrangianState(self)
 

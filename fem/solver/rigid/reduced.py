@@ -18,7 +18,6 @@ from fem.solver.cage_arrays import cage_seat, critical_with_cage
 from fem.solver.compiling import in_words, pace
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.part_arrays import time_along_a_knot
-from fem.solver.reduced_state import ReducedState
 from fem.solver.rigid.plan import RigidPlan, sections_of, time_along_a_wave
 from fem.solver.rigid.start import (
     ReducedStart,
@@ -29,6 +28,7 @@ from fem.solver.rigid.start import (
     tables_of,
     tilted_start,
 )
+from fem.solver.rigid.state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import may_strike, sample_count
 from fem.solver.warnings import plan_warnings

@@ -1,20 +1,38 @@
-"""The arrays of rigid bodies in their time loop, for every model that places them and closes their contacts."""
+"""Arrays of rigid bodies and their contacts in their time loop, for every model that places them."""
 
 from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.kernels.fields import filled
+from fem.kernels.fields import at_line, filled
 from fem.kernels.lanes import WIDTH
 from fem.kernels.rigid.paces import INSIDE, ON_INNER_RING, ON_OUTER_RING, OUTSIDE, Paces
-from fem.kernels.rigid.state import ReducedDrive, RigidBodies
+from fem.kernels.rigid.state import (
+    UNEVEN,
+    Contacts,
+    Coupling,
+    PowerConstants,
+    Radiation,
+    ReducedDrive,
+    ReducedForces,
+    RigidBodies,
+    TiltedContacts,
+    TiltedDampers,
+)
+from fem.kernels.state import Law
+from fem.kernels.tilts import TiltedForces
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.part_arrays import history_arrays, housing_of, springs_on
+from fem.solver.part_arrays import history_arrays, housing_of, part_profiles, rigid_dampers, springs_on
 from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.samples import row_width
+from fem.solver.tilted_arrays import laws_of
+from fem.statics.reduced_bearing import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation, kinematics
+from lagrange.axial import ContactTable, SpalledTable
 from lagrange.bearing import Cage
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
 
@@ -137,3 +155,92 @@ def paces_of(plan: RigidPlan, drive: ReducedDrive) -> tuple[tuple[ReducedDrive, 
         half_step=none if sensor is None else np.array([sensor.step(0.5 * dt) for dt in steps]),
     )
     return (drive, drive._replace(dt=float(long), looks=not smooth)), paces
+
+
+def tilted_contacts(
+    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable], bearing: Bearing, columns: int
+) -> TiltedContacts:
+    """What contacts of rollers that tilt have beside those of parallel axes."""
+    length, (laws, rests) = float(bearing.roller_length), laws_of(tables)
+    part = None if rests[0] is None else part_profiles(bearing, columns)
+    return TiltedContacts(tables=laws, rests=rests, part=part, share=12.0 / length**2, length=length)
+
+
+def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.ndarray) -> Coupling:
+    """Compliances along the rings, by each roller's neighbours; `tangential` : (3,), m/N, of contacts that stick."""
+    bearing, rings, columns = model.bearing, model.rings, columns_for(model.bearing.n_rollers)
+    found, at = neighbours_of(bearing, rings)
+    pocket = np.arange(columns)
+    pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
+    apart = 2.0 * np.pi / bearing.pockets * pocket
+
+    def of_each(values: np.ndarray) -> np.ndarray:
+        """(..., neighbours, columns) of (..., pockets)."""
+        filled_in = np.zeros((*values.shape[:-1], at.shape[0], columns))
+        filled_in[..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
+        return at_line(filled_in)
+
+    return Coupling(
+        between=model.between.constants,
+        across=model.across,
+        relaxation_factor=relaxation_factor,
+        **vars(found) | {name: of_each(getattr(rings, name)) for name in ("along", "steep", "bent", "crossed")},
+        apart=np.array([np.cos(apart), np.sin(apart)]),
+        tangential=tangential,
+    )
+
+
+def contact_forces(
+    bearing: Bearing,
+    contacts: Contacts,
+    forces: tuple[np.ndarray, np.ndarray],
+    moments: tuple[np.ndarray, np.ndarray],
+    damping: ContactDamping,
+    absent: tuple[str, ...],
+    radiation: Radiation | None = None,
+) -> ReducedForces:
+    """Contacts under a start's forces, N, and, where they tilt, moments, N m, of inner and outer ones, (n_rollers,).
+
+    `absent` : accounts that are not kept. Where contacts are not coupled what neighbours tell each other has no room.
+    """
+    columns, n, halo, coupling = columns_for(bearing.n_rollers), bearing.n_rollers, 0, contacts.coupling
+    dampers = rigid_dampers(damping, columns)
+    if coupling is None:
+        sizes = {"columns": columns, "haloed": 0, "lanes": WIDTH, "neighbours": 0}
+        known = {"first": np.full((2, columns), np.nan), "tilt": np.zeros((2, 0)), "lifted": np.zeros((2, 2, 0))}
+    else:
+        halo = int(np.abs(coupling.distance).max(initial=0))
+        sizes = {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": coupling.distance.size}
+        known = {"along": at_line(coupling.along)}
+    absent += () if profiles(bearing) is not None else UNEVEN
+    around = np.arange(-halo, n + halo) % n
+    known |= dict.fromkeys(absent)
+    found = filled(ReducedForces, sizes, radiation=radiation, halo=halo, dampers=dampers, **known)
+    for row, force in enumerate(forces):
+        found.force[row, :n] = force
+        if coupling is None:
+            found.estimate[row, :n] = force
+        else:
+            found.guess[row, : around.size] = force[around]
+    if contacts.tilted is None:
+        return found
+    absent = (() if contacts.tilted.part is not None else ("sunken",)) + (() if found.slope is not None else ("edges",))
+    tilted = filled(TiltedForces, sizes, **dict.fromkeys(absent))
+    for row, moment in enumerate(moments):
+        tilted.moment[row, :n] = moment
+        if coupling is not None:
+            tilted.guess[row, : around.size] = moment[around]
+    if dampers is not None:
+        over_reach, length = 1.0 / (bearing.inner_raceway_radius + bearing.roller_radius), float(bearing.roller_length)
+        dampers = dampers._replace(tilted=filled(TiltedDampers, sizes, over_reach=over_reach, length=length))
+    return found._replace(tilted=tilted, dampers=dampers)
+
+
+def law_constants(law) -> PowerConstants | Law:
+    """A law as kernels take it."""
+    if isinstance(law, PowerLaw):
+        return PowerConstants(stiffness=float(law.stiffness), exponent=float(law.exponent))
+    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+        A, B = float(2.0 * law.compliance), float(0.5 * law.level)
+        return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `fem.kernels.rigid.contacts.law_force`")

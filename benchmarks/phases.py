@@ -13,8 +13,8 @@ from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import press_patches
 from fem.kernels.friction_solution import friction_contacts, slips_after, slips_before
+from fem.solver.elements.arrays import Arrays
 from fem.solver.elements.plan import ElementPlan
-from fem.solver.run_arrays import Arrays
 
 TARGET_SECONDS = 0.02  # of one measurement
 # arithmetic instructions (multiply-add, or add) per node at least

@@ -539,9 +539,7 @@ class _Tilted:
         nx, ny = ways[j, 0], ways[j, 1]
         across[:, 0], across[:, 1], across[j, 4 + j] = ny, -nx, -found.tangential
         turning = -(across.T * (forces[:n] / found.distance)) @ across
-        return _TiltPoint(
-            energy, parts, forces, stiff, own, ways, np.where(self.moves, left, 0.0), turning, deviations
-        )
+        return _TiltPoint(energy, parts, forces, stiff, own, ways, np.where(self.moves, left, 0.0), turning, deviations)
 
     def rested(self, moved: np.ndarray, here: _TiltPoint) -> np.ndarray:
         """Places with rollers that nothing presses in the middle of their gaps, where those touch no raceway there."""

@@ -26,10 +26,9 @@ from fem.kernels.sample_kernels import (
     _ring_kinetic,
     _ring_strain_power,
 )
-from fem.solver.elements.arrays import ring_nodes
+from fem.solver.elements.arrays import bore_body, ring_nodes
 from fem.solver.elements.plan import model_of
 from fem.solver.elements.start import equilibrium_start, rolling_motion
-from fem.solver.part_arrays import bore_body
 from fem.solver.simulate import make_plan
 from lagrange.mounting import Bore, Housing, Mounting, from_outer_ring
 from lagrange.scene.scene import parse_scene, parse_scene_text

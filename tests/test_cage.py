@@ -12,7 +12,7 @@ from fem.contacts.critical_step import EVENLY
 from fem.kernels.cage import CagePair, GuidingRing, Riders, meet, rub
 from fem.kernels.jit import OPTIONS
 from fem.kernels.lanes import WIDTH
-from fem.solver.cage_arrays import cage_state, critical_with_cage
+from fem.solver.parts import cage_state, critical_with_cage
 from lagrange.bearing import Cage
 from lagrange.catalogue import entries, has_balls
 from lagrange.contact.laws import contact_laws

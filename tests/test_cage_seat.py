@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.errors import UsageError
-from fem.solver.cage_arrays import cage_seat
+from fem.solver.parts import cage_seat
 from fem.solver.rigid.reduced import make_plan
 from lagrange.bearing import Cage
 from lagrange.scene.scene import parse_scene

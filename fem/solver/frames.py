@@ -9,7 +9,7 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import turned
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.ring_kernels import HALO
-from fem.solver.run_arrays import Arrays
+from fem.solver.elements.arrays import Arrays
 
 
 @dataclass(frozen=True, kw_only=True)

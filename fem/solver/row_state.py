@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.kernels.bodies import DONE
+from fem.kernels.fields import kind_of
 from fem.solver.guards import (
     ASTRAY,
     DOUBTFUL,
@@ -170,3 +171,21 @@ class RowState(RunState):
         self._largest = arrays["largest"]
         self._missed, self._passed_on = float(numbers["missed"]), float(numbers["passed_on"])
         self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)
+
+
+def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
+    """Every array of a named tuple, and of those in it, that a run changes, by where it stands."""
+    found: dict[str, tuple[np.ndarray, bool]] = {}
+    collect_arrays(group, place, found)
+    return {name: array for name, (array, given) in found.items() if not given}
+
+
+def collect_arrays(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
+    """By the fields' declarations; an array without one is given if it holds places in arrays, whole numbers."""
+    for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
+        if isinstance(entry, np.ndarray):
+            kind = kind_of(group, name) or ("state" if entry.dtype.kind == "f" else "given")
+            if kind != "room" and not any(entry is other for other, _ in found.values()):
+                found[f"{place}.{name}"] = entry, kind == "given"
+        elif isinstance(entry, tuple):
+            collect_arrays(entry, f"{place}.{name}", found)

@@ -14,9 +14,8 @@ from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
-from fem.solver.elements.arrays import make_arrays
+from fem.solver.elements.arrays import Arrays, make_arrays
 from fem.solver.elements.start import Start, equilibrium_start, rest_start
-from fem.solver.run_arrays import Arrays
 from lagrange import Bearing, Material, Operation
 from lagrange.scene.scene import read_scene
 from meshes import Annulus, Disc

@@ -18,7 +18,7 @@ from fem.kernels import (
 from fem.kernels import law as creep
 from fem.kernels.jit import kernel
 from fem.kernels.lanes import splat
-from fem.solver.run_arrays import Arrays
+from fem.solver.elements.arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
 slow_disc, calm_ring = kernel(disc_kernels.slow_waves), kernel(ring_kernels.calm)

@@ -8,9 +8,8 @@ import numpy as np
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
 from fem.kernels.state import ROLLER
-from fem.solver.elements.arrays import make_arrays
+from fem.solver.elements.arrays import Arrays, make_arrays
 from fem.solver.elements.start import rest_start
-from fem.solver.run_arrays import Arrays
 from lagrange import Bearing, Operation
 from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, loop_arguments, model
 from tests.reference.compiled import contact_energy, drift, elastic_energy, kick, kinetic_energy, remember

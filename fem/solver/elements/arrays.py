@@ -1,17 +1,20 @@
 """Arrays of the finite elements' time loop from a model, a start and a time step: bodies, surfaces, pairs, contacts."""
 
-from dataclasses import replace
+import hashlib
+from dataclasses import dataclass, replace
 from itertools import groupby
+from math import expm1
 
 import numba
 import numpy as np
 
 from fem.contacts.model import KernelData, Model
 from fem.elastic.bodies import DiscBody, RigidRing, RingBody
-from fem.elastic.outer_support import LooseRing, SupportedRing
+from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.bore import HeldNodes
+from fem.kernels.bore import Bore, HeldNodes
+from fem.kernels.cage import CagePair, Riders
 from fem.kernels.fields import at_line, filled, lined_up
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
@@ -26,7 +29,9 @@ from fem.kernels.state import (
     OUTER,
     ROLLER,
     Bodies,
+    BodyDamping,
     Contacts,
+    Dampers,
     Disc,
     DiscSurface,
     Drive,
@@ -44,11 +49,80 @@ from fem.kernels.state import (
     Shear,
 )
 from fem.solver.elements.start import Start
-from fem.solver.part_arrays import bore_body, history_arrays, housing_body, raceway_profiles, shaft_springs
-from fem.solver.run_arrays import Arrays
+from fem.solver.parts import (
+    cage_state,
+    guiding,
+    history_arrays,
+    housing_of,
+    raceway_profiles,
+    ring_of_housing,
+    ring_that_guides,
+    springs_on,
+)
+from fem.solver.row_state import collect_arrays
+from fem.solver.samples import row_width
 from lagrange import Bearing, Operation
+from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics_met
+from lagrange.mounting import Mounting
+from lagrange.scene.run import DampingTable
 from lagrange.surface.deviation import profiles
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrays:
+    """All state of a run: what the kernels change in place."""
+
+    bodies: Bodies
+    groups: tuple[tuple[Pair, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
+    contacts: Contacts
+    drive: Drive
+    scratch: Scratch
+
+    def named(self) -> dict[str, np.ndarray]:
+        """Every array that a run changes, once, by where it stands; surfaces and pairs share those of bodies."""
+        return {name: array for name, (array, given) in self._all().items() if not given}
+
+    def digest(self) -> str:
+        """Of the arrays that the model determines, which no run changes."""
+        text = hashlib.sha256()
+        for name, (array, given) in self._all().items():
+            if given:
+                text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
+        return text.hexdigest()
+
+    @property
+    def nbytes(self) -> int:
+        """Of the arrays that a run changes, and of those that each step fills."""
+        return sum(getattr(array, "nbytes", 0) for array in (*self.named().values(), *self.scratch))
+
+    def _all(self) -> dict[str, tuple[np.ndarray, bool]]:
+        """Every array that outlives a step, and whether the model determines it."""
+        found: dict[str, tuple[np.ndarray, bool]] = {}
+        for name in ("bodies", "contacts", "drive"):
+            collect_arrays(getattr(self, name), name, found)
+        return found
+
+    def check(self) -> None:
+        """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
+
+        Errors
+        ------
+        ValueError.
+        """
+        patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
+        for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
+            sides = pair.surface or self.bodies.surface, self.bodies.surface
+            for side, surface in enumerate(sides):
+                _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
+                _check_between("patches.place", patches.place[2 * pair.row + side], _last_place(surface))
+        if points is not None and points.spread is not None:
+            closed, most = points.spread.closed, points.closing.size
+            _check_between("closed", closed[..., 0], closed[..., 1])
+            _check_between("closed", closed[..., 1], most)
+        if shear is not None and np.any(shear.compliance <= 0.0):
+            raise ValueError("springs without a compliance")
+
 
 REACH = 0.01  # of a roller's radius
 REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
@@ -291,7 +365,7 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
-    shaft = shaft_springs(operation.mounting, drive, rollers.n)
+    shaft = springs_on(operation.mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, rollers.n)
     of_bore = column + len(replace(operation.mounting, bore=None).columns)
     bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
     others = tuple(body for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
@@ -474,4 +548,114 @@ def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring) -> Scratch:
         rollers_velocity=np.zeros_like(rollers.velocity),
         inner_w=np.zeros_like(inner.w),
         outer_w=np.zeros_like(outer.w),
+    )
+
+
+def _last_place(surface: tuple) -> int:
+    """The last place in a surface's arrays where a node may stand, with what is read beside and behind it."""
+    if isinstance(surface, RingSurface):
+        return surface.u.size - surface.cosines.size - WIDTH
+    return surface.u.size - surface.columns - 1 if isinstance(surface, DiscSurface) else 0
+
+
+def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
+    if np.any(found < 0) or np.any(found > most):
+        raise ValueError(f"{name} lies outside of its array")
+
+
+def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int) -> Bore | None:
+    """The bore of a housing, or of the ground; None where the ring is held otherwise.
+
+    Parameters
+    ----------
+    outer_rate : (n_rows, 2, n_sectors), m/s, of the ring's nodes at the start; column : of a row, the first for it
+    """
+    if not isinstance(body, BoredRing):
+        return None
+    return filled(
+        Bore,
+        {"n_sectors": body.n_sectors, "width": ring.w.shape[2]},
+        ring=ring,
+        place=np.zeros(2) if housing is None else housing.place,
+        impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
+        velocity=body.cartesian(outer_rate).reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0),
+        play=float(body.play),
+        stiffness=float(body.stiffness),
+        column=column,
+    )
+
+
+def housing_body(
+    model: Model, operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
+) -> Housing | None:
+    """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring.
+
+    `column` : of a sample's row, the first for it
+    """
+    mounting, body = operation.mounting, model.outer_ring
+    if mounting.housing is None:
+        return None
+    if isinstance(body, BoredRing):  # which moves by itself
+        return housing_of(mounting, 0.0, None, place, dt, column)
+    rigid = body.material.rigid
+    carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
+    return housing_of(mounting, carried, None if rigid else ring, place, dt, column)
+
+
+def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
+    """The arrays with what a scene's [damping] says; themselves where it says nothing."""
+    contacts, bodies, dt = arrays.contacts, arrays.bodies, arrays.drive.dt
+    if table.contacts.acts:
+        levels = np.array(model.kernel_data(1.0).whole_levels)
+        shape = contacts.forces.force.shape
+        sizes = dict(zip(("pairs", "columns"), shape, strict=True))
+        contacts = contacts._replace(dampers=filled(Dampers, sizes, law=table.contacts, whole=levels))
+    if table.bodies_1_s > 0.0:
+        step = table.bodies_1_s * dt
+        around = [body for body in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
+        turning = None if arrays.drive.history is None else arrays.drive.history.outer
+        damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else turning)
+        bodies = bodies._replace(damping=damping)
+    return replace(arrays, contacts=contacts, bodies=bodies)
+
+
+def with_cage(
+    arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, seat: np.ndarray, mounting: Mounting
+) -> Arrays:
+    """Arrays of the finite elements with a cage; `seat` : (2,), m, of its centre from the outer ring's."""
+    rollers, drive = arrays.bodies.rollers, arrays.drive
+    first = row_width(bearing.n_rollers, None, mounting)
+    body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
+    body.motion[0, :2] = start.housing + seat
+    if arrays.bodies.disc.mass.size:
+        rollers = rollers._replace(swelling=np.zeros(rollers.columns))
+    housing = next((body for body in arrays.bodies.others if isinstance(body, Housing)), None)
+    outer = None if housing is None else ring_of_housing(housing, housing.late_mass)
+    pair = CagePair(
+        cage=body,
+        riders=_riders(rollers),
+        ring=guiding(
+            cage, ring_that_guides(drive.hub, drive.velocity, drive.impulse, drive.late_mass, drive.speed), outer
+        ),
+    )
+    return replace(
+        arrays,
+        bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, body)),
+        groups=((pair,), *arrays.groups),  # before impulses through nodes, which it would take for its rollers' own
+    )
+
+
+def _riders(rollers: Rollers) -> Riders:
+    return Riders(
+        centre=rollers.centre,
+        velocity=rollers.velocity,
+        spin=rollers.spin,
+        node_impulse=rollers.node_impulse,
+        body_impulse=rollers.body_impulse,
+        turn_kick=rollers.turn_kick,
+        n=rollers.n,
+        mass=rollers.total_mass,
+        inertia=rollers.inertia,
+        radius=rollers.radius,
+        swelling=rollers.swelling,
     )

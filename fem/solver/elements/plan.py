@@ -15,9 +15,8 @@ from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.kernels import time_loop
 from fem.run_summary import largest_loads
-from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
 from fem.solver.compiling import CompiledPlan, in_words, pace
-from fem.solver.elements.arrays import hub_mass, make_arrays
+from fem.solver.elements.arrays import Arrays, hub_mass, make_arrays, with_cage, with_damping
 from fem.solver.elements.start import Start, Tilting, equilibrium_start, rest_start
 from fem.solver.elements.tilted import beyond_axes, check_slices, check_slices_unmeshed, tilting_of, with_axes
 from fem.solver.frames import frame_of
@@ -31,11 +30,9 @@ from fem.solver.limits import (
     check_speed,
     check_widths,
 )
-from fem.solver.part_arrays import time_along_a_knot, with_damping
+from fem.solver.parts import LESS, cage_seat, cage_springs, time_along_a_knot
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
-from fem.solver.run_arrays import Arrays
 from fem.solver.solver import Block, may_strike, sample_count
-from fem.solver.tilted_arrays import LESS
 from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import TiltedBalance, static_equilibrium, static_error

@@ -12,12 +12,11 @@ from fem.kernels.fields import at_line, filled
 from fem.kernels.state import INNER, OUTER, Pair, RingProfile, RollerProfiles
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest
 from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
+from fem.solver.elements.arrays import Arrays
 from fem.solver.elements.start import Start, Tilting
-from fem.solver.part_arrays import part_profiles
+from fem.solver.parts import axes_at, beyond_tables, laws_of, part_profiles
 from fem.solver.rigid import start as rigid_start
 from fem.solver.rigid.start import MOVING, narrow_slices
-from fem.solver.run_arrays import Arrays
-from fem.solver.tilted_arrays import axes_at, beyond_tables, laws_of
 from fem.statics.equilibrium import Equilibrium
 from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
 from lagrange import Bearing, Operation, kinematics

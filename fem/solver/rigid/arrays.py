@@ -22,11 +22,18 @@ from fem.kernels.rigid.state import (
 )
 from fem.kernels.state import Law
 from fem.kernels.tilts import TiltedForces
-from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.part_arrays import history_arrays, housing_of, part_profiles, rigid_dampers, springs_on
+from fem.solver.parts import (
+    cage_state,
+    history_arrays,
+    housing_of,
+    laws_of,
+    pair_of_rigid,
+    part_profiles,
+    rigid_dampers,
+    springs_on,
+)
 from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.samples import row_width
-from fem.solver.tilted_arrays import laws_of
 from fem.statics.reduced_bearing import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation, kinematics
 from lagrange.axial import ContactTable, SpalledTable

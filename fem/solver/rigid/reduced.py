@@ -14,10 +14,9 @@ from fem.contacts.tilted import rounded_range, too_narrow
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
-from fem.solver.cage_arrays import cage_seat, critical_with_cage
 from fem.solver.compiling import in_words, pace
 from fem.solver.limits import check_rollers, check_speed, check_widths
-from fem.solver.part_arrays import time_along_a_knot
+from fem.solver.parts import cage_seat, critical_with_cage, time_along_a_knot
 from fem.solver.rigid.plan import RigidPlan, sections_of, time_along_a_wave
 from fem.solver.rigid.start import (
     ReducedStart,

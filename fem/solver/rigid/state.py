@@ -14,7 +14,7 @@ from fem.kernels.rigid.rays import Prescribed
 from fem.kernels.rigid.state import Before, Contacts, Radiation, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.solver.guards import n_in_place, through_trouble
-from fem.solver.part_arrays import surfaces_of
+from fem.solver.parts import LESS, axes_at, beyond_tables, surfaces_of
 from fem.solver.rigid.arrays import (
     STILL,
     Placed,
@@ -28,11 +28,9 @@ from fem.solver.rigid.arrays import (
     tilted_contacts,
 )
 from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan, Verdict
-from fem.solver.row_state import RowState
-from fem.solver.run_arrays import changing_arrays
+from fem.solver.row_state import RowState, changing_arrays
 from fem.solver.samples import SampleReader, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
-from fem.solver.tilted_arrays import LESS, axes_at, beyond_tables
 from fem.solver.validity import add_samples, law_warning, no_sums, vibration_warning
 from lagrange import Bearing, kinematics
 from lagrange.axial import ContactTable, SpalledTable, contact_tables

@@ -35,7 +35,6 @@ def test_what_tells_nothing_of_the_machine_is_not_kept(expected, took, kept):
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"a": 3}', '{"a": ["x"]}', "\x00"])
 def test_a_damaged_file_counts_for_nothing_and_is_replaced(text, kept):
-    kept.parent.mkdir()
     kept.write_text(text, encoding="utf-8")
     assert compiling.pace("fem") == 1.0
     compiling.remember("fem", 1.0, 3.0)

@@ -6,7 +6,6 @@ scene play no part. No mesh; steps are compiled, and where none are taken no com
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import cached_property
 from math import ceil, inf, pi
 from typing import NamedTuple
@@ -39,20 +38,6 @@ ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few step
 SURE = 1e-13  # of the kinetic energy: what it rounds to
 MET = ("inner_force", "outer_force", "energy_contact", "energy_error", "least_moved", "largest_moved", "dissipated",
        "first_kinetic")  # fmt: skip
-
-
-class Verdict(Enum):
-    """How a step has resolved a motion from its start to its end, and what to say of it."""
-
-    RESOLVED = ""
-    TOO_FAST = (
-        "the forces met make a mode of {frequency:.3g} Hz, too fast for the step of {step:.3g} s; "
-        "set time_step = {stable_step:.2g} or less"
-    )
-    RATTLING = (
-        "contacts rattle: the step of {step:.3g} s changes the energy by {percent:.2g} % of what the contacts pass on; "
-        "set time_step = {quarter_step:.2g} or less, or add damping"
-    )
 
 
 class Judge:
@@ -89,34 +74,30 @@ class Judge:
         return self._met["inner_force"], self._met["outer_force"]
 
     @property
-    def _fastest(self) -> float:
-        return fastest_mode(self._problem, *self._largest)
-
-    @property
-    def _energy_share(self) -> float:
-        """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
-        met = self._met
-        if met["energy_error"] <= SURE * met["first_kinetic"]:
-            return 0.0
-        return met["energy_error"] / (
-            met["energy_contact"] + (met["largest_moved"] - met["least_moved"]) + met["dissipated"]
+    def too_fast(self) -> str | None:
+        """A sentence where the stiffest mode under the largest forces so far is too fast for the step."""
+        omega, step = fastest_mode(self._problem, *self._largest), self._step
+        if omega * step < STABLE:
+            return None
+        return (
+            f"the forces met make a mode of {omega / (2 * pi):.3g} Hz, too fast for the step of {step:.3g} s; set "
+            f"time_step = {0.5 * STABLE / omega:.2g} or less"
         )
 
     @property
-    def verdict(self) -> Verdict:
-        """How the step has resolved the motion so far; its last word is at the end."""
-        if not self._fastest * self._step < STABLE:
-            return Verdict.TOO_FAST
-        return Verdict.RESOLVED if self._energy_share <= ENERGY_TOLERANCE else Verdict.RATTLING
-
-    @property
-    def sentence(self) -> str:
-        """The verdict with its numbers."""
-        omega, step = self._fastest, self._step
-        return self.verdict.value.format(
-            frequency=omega / (2 * pi), step=step, stable_step=0.5 * STABLE / omega, percent=100 * self._energy_share,
-            quarter_step=step / 4,
-        )  # fmt: skip
+    def rattling(self) -> str | None:
+        """A sentence where the energy errs by much of what contacts and dampers took and motion gained or lost."""
+        met, step = self._met, self._step
+        if met["energy_error"] <= SURE * met["first_kinetic"]:
+            return None
+        moved = met["largest_moved"] - met["least_moved"]
+        share = met["energy_error"] / (met["energy_contact"] + moved + met["dissipated"])
+        if share <= ENERGY_TOLERANCE:
+            return None
+        return (
+            f"contacts rattle: the step of {step:.3g} s changes the energy by {100 * share:.2g} % of what the contacts "
+            f"pass on; set time_step = {step / 4:.2g} or less, or add damping"
+        )
 
     def warnings(self, largest: np.ndarray) -> tuple[str, ...]:
         """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""

@@ -27,7 +27,7 @@ from fem.solver.rigid.arrays import (
     rigid_bodies,
     tilted_contacts,
 )
-from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan, Verdict
+from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan
 from fem.solver.row_state import RowState, changing_arrays
 from fem.solver.samples import SampleReader, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
@@ -437,13 +437,15 @@ class LagrangianState(RigidState):
 
     def judged(self, block: Block) -> Block:
         at_end = self.done == self.plan.n_samples and block.trouble is None
-        if not (at_end or self._came_apart) or self.judge.verdict is Verdict.RESOLVED:
+        if not (at_end or self._came_apart):
+            return block
+        too_fast = self.judge.too_fast
+        if (trouble := too_fast or self.judge.rattling) is None:
             return block
         if self.may_restart:
-            return self.restart(block.samples, self.judge.sentence.partition(";")[0])
-        if self.judge.verdict is Verdict.TOO_FAST:
-            return Block(samples=block.samples, trouble=self.judge.sentence)
-        return block  # still worth having where contacts only rattle: see `notices`
+            return self.restart(block.samples, trouble.partition(";")[0])
+        # still worth having where contacts only rattle: see `notices`
+        return block if too_fast is None else Block(samples=block.samples, trouble=too_fast)
 
     def velocity_trouble(self, step: int, body: int, n_good: int) -> str:
         time = self.plan.interval * (self.done + n_good)
@@ -477,8 +479,9 @@ class LagrangianState(RigidState):
 
     @property
     def notices(self) -> tuple[str, ...]:
-        at_end = 0 < self.done == self.plan.n_samples
-        return (self.judge.sentence,) if at_end and self.judge.verdict is Verdict.RATTLING else ()
+        if not 0 < self.done == self.plan.n_samples or self.judge.too_fast is not None:
+            return ()
+        return () if (said := self.judge.rattling) is None else (said,)
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = self.judge.to_keep()

@@ -4,7 +4,7 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-VERSION = "0.15.0"
+VERSION = "0.16.0"
 PACKAGES = ("lagrange", "meshes", "fem", "residual")
 
 

@@ -16,11 +16,11 @@ def progress_display(plan: Plan, quiet: bool) -> Iterator[Callable[[Progress], N
     total = 1e3 * (plan.n_samples - 1) * plan.interval
     with _display(plan.n_samples, quiet or plan.n_samples == 1) as show:
 
-        def told(progress: Progress) -> None:
+        def report(progress: Progress) -> None:
             pace = f"{progress.speed:,.0f} steps/s, energy imbalance {progress.imbalance:+.1e}"
             show(progress.samples, f"{1e3 * progress.simulated:.2f} of {total:.2f} ms, {pace}")
 
-        yield told
+        yield report
 
 
 @contextmanager

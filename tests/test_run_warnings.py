@@ -39,7 +39,7 @@ load_ramp_ms = 0.0
 duration_ms = 6.0
 mesh_size_mm = 3.0
 """
-WORDS = "beyond Hertz's theory and small strains (at most 0.66 mm here)"
+WORDS = "beyond Hertz's theory and small strains (at most 0.66 mm)"
 
 
 @pytest.fixture(scope="module")

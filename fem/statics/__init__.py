@@ -1,9 +1,5 @@
 """Bearings at rest.
 
-contact_balance   hub and rollers on elastic contacts
-pressure_balance  hub and rollers on contacts of many points that push or stand open
-equilibrium       of a model, by either of the two
-exact_statics     the whole bearing without a mesh, the reference of `equilibrium`
-reduced_bearing   the same series as the dynamics of the reduced model take them
-vibrating_bearing elastic waves of its bodies, to which impacts lose energy
+`contact_balance` has hub and rollers on elastic contacts, `equilibrium` those of a meshed model, of many points too;
+`exact_statics` is the whole bearing without a mesh, its reference, `reduced_bearing` the same series for dynamics.
 """

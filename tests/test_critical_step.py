@@ -10,13 +10,16 @@ from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critical_time_step
 from fem.contacts.points import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
 from fem.elastic.assembly import assemble
-from fem.elastic.reciprocal_mass import SECOND, THIRD
+from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.solver.elements.arrays import disc_nodes
+from fem.solver.simulate import make_plan
+from lagrange.scene.scene import parse_scene
 from meshes import Mesh
 from tests.reference import compiled
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
+from tests.reference.whole_run import whole_run
 
 LOAD = 650.0  # N, on the most loaded roller
 
@@ -237,3 +240,51 @@ def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(which, mass):
     beyond = z * (1.0 - mass.share * z * (1.0 - mass.calming * z))
     a_step = np.arccosh(0.5 * np.sqrt(beyond)) if beyond > 4.0 else np.arcsinh(0.5 * np.sqrt(-beyond))
     assert np.diff(growth)[0] / 50 == pytest.approx(2.0 * a_step, rel=0.02)
+
+
+# Long steps with the reciprocal mass: what turns fast gains no energy by them
+
+
+FAST = {
+    "material": {"youngs_modulus_GPa": 70.0},
+    "operation": {"speed_rpm": 40_000.0, "radial_load_N": 500.0},
+    "numerics": {"mesh_size_mm": 2.2, "duration_ms": 1.0, "time_step_safety": 0.65},
+}
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_ring_and_rollers_that_turn_fast_keep_their_energy(friction):
+    """A stencil applied to velocities along chords, in frames at the step's start, took 3e-4 of it: as Ω⁴ dt³."""
+    plan = make_plan(parse_scene(FAST | {"contact": {"friction_coefficient": friction}}, "scene"))
+    assert plan.mass is not LUMPED
+    found = whole_run(plan)
+    assert np.abs(found.imbalance).max() < 3e-5 * found.exchanged[-1]
+
+
+@pytest.mark.parametrize(
+    ("tables", "long_steps"),
+    [
+        ({}, True),
+        ({"operation": {"speed_rpm": 0.0}}, True),
+        ({"operation": {"speed_rpm": 500.0}}, False),  # gravity is half of what turning presses rollers outwards by
+        ({"operation": {"speed_rpm": 500.0, "gravity_m_s2": 0.0}}, True),
+        ({"numerics": {"start": "rest", "load_ramp_ms": 5.0}}, False),
+        ({"spall": [{"body": "outer_ring", "angle_deg": 0.0, "width_mm": 1.0}]}, False),
+        ({"numerics": {"mesh_size_mm": 0.4}}, False),  # contacts leave too little
+    ],
+)
+def test_steps_are_long_where_nothing_strikes_and_it_pays(tables, long_steps):
+    numerics = {"mesh_size_mm": 2.2, "duration_ms": 0.1} | tables.get("numerics", {})
+    assert (make_plan(parse_scene(tables | {"numerics": numerics}, "scene")).mass is not LUMPED) is long_steps
+
+
+@pytest.mark.parametrize("mass", [SECOND, THIRD], ids=["second degree", "third degree"])
+@pytest.mark.parametrize("friction", [0.1, 0.5])
+def test_contacts_that_roll_feed_no_waves(friction, mass, monkeypatch):
+    """Springs that follow momenta instead of places gained 2e-4 in 10 ms with the third degree, and grew on."""
+    monkeypatch.setattr("fem.solver.elements.plan.LONG", (mass,))
+    tables = {"contact": {"friction_coefficient": friction}, "numerics": {"mesh_size_mm": 2.0, "duration_ms": 15.0}}
+    plan = make_plan(parse_scene(tables, "scene"))
+    assert plan.mass is mass
+    found = whole_run(plan)
+    assert np.abs(found.imbalance).max() < 5e-7 * found.exchanged[-1]  # measured 1e-7

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import shlex
+import sys
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,7 +21,7 @@ from residual.check_vibration import app as vibration_app
 from residual.cli import app as check_app
 from residual.cli import main as check_main
 from tests import documented
-from tests.documented import blocks
+from tests.documented import blocks, same
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -281,3 +282,29 @@ def test_equations_that_the_code_cites_stand_on_their_pages():
     assert len(cited) > 20
     for page, number in cited:
         assert rf"\tag{{{number}}}" in read(ROOT / page), f"{page} has no equation ({number})"
+
+
+# Every example of the pages about Python is run, one page after the other from top to bottom
+
+
+DOCS = Path(__file__).parent.parent / "docs"
+
+
+@pytest.mark.parametrize("page", ["python.md"])
+def test_every_example_runs_and_prints_what_its_comments_say(page, tmp_path, monkeypatch):
+    """A comment on the line after a `print` is what that prints."""
+    monkeypatch.chdir(tmp_path)
+    compared, lines = 0, []
+
+    def compare(*values):
+        nonlocal compared
+        after = lines[sys._getframe(1).f_lineno].strip()
+        if after.startswith("# "):
+            assert same(after[2:], " ".join(map(str, values)))
+            compared += 1
+
+    names: dict[str, object] = {"print": compare}
+    for number, text in enumerate(blocks(DOCS / page, "python")):
+        lines[:] = [*text.splitlines(), "", ""]
+        exec(compile(text, f"{page}, example {number}", "exec"), names)
+    assert compared >= 4

@@ -3,17 +3,27 @@
 from dataclasses import replace
 from functools import lru_cache
 
+import h5py
 import numpy as np
 import pytest
+import xarray
 
+from fem.commands.run_fem import run_main
 from fem.contacts.model import Motion, unloaded
+from fem.errors import UsageError
 from fem.kernels.ring_kernels import HALO
+from fem.quantities import Quantity, moving_quantities
+from fem.solver.errors import SAFETY, Choice, coarser_scene, estimates, mesh_table, model_choices, suggestion
+from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import LOOSE_SPRING, Loads
-from fem.statics.equilibrium import equilibrium
+from fem.statics.equilibrium import equilibrium, static_quantities
+from fem.statics.exact_statics import exact_statics
 from lagrange import Bearing, Material
 from lagrange.fits import spinning_growth
 from lagrange.kinematics import roller_angles
+from lagrange.scene.scene import read_scene
 from tests.reference.bearings import (
+    HALF_PITCH,
     LOAD,
     ON_A_ROLLER,
     SHAPES,
@@ -28,6 +38,7 @@ from tests.reference.bearings import (
 )
 from tests.reference.compiled import drift, kick, press_contacts
 from tests.reference.resolved_bearing import RESOLVED
+from tests.verification.contact_statics import at_rest
 
 SOFT = Material(youngs_modulus=3e9, poisson_ratio=0.45, density=1200.0)
 
@@ -305,3 +316,189 @@ def test_the_rolling_start_passes_through_its_neighbouring_equilibria(load):
     assert np.abs(velocity).max() > 1e-5
     rate = (after.rollers - before.rollers) / (2.0 * ahead)
     np.testing.assert_allclose(start.roller_rate, rate, rtol=0.0, atol=5e-3 * np.abs(rate).max())
+
+
+# The finite elements converge to the mesh-free yardstick
+
+
+def test_the_elements_converge_to_the_yardstick():
+    exact = -exact_statics(paper(), LOAD, HALF_PITCH).hub[1]
+    error = [abs(-at_rest(paper(), size, HALF_PITCH, LOAD).hub[1] / exact - 1.0) for size in (2e-3, 1e-3, 0.5e-3)]
+    assert error[0] > error[1] > error[2]
+    assert error[0] < 1.2e-3 and error[2] < 1e-4
+
+
+# What a dry run says of every model for a scene
+
+
+def choices_of(*settings: str) -> dict[str, Choice]:
+    return {each.model: each for each in model_choices(make_plan(read_scene(None, settings)))}
+
+
+def test_elastic_models_are_near_the_exact_series_and_rigid_bodies_are_not():
+    """Harris' law errs by 14 % of the paper's bearing: docs/lagrange.md."""
+    found = choices_of("model=reduced", "numerics.mesh_size_mm=2")
+    assert found["reduced"].hub_error < 1e-6
+    assert found["fem"].hub_error == pytest.approx(1.0e-3, rel=0.2)
+    assert found["lagrange"].hub_error == pytest.approx(0.14, abs=0.01)
+    assert min(each.seconds for each in found.values()) > 0.0  # what they are is the machine's
+    assert suggestion(list(found.values())).startswith('start with "reduced"')
+
+
+def test_what_a_model_refuses_is_told_with_its_reason():
+    found = choices_of("model=lagrange", "bodies.rollers=rigid", "numerics.mesh_size_mm=2")
+    assert found["reduced"].seconds is None and "rigid" in found["reduced"].lacks
+    assert found["fem"].seconds > 0.0
+    assert suggestion(list(found.values())).startswith('model = "fem"')
+
+
+def test_without_load_no_error_is_named():
+    found = choices_of("model=lagrange", "operation.radial_load_N=0", "numerics.mesh_size_mm=2")
+    assert {each.hub_error for each in found.values()} == {None}
+
+
+def test_a_dry_run_shows_the_models(capsys):
+    assert run_main(["--dry-run", "--mesh-size", "2"]) == 0
+    told = capsys.readouterr().out
+    assert "Models for this scene" in told and "start with" in told
+
+
+def test_balls_leave_no_choice(capsys):
+    assert run_main(["--dry-run", "--model", "lagrange", "--set", "bearing.type=ball"]) == 0
+    assert "Models for this scene" not in capsys.readouterr().out
+
+
+# run-fem --converge: statics on three meshes, Richardson's value beside the exact series
+
+
+@pytest.fixture(scope="module")
+def found_mesh_convergence():
+    return mesh_table(read_scene(None, ("numerics.mesh_size_mm=1.5",)))
+
+
+def test_richardsons_value_is_nearer_to_the_exact_series_than_the_finest_mesh(found_mesh_convergence):
+    hub, exact = found_mesh_convergence.meshes[-1].quantities[0].value, found_mesh_convergence.exact[0]
+    assert abs(found_mesh_convergence.extrapolated[0] - exact) < 0.5 * abs(hub - exact)
+    assert found_mesh_convergence.extrapolated[0] == pytest.approx(exact, rel=5e-4)
+
+
+def test_loads_and_pressures_of_all_meshes_are_those_of_the_series(found_mesh_convergence):
+    assert [mesh.size for mesh in found_mesh_convergence.meshes] == pytest.approx([3.0, 2.1213, 1.5], abs=1e-4)
+    assert (
+        found_mesh_convergence.meshes[0].nodes
+        < found_mesh_convergence.meshes[1].nodes
+        < found_mesh_convergence.meshes[2].nodes
+    )
+    for mesh in found_mesh_convergence.meshes:
+        _, force, pressure = mesh.quantities
+        assert force.value == pytest.approx(found_mesh_convergence.exact[1], rel=1e-3)
+        assert pressure.value == pytest.approx(found_mesh_convergence.exact[2], rel=1e-3)
+
+
+def test_comparison_contacts_are_refused():
+    with pytest.raises(UsageError, match="order of convergence"):
+        mesh_table(read_scene(None, ("contact.model=faceted",)))
+
+
+def test_the_command_shows_meshes_and_writes_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "110")
+    assert run_main(["--converge", "--mesh-size", "2"]) == 0
+    told = capsys.readouterr().out
+    assert "Richardson" in told and "exact series" in told and "MPa" in told and not list(tmp_path.iterdir())
+
+
+def test_where_the_scenes_mesh_is_coarse_it_is_the_coarsest():
+    table = mesh_table(read_scene(None, ("numerics.mesh_size_mm=2.5",)))
+    assert table.meshes[0].size == pytest.approx(2.5)
+
+
+# The stated discretisation error: Richardson's extrapolation, bracketing the true one, in the result file
+
+
+def quantity(value):
+    return Quantity(name="q", unit="m", meaning="any", value=value)
+
+
+@pytest.mark.parametrize("ratio", [1.5, 2.0, 3.0])
+def test_the_error_of_a_second_order_sequence_is_found_up_to_the_factor_of_safety(ratio):
+    exact, factor = 3.6, -0.4
+    fine, coarse = (quantity(exact + factor * h**2) for h in (0.1, 0.1 * ratio))
+    found = estimates([fine], [coarse], ratio)[0]
+    assert found.error == pytest.approx(SAFETY * abs(fine.value - exact), rel=1e-12)
+    assert found.relative == pytest.approx(found.error / 3.596, rel=1e-12)
+
+
+def test_the_estimate_brackets_the_true_error_of_nine_bearings_in_ten():
+    """Against the exact series; surface spacings of a fifth and two fifths of the rollers' radius."""
+    bracketed = {}
+    for name, bearing in SHAPES.items():
+        how = operation(gravity=0.0, radial_load=fair_load(bearing))
+        size = bearing.roller_radius / 5.0
+        fine, coarse = (model(bearing, h) for h in (size, 2.0 * size))
+        ratio = coarse.roller.shape.surface_spacing / fine.roller.shape.surface_spacing
+        found = estimates(static_quantities(fine, how), static_quantities(coarse, how), ratio)
+        exact = exact_statics(bearing, how.radial_load, how.first_roller_angle)
+        true = {
+            "static_hub_y": abs(found[1].quantity.value - exact.hub[1]),
+            "static_largest_force": abs(found[2].quantity.value - exact.inner_force.max()),
+        }
+        round_off = {"static_hub_y": 1e-8 * abs(exact.hub[1]), "static_largest_force": 1e-8 * how.radial_load}
+        bracketed[name] = all(
+            each.error + round_off[each.quantity.name] >= true[each.quantity.name] for each in found[1:3]
+        )
+    assert len(bracketed) >= 10
+    assert sum(bracketed.values()) >= 0.9 * len(bracketed), bracketed
+
+
+def test_quantities_at_rest_are_those_of_the_whole_load():
+    """A load that a pitch of the rollers has turned displaces the hub as far, a pitch further round."""
+    how = operation(gravity=0.0, radial_load=2000.0)
+    whole = model(SHAPES["paper"], 1e-3)
+    pitch = 2.0 * np.pi / whole.bearing.n_rollers
+    turned = replace(how, radial_load=2000.0 * np.cos(pitch), side_load=2000.0 * np.sin(pitch))
+    down, aside = (complex(*(each.value for each in static_quantities(whole, loads)[:2])) for loads in (how, turned))
+    assert aside == pytest.approx(down * np.exp(1j * pitch), rel=1e-3)
+
+
+def test_moving_quantities_are_those_of_a_made_up_record():
+    time = np.linspace(0.0, 1.0, 1001)
+    wave = np.sin(2.0 * np.pi * 10.0 * time)
+    angle = 3.0 * time[:, None] + np.arange(4)
+    force = np.column_stack([100.0 + 5.0 * wave, 50.0 + 0.0 * time, 0.0 * time, 0.0 * time])
+    record = {"time": time, "inner_x": 1e-8 * wave, "inner_y": -3e-6 + 2e-8 * wave, "inner_force": force}
+    found = {each.name: each.value for each in moving_quantities({**record, "roller_theta": angle})}
+    assert found["hub_mean_y"] == pytest.approx(-3e-6, rel=1e-9)
+    assert found["hub_std_x"] == pytest.approx(1e-8 / np.sqrt(2.0), rel=1e-3)
+    assert found["hub_std_y"] == pytest.approx(2e-8 / np.sqrt(2.0), rel=1e-3)
+    assert found["largest_force"] == pytest.approx(105.0, rel=1e-4)
+    assert found["mean_largest_force"] == pytest.approx(100.0, rel=1e-4)
+    assert found["cage_speed"] == pytest.approx(3.0, rel=1e-12)
+
+
+def test_a_mesh_that_leaves_no_coarser_one_is_refused(capsys, tmp_path):
+    with pytest.raises(UsageError, match=r"mesh_size_mm = 2\.5"):
+        coarser_scene(read_scene(None, ("numerics.mesh_size_mm=2.5",)))
+    assert coarser_scene(read_scene()).numerics.mesh_size_mm == 2.0
+    output = tmp_path / "no.nc"
+    assert run_main(["--estimate-error", "--mesh-size", "3", "--output", str(output)]) == 2
+    assert "--estimate-error" in capsys.readouterr().err and not output.exists()
+
+
+def test_the_result_file_states_the_error_until_the_record_grows(tmp_path, capsys):
+    path = tmp_path / "run.nc"
+    options = ["--mesh-size", "1.9", "--output", str(path), "--duration"]
+    assert run_main([*options, "0.3", "--estimate-error"]) == 0
+    assert "may be off by" in capsys.readouterr().out
+    with xarray.open_dataset(path) as data:
+        names = data["quantity"].values.tolist()
+        error, value = (data[name].values for name in ("quantity_error", "quantity_value"))
+        assert data.attrs["coarse_mesh_size"] == pytest.approx(np.pi * 1e-3)
+        hub = names.index("hub_mean_y")
+        mean = np.trapezoid(data["inner_y"], data["time"]) / float(data["time"][-1] - data["time"][0])
+        assert value[hub] == pytest.approx(mean, rel=1e-12)
+        assert 1e-5 < error[hub] / abs(value[hub]) < 0.02
+        assert np.all(error >= 0.0)
+    assert run_main([*options, "0.4", "--resume"]) == 0
+    with h5py.File(path) as file:
+        assert "quantity" not in file and "coarse_mesh_size" not in file.attrs

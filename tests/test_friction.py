@@ -2,11 +2,18 @@
 
 import numpy as np
 import pytest
+from numba import njit
 
+from fem.elastic.continuum import Section, shear_compliance
+from fem.interface import simulate
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.jit import OPTIONS
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.shaft import Shaft, conclude, give_way, late_mass, mobility, pull, settle
 from fem.kernels.state import INNER, OUTER, ROLLER
-from tests.reference.bearings import copies, model, paper
+from lagrange.scene.scene import parse_scene
+from tests.accuracy.rocking import standing_plan, vibration
+from tests.reference.bearings import STEEL, copies, model, paper
 from tests.reference.compiled import (
     creep_traction,
     find_slips,
@@ -23,6 +30,7 @@ from tests.reference.contact_states import (
     roller_resultants,
 )
 from tests.reference.line_contact import carter_creep
+from tests.reference.rocking import shear_receptance, sticking_modes
 from tests.reference.rubbing import (
     by_contact,
     pressed_state,
@@ -231,3 +239,108 @@ def test_friction_is_action_and_reaction_with_the_raceways_arm():
     assert gained.drive.moment[0] == 0.0
     wanted = -0.018 * np.sum(traction[INNER] * closed[INNER])
     assert np.sum(on_ring) / DT == pytest.approx(wanted, abs=1e-9 * scale * 0.018)
+
+
+# Rollers that stick to both raceways: tangential springs against the exact vibration of discs between rings
+
+
+SLOW = 1e3  # rad/s; harmonics of some 100 kHz give way by 1e-5 more than at rest
+
+
+def moved_more(section, n):
+    """By a slow traction than by one at rest, and by this, m/Pa."""
+    static = shear_compliance(section, np.array([n]))[0]
+    return shear_receptance(section, n, SLOW) - static, static
+
+
+@pytest.mark.parametrize(
+    ("radii", "waves"),
+    [((0.005, 0.0), (2, 3, 8)), ((0.018, 0.0125), (0, 1, 2, 13, 26)), ((0.028, 0.0325), (0, 1, 2, 13, 26))],
+)
+def test_receptances_are_static_compliances_of_what_moves_slowly(radii, waves):
+    for n in waves:
+        more, static = moved_more(Section(*radii, STEEL), n)
+        assert abs(more) < 1e-4 * static
+
+
+def test_a_slow_disc_moves_as_a_rigid_one():
+    """Traction sin nθ: moment 2πR² of a uniform one on ½mR², force πR of one that varies once around on m."""
+    disc, mass = Section(0.005, 0.0, STEEL), STEEL.density * np.pi * 0.005**2
+    turning, shifting = (moved_more(disc, n)[0] for n in (0, 1))
+    assert turning == pytest.approx(-2.0 * np.pi * 0.005**3 / (0.5 * mass * 0.005**2 * SLOW**2), rel=1e-5)
+    assert shifting == pytest.approx(-np.pi * 0.005 / (mass * SLOW**2), rel=1e-5)
+
+
+@pytest.mark.parametrize(("mesh_size_mm", "limit"), [(2.0, 5e-3), pytest.param(1.0, 1.5e-3, marks=pytest.mark.slow)])
+def test_rollers_that_stick_rock_and_shift_at_the_exact_frequencies(mesh_size_mm, limit):
+    """Without springs they are 10 to 40 % too high, and fall with the mesh."""
+    plan = standing_plan(mesh_size_mm)
+    force = float(plan.start.equilibrium.inner_force.mean())
+    wanted = sticking_modes(plan.model.bearing, force, 40e3, 75e3)
+    assert len(wanted) == 2
+    np.testing.assert_allclose(vibration(plan), wanted, rtol=limit)
+
+
+# Dashpots of shaft and housing to the ground, under forces that are found after theirs
+
+
+DT_GROUND_DASHPOTS, MASS, DAMPING, STIFFNESS = 4e-7, 7.6e-4, 300.0, 1e6
+FIRST, LATER = np.array([40.0, -7.0]), np.array([-9.0, 25.0])  # N
+
+
+ASKING, UNKNOWING, HEAVIER = range(3)  # how forces are given that are found after the dashpots'
+LATE_MASS = late_mass(MASS, DAMPING, DT_GROUND_DASHPOTS)
+
+
+@njit(**OPTIONS)
+def shake(shaft, first, later, how):
+    """A kick by forces, the shaft's, and forces found later."""
+    for k in range(2):
+        shaft.velocity[k] += DT_GROUND_DASHPOTS / MASS * first[k]
+    pull(shaft, DT_GROUND_DASHPOTS, shaft.place[0], shaft.place[1])
+    for k in range(2):
+        if how == ASKING:
+            gained = mobility(shaft, MASS, DT_GROUND_DASHPOTS) * later[k]
+            shaft.velocity[k] += gained
+            give_way(shaft, k, gained)
+        else:
+            shaft.velocity[k] += DT_GROUND_DASHPOTS / (MASS if how == UNKNOWING else LATE_MASS) * later[k]
+    if how == UNKNOWING:
+        settle(shaft, DT_GROUND_DASHPOTS)
+    elif how == HEAVIER:
+        conclude(shaft)
+
+
+@pytest.mark.parametrize("how", [ASKING, UNKNOWING, HEAVIER])
+def test_the_dashpots_force_is_that_of_the_mean_of_the_velocities_before_and_after_all_forces(how):
+    """M (v₁ − v₀)/dt = F − k x − ½ c (v₀ + v₁), solved by hand."""
+    v0, place = np.array([0.02, -0.03]), np.array([3e-6, -5e-6])
+    shaft = Shaft(
+        place=place, velocity=v0.copy(), before=v0.copy(), drag=np.zeros(2), stored=np.zeros(1),
+        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), mass=MASS, stiffness=STIFFNESS, damping=DAMPING, column=0,
+    )  # fmt: skip
+    shake(shaft, FIRST, LATER, how)
+    half = 0.5 * DAMPING
+    wanted = ((MASS / DT_GROUND_DASHPOTS - half) * v0 + FIRST + LATER - STIFFNESS * place) / (
+        MASS / DT_GROUND_DASHPOTS + half
+    )
+    np.testing.assert_allclose(shaft.velocity, wanted, rtol=1e-13)
+    np.testing.assert_allclose(shaft.drag, -half * (v0 + wanted), rtol=1e-13)
+
+
+@pytest.mark.slow
+def test_contact_dampers_and_a_shaft_s_dashpots_leave_a_light_hub_in_balance():
+    """What the run's own forces leave of its equations; 0.3 % of the largest where dashpots knew no later forces."""
+    tables = {
+        "model": "reduced", "damping": {"contact_time_us": 25.0},
+        "operation": {
+            "inner_ring_and_shaft_kg": 0.05, "shaft": "springs", "shaft_stiffness_N_per_m": 1e7,
+            "shaft_damping_N_s_m": 2e4, "rotating_load_N": 300.0,
+        },
+        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.05, "output_interval_us": 2.0},
+    }  # fmt: skip
+    found = simulate(parse_scene(tables, ""))
+    largest = np.max(found["inner_force"])
+    assert np.max(np.abs(found["inner_damping_force"])) > 0.02 * largest
+    for direction in found.residual().directions:
+        assert np.max(np.abs(direction.budget.terms["ring_flexibility"])) < 1e-4 * largest

@@ -1,9 +1,26 @@
 """Line-contact laws against the literature."""
 
+import json
+import re
+from dataclasses import replace
+from math import log, pi, sqrt
+
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-from lagrange.contact.laws import STEEL_LAWS, PowerLaw, steel_law
+from fem.commands.run_fem import run_main
+from fem.rating.case import Case, Options
+from lagrange import contact_laws as contact_laws_own_law
+from lagrange import static_equilibrium
+from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, raceway_curvature
+from lagrange.contact.laws import ROLLER_LAWS, STEEL_LAWS, PowerLaw, ball_law, contact_laws, law_names, steel_law
+from lagrange.equations import overlaps, polar_overlaps, touching_distances
+from lagrange.scene.faults import SceneError
+from lagrange.scene.law_table import fitted_law
+from lagrange.scene.scene import Scene, parse_scene_text, read_scene
+from residual.cli import main as check_main
+from tests.reference.ideal import DGBB_209, STEEL_207
 
 LOADS = [100.0, 200.0, 400.0, 628.0, 800.0, 1000.0]  # N, on a roller of 10 mm
 # µm, approach of one contact, evaluated by hand from each published formula
@@ -72,3 +89,346 @@ def test_an_open_contact_has_no_stiffness_whatever_the_exponent():
     law = PowerLaw(name="soft", stiffness=2.0, exponent=0.9, source="none")
     np.testing.assert_array_equal(law.slope(np.array([-1.0, 0.0])), 0.0)
     assert law.slope(0.5) == pytest.approx(0.9 * 2.0 * 0.5**-0.1)
+
+
+# Laws that know the bearing, against the literature
+
+
+PAPER = Scene().ideal_bearing()
+THICK = replace(PAPER, outside_radius=0.038)  # 10 mm behind the outer raceway
+LOADS_RACEWAY = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])  # N
+# µm, from the published formulas, rollers of 10 x 10 mm, raceways of 36 and 56 mm, E = 210 GPa, ν = 0.3
+PUBLISHED_RACEWAY = {
+    # Johnson, Contact Mechanics 1985, 5.6; Tripp 1985
+    ("johnson", "inner"): [0.387, 0.735, 1.394, 2.111, 2.635, 3.232],
+    ("johnson", "outer"): [0.347, 0.656, 1.236, 1.862, 2.318, 2.836],
+    # Houpert: δ_i = [Q c d_m^0.074/(0.2723 L)]^(1/1.074)
+    ("houpert", "inner"): [0.378, 0.722, 1.376, 2.094, 2.624, 3.230],
+    # Teutsch and Sauer 2004: δ_i = 3.17 (d_m/2)^0.08 (Q c/L)^0.92
+    ("teutsch_sauer", "inner"): [0.394, 0.746, 1.412, 2.138, 2.671, 3.280],
+}
+
+
+@pytest.mark.parametrize(("name", "side"), PUBLISHED_RACEWAY)
+def test_approach_agrees_with_the_published_formula_raceway(name, side):
+    law = getattr(contact_laws(name, THICK), side)
+    np.testing.assert_allclose(1e6 * law.approach(LOADS_RACEWAY), PUBLISHED_RACEWAY[name, side], atol=6e-4)
+
+
+def test_braendlein_is_half_of_both_contacts():
+    law = contact_laws("braendlein", PAPER).outer
+    both = 1e-3 * (628.0 / (26200.0 * 10.0**0.92)) ** (1 / 1.08)  # N, mm
+    assert law.approach(628.0) == pytest.approx(both / 2, rel=1e-12)
+
+
+def test_johnson_of_two_materials_weighs_each_body():
+    ceramic = replace(PAPER.roller, youngs_modulus=310e9, poisson_ratio=0.26)
+    bearing = replace(PAPER, roller=ceramic)
+    law = contact_laws("johnson", bearing).inner
+    c1, c2 = (1 - 0.26**2) / 310e9, (1 - 0.3**2) / 210e9
+    b = sqrt(4 * 628.0 * (c1 + c2) / (pi * 0.01 * (1 / 0.005 + 1 / 0.018)))
+    expected = 2 * 628.0 / (pi * 0.01) * (c1 * (log(0.02 / b) - 0.5) + c2 * (log(0.072 / b) - 0.5))
+    assert law.approach(628.0) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ROLLER_LAWS)
+@pytest.mark.parametrize("side", ["inner", "outer"])
+def test_methods_of_a_law_belong_together(name, side):
+    law = getattr(contact_laws(name, PAPER), side)
+    depth = np.geomspace(1e-12, 3e-4, 60).reshape(3, 20)  # johnson: past its range, along the tangent
+    np.testing.assert_allclose(law.approach(law.force(depth)), depth, rtol=1e-12)
+    step = 1e-4 * depth
+    rise = (law.potential(depth + step) - law.potential(depth - step)) / (2 * step)
+    np.testing.assert_allclose(rise, law.force(depth), rtol=1e-7)
+    rise = (law.force(depth + step) - law.force(depth - step)) / (2 * step)
+    np.testing.assert_allclose(rise, law.slope(depth), rtol=1e-4)
+    gap = np.array([-1e-3, -1e-12, 0.0])
+    for method in (law.force, law.slope, law.potential):
+        assert np.all(method(gap) == 0.0)
+    assert law.approach(0.0) == 0.0
+    assert law.source and law.range
+
+
+def test_johnson_is_smooth_where_its_tangent_takes_over():
+    law = contact_laws("johnson", PAPER).outer
+    edge = float(law.approach(law.largest_force))
+    below, above = law.force(edge * (1 - 1e-9)), law.force(edge * (1 + 1e-9))
+    assert above - below == pytest.approx(2e-9 * edge * law.slope(edge), rel=1e-3)
+    assert law.largest_force > 1e5  # N, far above any load of this bearing
+
+
+def test_tripp_is_johnson_and_unknown_names_list_the_known():
+    assert contact_laws("tripp", PAPER) == contact_laws("johnson", PAPER)
+    known = "braendlein, harris, houpert, iso16281, johnson, palmgren, teutsch_sauer"
+    with pytest.raises(ValueError, match=f"'hooke' for rollers; known: {known}"):
+        contact_laws("hooke", PAPER)
+
+
+# Hertz point contact against Harris' table and constants
+
+
+# Harris, Rolling Bearing Analysis (4th ed. 2001), table 6.1: F(ρ), δ*
+HARRIS = [
+    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.4795, 0.9429), (0.5916, 0.9077), (0.6716, 0.8733),
+    (0.7332, 0.8394), (0.7948, 0.7961), (0.83495, 0.7602), (0.87366, 0.7169), (0.90999, 0.6636), (0.93657, 0.6112),
+    (0.95738, 0.5551), (0.9729, 0.4960), (0.983797, 0.4352), (0.990902, 0.3745), (0.995112, 0.3176),
+    (0.9973, 0.2705), (0.9981847, 0.2427), (0.9989156, 0.2106), (0.9994785, 0.17167), (0.9998527, 0.11995),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("difference", "published"), HARRIS)
+def test_delta_star_agrees_with_harris_table(difference, published):
+    assert delta_star(difference) == pytest.approx(published, abs=3e-4)
+
+
+def test_delta_star_of_arrays_falls_from_circle_to_line():
+    differences = np.concatenate([[0.0, 1e-7, 0.99e-5, 1.01e-5, 1e-4], np.linspace(0.01, 0.999999, 50)])
+    values = delta_star(differences)
+    assert values.shape == differences.shape
+    assert np.all(np.diff(values) < 1e-14) and values[0] == pytest.approx(1.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("ratio", [1.05, 2.0, 8.0, 50.0])
+def test_ellipticity_fulfils_hertz_conditions_by_quadrature(ratio):
+    """The two curvatures of the gap are to each other as two integrals over the ellipse (Hertz 1881)."""
+
+    # A, B ∝ ∫ ds / ((a² + s) sqrt((a² + s)(b² + s) s)), substituted s = tan²
+    def curvature(own, other):
+        return quad(
+            lambda p: np.cos(p) ** 2 / (own**2 * np.cos(p) ** 2 + np.sin(p) ** 2) ** 1.5
+            / (other**2 * np.cos(p) ** 2 + np.sin(p) ** 2) ** 0.5, 0.0, np.pi / 2, epsabs=1e-13, limit=200,
+        )[0]  # fmt: skip
+
+    along, across = curvature(ratio, 1.0), curvature(1.0, ratio)
+    assert ellipticity((across - along) / (across + along)) == pytest.approx(ratio, rel=1e-8)
+
+
+@pytest.mark.parametrize("difference", [-0.1, 1.0, float("nan")])
+def test_impossible_curvature_difference_is_refused(difference):
+    with pytest.raises(ValueError, match="curvature difference"):
+        ellipticity(difference)
+
+
+def approach_constant(bearing, side="inner"):
+    """C of equation (8), from the law's stiffness, K = (C δ*)^(-3/2) Σρ^(-1/2)."""
+    curvature = raceway_curvature(bearing, side)
+    return (ball_law(bearing, side).stiffness * curvature.sum**0.5) ** (-2 / 3) / delta_star(curvature.difference)
+
+
+def test_printed_constants_belong_to_207_gpa():
+    # equation (8): δ = 2.79e-4 δ* Q^(2/3) Σρ^(1/3), mm and N; (11): K = 2.15e5 Σρ^(-1/2) δ*^(-3/2)
+    assert 1e4 * approach_constant(DGBB_209) == pytest.approx(2.79e-4, rel=1e-3)
+    for side in ("inner", "outer"):
+        curvature = raceway_curvature(DGBB_209, side)
+        printed = 2.15e5 * (1e-3 * curvature.sum) ** -0.5 * delta_star(curvature.difference) ** -1.5
+        assert 1e-3**1.5 * ball_law(DGBB_209, side).stiffness == pytest.approx(printed, rel=4e-3)
+
+
+def test_curvatures_of_the_209_bearing():
+    """Harris: Σρ = 0.202 and 0.138 mm⁻¹, F = 0.940 and 0.912."""
+    inner, outer = raceway_curvature(DGBB_209, "inner"), raceway_curvature(DGBB_209, "outer")
+    assert (1e-3 * inner.sum, 1e-3 * outer.sum) == pytest.approx((0.202, 0.138), abs=5e-4)
+    assert (inner.difference, outer.difference) == pytest.approx((0.940, 0.912), abs=5e-4)
+
+
+def test_stiffness_scales_with_the_contact_modulus():
+    soft = replace(STEEL_207, youngs_modulus=103.5e9)
+    both = replace(DGBB_209, roller=soft, inner_ring=soft)
+    one = replace(DGBB_209, roller=soft)
+    hard = ball_law(DGBB_209, "inner").stiffness
+    assert ball_law(both, "inner").stiffness == pytest.approx(hard / 2, rel=1e-12)
+    assert ball_law(one, "inner").stiffness == pytest.approx(hard / 1.5, rel=1e-12)
+
+
+def test_sphere_on_sphere_is_hertz_closed_form():
+    """Q = 4/3 E* sqrt(R) δ^1.5 in the limit of a raceway that is a ball: F = 0."""
+    radius = DGBB_209.roller_radius
+    constant = approach_constant(DGBB_209)
+    stiffness = constant**-1.5 * (4.0 / radius) ** -0.5
+    e_star = 0.5 * STEEL_207.plane_strain_modulus
+    assert stiffness == pytest.approx(4 / 3 * e_star * (radius / 2) ** 0.5, rel=1e-12)
+
+
+def test_balls_and_rollers_keep_their_own_laws():
+    laws = contact_laws("hertz", DGBB_209)
+    assert laws.inner.exponent == laws.outer.exponent == 1.5
+    assert DGBB_209.roller_mass == pytest.approx(7850 * np.pi / 6 * 12.7e-3**3)
+    with pytest.raises(ValueError, match="'harris' for balls; known: hertz"):
+        contact_laws("harris", DGBB_209)
+    with pytest.raises(ValueError, match="'hertz' for rollers; known: braendlein, harris"):
+        contact_laws("hertz", Scene().ideal_bearing())
+    with pytest.raises(ValueError, match="outer groove radius"):
+        replace(DGBB_209, outer_groove_radius=6.3e-3)
+
+
+# Overlap of circles in each of its forms, and Hertz's pair against Johnson's formulas
+
+
+def positions():
+    """Hub and rollers off their places by micrometres, (200,), m and rad."""
+    random = np.random.default_rng(3)
+    x, y = 5e-6 * random.standard_normal((2, 200))
+    return x, y, PAPER.pitch_radius + 5e-6 * random.standard_normal(200), random.uniform(0.0, 2.0 * pi, 200)
+
+
+def test_all_forms_agree_to_round_off():
+    x, y, rho, theta = positions()
+    cos, sin = np.cos(theta), np.sin(theta)
+    plain = overlaps(PAPER, x, y, rho * cos, rho * sin, rho)
+    polar = polar_overlaps(PAPER, rho, x * cos + y * sin, y * cos - x * sin)
+    reach, track = touching_distances(PAPER)
+    for inner, outer in ((polar.inner, polar.outer), (reach - plain.distance, rho - track)):
+        np.testing.assert_allclose(inner, plain.inner, rtol=0.0, atol=4.0 * np.finfo(float).eps * reach)
+        np.testing.assert_allclose(outer, plain.outer, rtol=0.0, atol=4.0 * np.finfo(float).eps * track)
+    np.testing.assert_allclose(-(plain.direction_x * cos + plain.direction_y * sin), polar.radial, atol=1e-12)
+    np.testing.assert_allclose(plain.direction_x * sin - plain.direction_y * cos, polar.tangential, atol=1e-12)
+
+
+def test_directions_are_the_derivatives_of_the_inner_overlap():
+    x, y, rho, theta = positions()
+    step = 1e-7
+
+    def inner(dx, dy):
+        return overlaps(PAPER, x + dx, y + dy, rho * np.cos(theta), rho * np.sin(theta), rho).inner
+
+    found = overlaps(PAPER, x, y, rho * np.cos(theta), rho * np.sin(theta), rho)
+    np.testing.assert_allclose((inner(-step, 0.0) - inner(step, 0.0)) / (2.0 * step), found.direction_x, atol=1e-8)
+    np.testing.assert_allclose((inner(0.0, -step) - inner(0.0, step)) / (2.0 * step), found.direction_y, atol=1e-8)
+
+
+def test_a_roller_that_touches_has_no_overlap():
+    reach, track = touching_distances(PAPER)
+    assert polar_overlaps(PAPER, reach, 0.0, 0.0).inner == pytest.approx(0.0, abs=1e-17)
+    assert polar_overlaps(PAPER, track, 0.0, 0.0).outer == pytest.approx(0.0, abs=1e-17)
+
+
+@pytest.mark.parametrize(
+    ("kind", "radius"), [(0, 1.0 / (1.0 / 5e-3 + 1.0 / 18e-3)), (1, 1.0 / (200.0 - 1.0 / 28e-3)), (2, 2.5e-3)]
+)
+def test_a_pair_has_johnsons_half_width_and_pressure(kind, radius):
+    """b² = 4QR/(πE*L), p₀ = sqrt(QE*/(πRL)) (Johnson, Contact Mechanics, 1985, (4.43), (4.45))."""
+    pair, force = contact_pairs(PAPER)[kind], 628.0
+    modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
+    assert pair.relative_radius == pytest.approx(radius, rel=1e-14)
+    assert pair.modulus == pytest.approx(modulus, rel=1e-14)
+    assert pair.half_width(force) == pytest.approx(sqrt(4.0 * force * radius / (pi * modulus * 10e-3)), rel=1e-14)
+    assert pair.peak_pressure(force) == pytest.approx(sqrt(force * modulus / (pi * radius * 10e-3)), rel=1e-14)
+    assert pair.peak_pressure(0.0) == 0.0
+
+
+def test_a_rigid_body_adds_no_compliance_but_two_rigid_rollers_have_their_materials():
+    rigid = replace(PAPER, roller=replace(PAPER.roller, rigid=True))
+    (inner, _, between), (soft, _, same) = contact_pairs(rigid), contact_pairs(PAPER)
+    assert inner.modulus == pytest.approx(2.0 * soft.modulus, rel=1e-14)
+    assert between == same
+
+
+# A contact law of the scene's own: given, or fitted to a table; in statics, runs, checks and ratings
+
+
+EXPONENT = 10.0 / 9.0
+K = 7.86e4 * 9.6 ** (8.0 / 9.0) * 1e3**EXPONENT  # N/m^n, of a roller of 9.6 mm, as Harris gives it in N and mm
+SIZES = {
+    "rollers": 14, "roller_diameter_mm": 10.0, "roller_length_mm": 9.6, "inner_raceway_diameter_mm": 54.9947,
+    "clearance_um": 40.6, "bore_diameter_mm": 45.0, "outside_diameter_mm": 85.0,
+}  # fmt: skip
+OWN = {"law": "power", "contact_stiffness_N_per_m_n": [K, K], "contact_exponent": EXPONENT}
+STILL = {"radial_load_N": 4450.0, "speed_rpm": 0.0, "gravity_m_s2": 0.0}
+FORCES = np.array([10.0, 50.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0])
+
+
+def table(force=FORCES, noise=0.0, header="force [kN]; approach [um]"):
+    approach = 1e6 * (force / K) ** (1.0 / EXPONENT) * (1.0 + noise * (-1.0) ** np.arange(len(force)))
+    rows = [f"{1e-3 * q:.10g}; {d:.10g}" for q, d in zip(force, approach, strict=True)]
+    return "\n".join(["# of a test rig", header, "0; 0", *rows])
+
+
+def test_harris_209_bearing_by_its_own_law():
+    """Fourteen rollers in 40.6 µm clearance: 32.11 µm, 1959 and 1382 N, 473 and 67 N/µm; Harris' integral has 1915 N.
+
+    Source: the bearing and K of Harris, Rolling Bearing Analysis, its example of the 209 cylindrical roller bearing;
+    equilibrium of discrete rollers by an independent solution.
+    """
+    scene = Scene(bearing=SIZES, lagrange=OWN, operation=STILL)
+    bearing = scene.ideal_bearing()
+    found = static_equilibrium(
+        bearing, scene.ideal_operation(), contact_laws_own_law("power", bearing), roller_mass=0.0
+    )
+    assert -1e6 * found.y == pytest.approx(32.11, rel=1e-3)
+    loads = np.sort(found.inner_force)[::-1][:5]
+    np.testing.assert_allclose(loads, [1959.0, 1382.0, 1382.0, 0.0, 0.0], rtol=1e-3)
+    np.testing.assert_allclose(np.diag(1e-6 * found.stiffness), [67.0, 473.0], rtol=3e-3)
+
+
+def test_raceways_may_differ_and_balls_may_have_it():
+    scene = Scene(
+        bearing={"type": "ball"}, lagrange={"contact_stiffness_N_per_m_n": [1e10, 2e10], "contact_exponent": 1.5}
+    )
+    laws = contact_laws_own_law(scene.lagrange.law, scene.ideal_bearing())
+    assert scene.lagrange.law == "power" and law_names(scene.ideal_bearing()) == ("hertz", "power")
+    np.testing.assert_allclose([law.force(1e-6) for law in laws], [10.0, 20.0])
+    assert laws.inner.exponent == 1.5
+
+
+def test_a_table_gives_constants_and_how_near_they_are():
+    exact, noisy = fitted_law(table()), fitted_law(table(noise=0.01))
+    assert exact.inner_stiffness == exact.outer_stiffness == pytest.approx(K, rel=1e-7)
+    assert exact.exponent == pytest.approx(EXPONENT, rel=1e-8) and exact.misfit < 1e-8
+    # approaches off by 1 % to and fro are forces off by n times as much, in the mean over the line
+    assert noisy.misfit == pytest.approx(0.01 * EXPONENT, rel=0.3)
+    assert "from 10 to 3000 N" in noisy.range and re.search(r"1\.\d % rms, 1\.\d % at most", noisy.range)
+    same = fitted_law(table(header="force_kN; approach_um"))
+    assert same.inner_stiffness == exact.inner_stiffness
+
+
+def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "law.csv").write_text(table(), encoding="utf-8")
+    keys = "".join(f"{key} = {value}\n" for key, value in SIZES.items())
+    text = f'name = "209"\nmodel = "lagrange"\n[bearing]\n{keys}[lagrange]\nlaw_table = "law.csv"\n'
+    (tmp_path / "209.toml").write_text(text + "[operation]\nradial_load_N = 4450\n", encoding="utf-8")
+    assert run_main(["209.toml", "--dry-run", "--set", "numerics.duration_ms=0.5"]) == 0
+    assert "forces differ by" in capsys.readouterr().out
+    assert run_main(["209.toml", "--output", "209.nc", "--quiet", "--set", "numerics.duration_ms=0.5"]) == 0
+    (tmp_path / "law.csv").unlink()  # the result file holds it
+    assert check_main(["209.nc", "--law", "power", "--compare-laws", "--no-figures", "--output", "checked"]) == 0
+    summary = json.loads((tmp_path / "checked" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["law"] == "power" and summary["error_y"]["rms_N"] < 1.0
+    assert "power (in use)" in capsys.readouterr().out
+    (tmp_path / "law.csv").write_text(table(), encoding="utf-8")
+    rated = Case(read_scene("209.toml", ("operation.gravity_m_s2=0",)), Options())
+    assert "power" in rated.contacts
+    lowest, _ = rated.pitch.range  # with a roller under the load, where the rollers' own weight adds little
+    assert np.diag(lowest) == pytest.approx([67.0e6, 473.0e6], rel=3e-3)
+
+
+def test_a_law_that_is_not_at_hand_is_no_bearing_s():
+    scene = parse_scene_text('lagrange.law_table = "law.csv"', "scene")
+    with pytest.raises(ValueError, match="not at hand"):
+        contact_laws_own_law("power", scene.ideal_bearing())
+
+
+REFUSED = {
+    "which": ({"law": "power"}, None, "needs contact_stiffness_N_per_m_n = "),
+    "half of it": ({"contact_stiffness_N_per_m_n": [1e9, 1e9]}, None, "give both, or neither"),
+    "of one raceway": ({"contact_stiffness_N_per_m_n": [1e9], "contact_exponent": 1.1}, None, "at least 2 items"),
+    "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "greater than 0"),
+    "softening": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 0.9}, None, "greater than or equal"),
+    "twice": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 1.1}, table(), "are fitted to it"),
+    "no units": ({}, table(header="force; approach"), "column force: its unit must be one of N, mN, kN, lbf"),
+    "one row": ({}, table(FORCES[:1]), "at least 3 different approaches"),
+    "exchanged": ({}, table(header="approach [um]; force [kN]"), "are the columns exchanged"),
+    "pulling": ({}, table().replace("0.5;", "-0.5;"), "must both be above 0"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused(case, tmp_path):
+    keys, text, told = REFUSED[case]
+    overrides = tuple(f"lagrange.{key}={json.dumps(value)}" for key, value in keys.items())
+    if text is not None:
+        (tmp_path / "law.csv").write_text(text, encoding="utf-8")
+        overrides += ('lagrange.law_table="law.csv"',)
+    (tmp_path / "scene.toml").write_text("", encoding="utf-8")
+    with pytest.raises(SceneError, match=re.escape(told)):
+        read_scene(tmp_path / "scene.toml", overrides)

@@ -1,16 +1,24 @@
 """Pictures: what is drawn where, the scales, the probe."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
+from fem.elastic.bodies import von_mises
 from fem.errors import UsageError
-from fem.pictures.bodies import ARCS, drawn_bearing
+from fem.pictures.bodies import ARCS, drawn_bearing, refined
+from fem.pictures.canvas import Panel
+from fem.pictures.export import fields
 from fem.pictures.look import LARGEST_SHARE, Request, Scale, chosen_look, chosen_magnification, quantity
 from fem.pictures.recover import StoredRun
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING
+from meshes import Disc, mesh_of
+from meshes.export import FORMATS
 
 PAPER_RADIUS = 32.5e-3  # m, outside
 WIDTH = 640
@@ -241,3 +249,240 @@ def test_a_close_up_shows_the_shear_below_both_contacts(run):
         bright = middle[:, 1] > 150
         half = len(bright) // 2
         assert bright[half - 35 : half - 5].sum() > 5 and bright[half + 5 : half + 35].sum() > 5
+
+
+# The command render-fem: pictures, films, exports, and what it says of unusable options
+
+
+def test_the_command_writes_a_png_of_the_width_asked_for(coarse_run, tmp_path, capsys):
+    target = tmp_path / "new folder" / "bearing.png"
+    options = ["--time", "2", "--output", str(target), "--width", "400", "--magnification", "100"]
+    assert render_main([str(coarse_run), *options]) == 0
+    assert str(target) in capsys.readouterr().out
+    with Image.open(target) as picture:
+        assert picture.format == "PNG" and picture.size == (400, 300)
+
+
+def _frames(path):
+    """A GIF's frames as arrays."""
+    with Image.open(path) as film:
+        frames = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            frames.append(np.asarray(film.convert("RGB")))
+        return frames, film.info
+
+
+def test_pictures_name_model_and_damping(coarse_run, tmp_path, monkeypatch):
+    """In the picture itself and in the text of its file, which the report takes for its caption."""
+    said, text = [], Panel.text
+    monkeypatch.setattr(Panel, "text", lambda panel, words, *where, **how: said.append(words) or text(
+        panel, words, *where, **how))  # fmt: skip
+    for view in ("bearing", "close-up"):
+        target = tmp_path / f"{view}.png"
+        assert render_main([str(coarse_run), "--output", str(target), "--width", "320", "--view", view]) == 0
+        with Image.open(target) as image:
+            assert image.text["Description"].endswith("; finite elements, no contact damping.")
+        assert any("finite elements, no contact damping" in words for words in said)
+        said.clear()
+
+
+def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(coarse_run, tmp_path, capsys):
+    films = [tmp_path / "a.gif", tmp_path / "b.gif"]
+    for film in films:
+        options = ["--animation", str(film), "--frames", "4", "--fps", "10", "--width", "400", "--quiet"]
+        assert render_main([str(coarse_run), *options]) == 0
+    assert "4 frames" in capsys.readouterr().out
+    assert films[0].read_bytes() == films[1].read_bytes()
+    frames, info = _frames(films[0])
+    assert np.all(frames[0][5, 5] == 255) and np.all(frames[-1][290, 5] == 255)  # white stays white
+    assert len(frames) == 4 and info["duration"] == 100 and frames[0].shape == (300, 400, 3)
+    assert all((a != b).any() for a, b in pairwise(frames))
+    # the scale beside the bearing stands still
+    assert all(np.array_equal(frame[45:108, 275:310], frames[0][45:108, 275:310]) for frame in frames)
+
+
+def test_an_mp4_has_the_frames_asked_for(coarse_run, tmp_path):
+    import imageio_ffmpeg
+
+    film = tmp_path / "film.mp4"
+    options = ["--animation", str(film), "--start", "1", "--stop", "2", "--frames", "3", "--width", "402"]
+    assert render_main([str(coarse_run), *options, "--view", "close-up", "--quiet"]) == 0
+    frames = imageio_ffmpeg.read_frames(str(film))
+    told = next(frames)
+    images = [np.frombuffer(frame, dtype=np.uint8).reshape(302, 402, 3) for frame in frames]
+    assert told["size"] == (402, 302) and told["fps"] == 25.0 and len(images) == 3
+    assert images[0][:20].mean() > 200 and images[0].std() > 20  # the title's white, and a picture
+
+
+def test_a_film_that_fails_leaves_nothing(coarse_run, tmp_path, monkeypatch):
+    from fem.pictures.render import Renderer
+
+    def fail(self, sample):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Renderer, "image", fail)
+    assert render_main([str(coarse_run), "--animation", str(tmp_path / "film.gif"), "--frames", "3", "--quiet"]) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        (["--time", "99"], "0 to 4 ms"),
+        (["--width", "10"], "--width 10"),
+        (["--magnification", "-1"], "--magnification -1"),
+        (["--magnification", "nan"], "--magnification nan"),
+        (["--output", "."], "is a folder"),
+        (["--animation", "film.avi"], "must end in .mp4 or .gif"),
+        (["--export", "mesh.stl"], "must end in .vtkhdf, .csv, .wav or a format of meshio: .vtu"),
+        (["--animation", "film.mp4", "--export", "mesh.vtu"], "give only one of them"),
+        (["--animation", "film.mp4", "--time", "1"], "--time: not for a film"),
+        (["--start", "1"], "--start, --stop, --frames: only for a film"),
+        (["--animation", "film.mp4", "--start", "3", "--stop", "2"], "3 to 2 ms contain no sample"),
+        (["--animation", "film.mp4", "--frames", "1"], "--frames 1"),
+    ],
+)
+def test_unusable_options_exit_2_in_a_sentence(coarse_run, capsys, options, words):
+    assert render_main([str(coarse_run), *options]) == 2
+    told = capsys.readouterr().err
+    assert words in told and "Traceback" not in told
+
+
+# Refined triangles of a picture
+
+
+@pytest.fixture(scope="module")
+def finer():
+    mesh = mesh_of(Disc(radius=5e-3, layers=5))
+    contact = np.array([5e-3, 0.0])
+
+    def wanted(middles):
+        return np.maximum(0.2 * np.hypot(*(middles - contact).T), 2e-5)
+
+    plane = np.column_stack([mesh.points, mesh.points @ [3.0, -2.0] + 1.0])
+    return mesh, wanted, *refined(plane, mesh.cells, wanted)
+
+
+def _areas(points, triangles):
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+
+
+def test_triangles_are_as_small_as_wanted(finer):
+    _, wanted, data, triangles = finer
+    corners = data[triangles, :2]
+    longest = np.hypot(*(corners - np.roll(corners, 1, axis=1)).transpose(2, 0, 1)).max(axis=1)
+    assert np.all(longest <= wanted(corners.mean(axis=1)))
+    assert longest.min() < 2e-5 and longest.max() > 5e-4  # fine at the contact only
+
+
+def test_the_same_area_is_covered_once(finer):
+    mesh, _, data, triangles = finer
+    areas = _areas(data[:, :2], triangles)
+    assert areas.min() > 0.0
+    assert areas.sum() == pytest.approx(_areas(mesh.points, mesh.cells).sum(), rel=1e-12)
+
+
+def test_no_node_hangs_on_an_edge(finer):
+    mesh, _, data, triangles = finer
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    assert count.max() == 2
+    lone = data[edges[count == 1], :2].mean(axis=1)
+    rim = mesh.points[-30:]
+    normals = rim + np.roll(rim, -1, axis=0)  # every edge at one triangle only lies on a chord of the circle
+    normals /= np.hypot(*normals.T)[:, None]
+    height = np.max(lone @ normals.T, axis=1)
+    assert height == pytest.approx(np.full(len(lone), 5e-3 * np.cos(np.pi / 30)), rel=1e-9)
+
+
+def test_columns_are_carried_along(finer):
+    mesh, _, data, _ = finer
+    assert np.array_equal(data[: len(mesh.points), :2], mesh.points)
+    assert data[:, 2] == pytest.approx(data[:, :2] @ [3.0, -2.0] + 1.0)
+
+
+# Fields for other programs, read back by those programs' own readers
+
+
+SAMPLES = [0, 200, 400]
+
+
+@pytest.fixture(scope="module")
+def expected_export(run):
+    return [fields(run.instant(sample)) for sample in SAMPLES]
+
+
+def _cells(run):
+    model = run.model
+    rings = len(model.inner_ring.cells) + len(model.outer_ring.cells)
+    return rings, 13 * len(model.roller.cells)
+
+
+def test_points_are_where_rigid_motion_takes_them_and_the_hub_is_in_the_middle(run, expected_export):
+    instant = run.instant(400)
+    points, data = expected_export[2]
+    ring = len(instant.model.inner_ring.points)
+    assert points[:ring].mean(axis=0) == pytest.approx(instant.hub, abs=1e-9)
+    last = points[-instant.model.roller.n_nodes :]
+    innermost = instant.model.roller.shape.rows[0].nodes  # whose displacement is far below a micrometre
+    assert last[:innermost].mean(axis=0) == pytest.approx(instant.centres[12], abs=1e-7)
+    assert np.abs(data["displacement"]).max() < 1e-6  # elastic only
+
+
+def test_the_tensor_and_von_mises_agree(expected_export):
+    _, data = expected_export[1]
+    tensor = data["stress"].reshape(-1, 3, 3).astype(float)
+    assert np.array_equal(tensor, np.swapaxes(tensor, 1, 2))
+    deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    assert data["von_mises"] == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2))), rel=1e-4, abs=10.0)
+    assert data["von_mises"] == pytest.approx(
+        von_mises(tensor[:, [0, 1, 0], [0, 1, 1]], 0.3), rel=1e-4, abs=10.0
+    )  # fmt: skip
+
+
+def test_a_vtkhdf_series_reads_back_in_vtk(run, coarse_run, expected_export, tmp_path, capsys):
+    vtk = pytest.importorskip("vtkmodules.vtkIOHDF")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    target = tmp_path / "run.vtkhdf"
+    assert render_main([str(coarse_run), "--export", str(target), "--frames", "3", "--quiet"]) == 0
+    assert str(target) in capsys.readouterr().out
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(target))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == 3
+    rings, triangles = _cells(run)
+    for step, (points, data) in enumerate(expected_export):
+        reader.SetStep(step)
+        reader.Update()
+        grid = reader.GetOutput()
+        assert reader.GetTimeValue() == pytest.approx(run.times[SAMPLES[step]])
+        assert grid.GetNumberOfCells() == rings + triangles
+        assert grid.GetCellType(0) == 9 and grid.GetCellType(rings) == 5
+        assert np.array_equal(vtk_to_numpy(grid.GetPoints().GetData())[:, :2], points)
+        for name, values in data.items():
+            assert np.array_equal(vtk_to_numpy(grid.GetPointData().GetArray(name)), values)
+        body = vtk_to_numpy(grid.GetCellData().GetArray("body"))
+        assert body[0] == 0 and body[rings - 1] == 1 and body[rings] == 2 and body[-1] == 14
+        for cell in (0, rings + triangles - 1):  # corners of a cell lie together
+            corners = np.array([grid.GetCell(cell).GetPoints().GetPoint(k)[:2] for k in range(3)])
+            assert np.ptp(corners, axis=0).max() < 4e-3
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_an_instant_reads_back_in_meshio(run, coarse_run, expected_export, tmp_path, suffix):
+    import meshio
+
+    target = tmp_path / f"instant{suffix}"
+    assert render_main([str(coarse_run), "--export", str(target), "--time", "2"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
+    mesh = meshio.read(target)
+    points, data = expected_export[1]
+    assert mesh.points[:, :2] == pytest.approx(points, abs=1e-12)
+    rings, triangles = _cells(run)
+    assert {block.type: len(block.data) for block in mesh.cells} == {"quad": rings, "triangle": triangles}
+    for name in ("displacement", "von_mises"):
+        values = mesh.point_data[name].reshape(data[name].shape)
+        assert values == pytest.approx(data[name], rel=1e-5, abs=1e-12)

@@ -2,17 +2,48 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
+from fem.commands.run_fem import run_main
+from lagrange import contact_laws, static_equilibrium
+from lagrange.files.pages import render_page
+from lagrange.scene.scene import Scene, parse_scene
 from residual.cli import main
-from tests.reference.synthetic_run import exact_errors, make_run, run_variables, write_result, write_table
+from residual.evaluation import evaluate
+from residual.fault_finding import roller_motion
+from residual.figures.drawing import method_sentence
+from residual.formatting import hertz, length, text
+from residual.interpretation import floor_newtons, interpretation, verdict
+from residual.lines import HUB, named_peaks
+from residual.load_zone import quasi_static
+from residual.record import Record
+from residual.report import MOST_POINTS, TEMPLATE, page_of, picture_of, spectra_json
+from residual.sampling import stationarity
+from residual.sources import read_result
+from residual.spectrum import find_peaks, power_spectrum
+from residual.summary import ReportOptions
+from residual.table_source import read_table
+from residual.tables import difference_table, error_table, peak_name, stated_error_table
+from tests.reference.synthetic_run import (
+    exact_errors,
+    harris_force,
+    make_run,
+    recorded,
+    run_variables,
+    write_result,
+    write_table,
+)
 from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -202,3 +233,630 @@ def test_help_and_version(capsys):
             code = stop.code or 0
         assert code == 0
         assert word in capsys.readouterr().out
+
+
+# What the report says of the Lagrangian model, the statics it compares with, error estimates, the picture
+
+
+@pytest.fixture(scope="module")
+def made_meaning(tmp_path_factory):
+    """A run whose forces are the law's times 1.25: the law carries a fifth less than the run."""
+    run = make_run(n_times=1201)
+    path = tmp_path_factory.mktemp("made") / "made.nc"
+    return recorded(path, run, run_variables(run, force_factor=1.25))
+
+
+def test_statics_are_those_of_rigid_rings_on_harris_law(made_meaning):
+    """629.7 N under the load, 607.0 N where it falls between two rollers; approach 4.11 µm; 14 and 120 nm of varying
+    compliance: computed independently of this package with Harris' law and rigid rings, without the rollers' mass.
+    """
+    found = quasi_static(made_meaning, "harris")
+    assert found.force.max() == pytest.approx(629.7, abs=1.5)
+    assert found.force[np.abs(found.angle) < 1e-6] == pytest.approx(629.7, abs=1.5)
+    assert np.interp(np.pi / 13, found.angle, found.force) == pytest.approx(607.0, abs=1.5)
+    assert -1e6 * found.y.mean() == pytest.approx(4.12, abs=0.03)
+    assert 1e9 * np.ptp(found.y) == pytest.approx(14.0, abs=1.0)
+    assert 1e9 * np.ptp(found.x) == pytest.approx(120.0, abs=5.0)
+    assert found.x[-1] == pytest.approx(found.x[0], abs=1e-12)  # one pitch further the bearing is the same
+
+
+def test_a_law_fitted_to_the_run_is_stood_in_for_by_the_usual_one(made_meaning):
+    assert quasi_static(made_meaning, "fitted").law == "harris"
+
+
+def test_the_sentences_say_how_much_of_the_load_the_law_carries(made_meaning):
+    found = evaluate(made_meaning, law="iso16281")
+    sentences = " ".join(interpretation(found, quasi_static(made_meaning, "harris")))
+    share = 100.0 * found.y.error.mean / 2000.0
+    assert abs(share) > 1.0
+    direction = "less" if share > 0.0 else "more"
+    assert f"gives {abs(share):.3g} % {direction} force than the load" in sentences
+    assert "630.8 N on the most loaded roller" in sentences
+    best = found.laws[0]
+    assert f"{best.name} has the smallest error" in sentences
+
+
+def test_without_forces_the_sentences_blame_nobody(tmp_path):
+    run = make_run(n_times=401)
+    bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
+    found = evaluate(recorded(tmp_path / "bare.nc", run, bare))
+    sentences = interpretation(found, None)
+    assert "without contact forces" in verdict(found).lower()
+    assert not any("leaves out" in sentence for sentence in sentences)
+
+
+def test_an_unloaded_bearing_gets_no_share_of_its_load(tmp_path):
+    run = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
+    found = evaluate(recorded(tmp_path / "idle.nc", run))
+    assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found, None))
+
+
+def test_the_pages_spectra_are_those_of_the_evaluation(made_meaning):
+    found = evaluate(made_meaning)
+    data = json.loads(spectra_json(found))
+    assert data["frequency"] == pytest.approx(found.x.spectrum.frequency[1:], rel=1e-6)
+    assert data["x"] == pytest.approx(found.x.spectrum.psd[1:], rel=1e-3, abs=1e-15 * found.x.spectrum.psd.max())
+    named = {line["name"]: line["frequency"] for line in data["lines"]}
+    assert named["BPFO"] == pytest.approx(found.lines["BPFO"], rel=1e-6)
+
+
+def test_of_a_long_record_every_peak_is_kept(tmp_path):
+    run = make_run(n_times=40_001, tone=9_000.0)
+    found = evaluate(recorded(tmp_path / "long.nc", run))
+    directions = {d.name: replace(d, spectrum=_one_segment(d.budget.error)) for d in found.directions}
+    found = replace(found, **directions)
+    data = json.loads(spectra_json(found))
+    assert len(data["frequency"]) <= 2 * MOST_POINTS < len(found.x.spectrum.frequency)
+    assert max(data["x"]) == pytest.approx(found.x.spectrum.psd.max(), rel=1e-3)
+    top = data["x"].index(max(data["x"]))
+    assert data["frequency"][top] == pytest.approx(9_000.0, abs=3.0)
+
+
+def _one_segment(record):
+    from residual.spectrum import power_spectrum
+
+    return power_spectrum(record, 1e-5)
+
+
+def test_error_estimates_of_the_run_are_told(tmp_path):
+    run = make_run(n_times=401)
+    path = write_result(tmp_path / "made.nc", run)
+    with h5py.File(path, "r+") as file:
+        file["quantity_meaning"] = ["static displacement of the hub"]
+        file["quantity_unit"] = ["m"]  # as run-fem writes it
+        file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
+    found = evaluate(read_result(path))
+    assert stated_error_table(found).rows == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
+    page = render_page(TEMPLATE, version="0", figures={}, **page_of(found, ReportOptions()))
+    assert "Discretisation error" in page and "0.0018 µm" in page
+    plain = page_of(evaluate(read_result(write_result(tmp_path / "plain.nc", run))), ReportOptions())
+    assert "Discretisation error" not in render_page(TEMPLATE, version="0", figures={}, **plain)
+
+
+def _png(path, source):
+    about = PngInfo()
+    if source:
+        about.add_itxt("Source", source)
+        about.add_itxt("Description", "Von Mises stress.")
+    Image.new("RGB", (40, 30)).save(path, pnginfo=about)
+
+
+def test_only_a_picture_of_this_very_run_is_shown(tmp_path):
+    run = tmp_path / "run.nc"
+    run.write_bytes(b"run")
+    assert picture_of(run) is None
+    _png(tmp_path / "run.png", None)
+    assert picture_of(run) is None  # some picture
+    _png(tmp_path / "run.png", "another.nc")
+    assert picture_of(run) is None
+    _png(tmp_path / "run.png", "run.nc")
+    found = picture_of(run)
+    assert found.caption == "Von Mises stress." and found.address.startswith("data:image/png;base64,")
+    os.utime(tmp_path / "run.png", (1.0, 1.0))
+    assert picture_of(run) is None  # of an earlier run of that name
+    (tmp_path / "run.png").write_bytes(b"no picture")
+    assert picture_of(run) is None
+
+
+def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
+    from fem.commands.render_fem import render_main
+
+    run = Path(shutil.copy(coarse_run, tmp_path / "run.nc"))
+    assert render_main([str(run), "--width", "300", "--time", "2"]) == 0
+    shown = "Von Mises stress, the whole bearing at 2 ms; finite elements, no contact damping."
+    assert picture_of(run).caption == shown
+
+
+# What a report calls things: numbers as a person reads them, causes by their right names, one sentence first
+
+
+STEP = 1e-5
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (-8.03e-5, "−8.03·10⁻⁵"), (46460.0, "46460"), (213.6049, "213.6"), (0.0, "0"), (-0.5, "−0.5"),
+        (0.000123456, "0.0001235"), (2.5e10, "2.5·10¹⁰"), (1.09e-9, "1.09·10⁻⁹"), (99999.6, "100000"), (1e6, "1·10⁶"),
+    ],
+)  # fmt: skip
+def test_numbers_are_written_out_where_a_person_would(value, expected):
+    assert text(value) == expected
+
+
+def test_noise_is_0_and_units_fit():
+    assert text(-2.8e-4, noise=2e-3) == "0" and text(2.8e-3, noise=2e-3) == "0.0028"
+    assert hertz(380.04) == "380 Hz" and hertz(46460.0) == "46.46 kHz"
+    assert [length(x) for x in (3.034e-10, -1.477e-5, 0.0, 1e-13)] == ["0.3034 nm", "−14.77 µm", "0 nm", "0 nm"]
+
+
+def damped_record(damping):
+    """A table's record whose contact forces hold the hub's motion with a damper that stands in no column."""
+    run = make_run(n_times=2001)
+    o, mass = run.scene.operation, run.scene.operation.inner_ring_and_shaft_kg
+    velocity = 2 * np.pi * 500.0 * run.inner_x  # of inner_y: d(sin) = ω cos
+    wanted = mass * run.acceleration_y + mass * o.gravity_m_s2 + o.radial_load_N + damping * velocity
+    share = wanted / -np.sum(run.law_force * np.sin(run.angle), axis=1)
+    record = Record(
+        name="rig", source="rig.csv", scene=run.scene, time=run.time, inner_x=run.inner_x, inner_y=run.inner_y,
+        roller_x=run.roller_x, roller_y=run.roller_y, inner_force=run.law_force * share[:, None],
+    )  # fmt: skip
+    return record, damping * velocity
+
+
+def test_a_hidden_damper_is_found_as_other_forces():
+    record, force = damped_record(2e4)
+    terms = evaluate(record).budget.y.terms
+    assert "ring_flexibility" not in terms
+    found = terms["other_forces"]
+    assert np.sqrt(np.mean(found**2)) == pytest.approx(np.sqrt(np.mean(force**2)), rel=5e-3)
+    np.testing.assert_allclose(found[50:-50], -force[50:-50], atol=5e-3 * np.abs(force).max())
+
+
+def noise_and_tones(*tones):
+    time = STEP * np.arange(6001)
+    record = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
+    return record + sum(np.cos(2 * np.pi * f * time) for f in tones)
+
+
+def test_the_hubs_resonance_and_two_lines_in_one_bin_are_named():
+    lines = {"BPFO": 380.0, "5×BPFI": 2995.0, "8×BPFO": 3003.0}
+    spectrum = power_spectrum(noise_and_tones(3000.0, 13_100.0, 7000.0), STEP)
+    peaks = named_peaks(find_peaks(spectrum, lines), spectrum, lines, 13_000.0, 0.0)
+    names = {round(peak.frequency, -2): peak_name(peak) for peak in peaks}
+    assert names[3000.0] in ("8×BPFO or 5×BPFI", "5×BPFI or 8×BPFO")
+    assert names[13_100.0] == HUB and names[7000.0] == "-"
+
+
+def test_peaks_of_no_more_than_noise_are_left_out():
+    lines = {"BPFO": 380.0}
+    spectrum = power_spectrum(1e-9 * noise_and_tones(3000.0), STEP)
+    found = find_peaks(spectrum, lines)
+    assert named_peaks(found, spectrum, lines, 13_000.0, 0.0)
+    assert named_peaks(found, spectrum, lines, 13_000.0, 1e-6) == []
+
+
+def test_a_roller_that_barely_touches_is_not_loaded(tmp_path):
+    run = make_run(n_times=401)
+    variables = run_variables(run)
+    most = variables["inner_force"].max()
+    before = evaluate(recorded(tmp_path / "a.nc", run, variables)).loaded_range
+    variables["inner_force"] = np.maximum(variables["inner_force"], 0.009 * most)
+    assert evaluate(recorded(tmp_path / "b.nc", run, variables)).loaded_range == before == (6, 7)
+    variables["inner_force"] = np.maximum(variables["inner_force"], 0.011 * most)
+    assert evaluate(recorded(tmp_path / "c.nc", run, variables)).loaded_range == (13, 13)
+
+
+def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_rms(tmp_path):
+    record, _ = damped_record(0.0)
+    good = verdict(evaluate(record))
+    assert good.startswith("The trajectories are") and "at most" in good
+    told = evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))
+    found = verdict(told)
+    assert found.startswith("The trajectories are not sound") and found.count(".") < 20
+    worst, peak = max(e.rms for e in told.judged), max(e.max_abs for e in told.judged)
+    assert f"{text(100 * worst / 2000, 3)} % of the load, and at most by {text(peak)} N" in found
+    assert verdict(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
+
+
+def test_round_off_in_a_table_is_0():
+    record, _ = damped_record(0.0)
+    rows = {row[0]: row[1:] for row in error_table(evaluate(record)).rows}
+    assert rows["momentum balance, y"][0] == "0"
+
+
+# Two runs or two laws beside each other, a report without equations, the data for other programs
+
+
+@pytest.fixture(scope="module")
+def runs_report_against(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    quiet, loud = make_run(n_times=401), make_run(n_times=401, amplitude=6e-7)
+    return write_result(folder / "quiet.nc", quiet), write_result(folder / "loud.nc", loud)
+
+
+def test_the_differences_of_two_runs_are_those_of_their_motion(runs_report_against):
+    here, there = (evaluate(read_result(path)) for path in runs_report_against)
+    rows = {row[0]: row[1:] for row in difference_table(here, there).rows}
+    for axis, place in (("x", "inner_x"), ("y", "inner_y")):
+        stds = [1e9 * getattr(each.record, place).std() for each in (here, there)]
+        told = [float(cell.replace("−", "-")) for cell in rows[f"hub {axis}, std, nm"][:3]]
+        assert told[:2] == pytest.approx(stds, rel=1e-4)
+        assert told[2] == pytest.approx(stds[0] - stds[1], rel=5e-3)
+        assert rows[f"hub {axis}, std, nm"][3] == "66.7 % less"  # of a third of the amplitude
+    assert rows["largest roller load, N"][2:] == ["0", "alike"]
+
+
+def test_two_laws_of_one_run_share_its_motion_and_differ_in_their_errors(runs_report_against, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([str(runs_report_against[0]), "--against", "palmgren", "--no-figures", "--output", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "harris" in printed and "palmgren" in printed
+    here, there = (evaluate(read_result(runs_report_against[0]), law) for law in ("harris", "palmgren"))
+    rows = {row[0]: row[1:] for row in difference_table(here, there).rows}
+    assert rows["hub y, mean, µm"][2] == "0"
+    change = here.y.error.rms - there.y.error.rms
+    assert abs(change) > 1.0
+    assert float(rows["error_y, rms, N"][2].replace("−", "-")) == pytest.approx(change, rel=5e-3)
+
+
+def test_a_run_is_compared_in_words_and_without_equations_by_its_motion_alone(runs_report_against, tmp_path, capsys):
+    out, (quiet, loud) = tmp_path / "out", runs_report_against
+    assert main([str(loud), "--against", str(quiet), "--no-equations", "--no-figures", "--output", str(out)]) == 0
+    printed, page = capsys.readouterr().out, (out / "report.html").read_text(encoding="utf-8")
+    assert "loud − quiet" in printed and "<th>loud − quiet</th>" in page
+    assert "<td>3 times</td>" in page and "more by" not in page  # of thrice the amplitude
+    assert "error_" not in printed and "error_x, mean" not in page
+    assert main([str(loud), "--against", "palmgren", "--no-equations", "--output", str(out)]) == 2
+    assert "--no-equations leaves out" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("other", ["nothing.nc", "hariss"])
+def test_what_is_neither_a_file_nor_a_law_is_refused_by_name(runs_report_against, tmp_path, capsys, other, monkeypatch):
+    monkeypatch.setattr("residual.evaluation.evaluate", lambda *given, **more: pytest.fail("evaluated"))
+    assert main([str(runs_report_against[0]), "--against", other, "--output", str(tmp_path / "out")]) == 2
+    assert f"--against {other}: neither a file nor a contact law" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_report_without_equations_speaks_of_the_run_alone(runs_report_against, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([str(runs_report_against[0]), "--no-equations", "--no-figures", "--output", str(out)]) == 0
+    page, printed = (out / "report.html").read_text(encoding="utf-8"), capsys.readouterr().out
+    assert "(22)" not in printed and "harris" not in printed and "The trajectories are" in printed
+    body = page.partition("<script")[0].partition("<footer>")[0].partition("<details>")[0]
+    assert 'id="vibration"' in body and 'id="player"' in body
+    assert not any(word in body for word in ("error_x", 'id="budget-of-errors"', 'id="laws"', 'id="paper"'))
+    assert '"unit":"m²/s⁴/Hz"' in page or "m\\u00b2/s\\u2074/Hz" in page
+
+
+def test_signals_are_exported_as_csv_alone(runs_report_against, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([str(runs_report_against[0]), "--export", "csv", "--no-figures", "--quiet", "--output", str(out)]) == 0
+    record = read_result(runs_report_against[0])
+    table = np.genfromtxt(out / "signals.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(table["inner_y"], record.inner_y, rtol=1e-11)
+    np.testing.assert_allclose(table["inner_force_5"], record.inner_force[:, 5], rtol=1e-11)
+    assert (
+        main([str(runs_report_against[0]), "--no-figures", "--output", str(out), "--quiet"]) == 0
+    )  # they are an earlier report's
+    assert not (out / "signals.csv").exists()
+    for gone in ("mat", "wav", "curves"):
+        assert main([str(runs_report_against[0]), "--export", gone, "--output", str(out)]) == 2
+        assert f"error: --export {gone}: only csv is written; MATLAB reads" in capsys.readouterr().err
+
+
+def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(runs_report_against, tmp_path):
+    here, there = (evaluate(read_result(path)) for path in runs_report_against)
+    assert method_sentence(here, there).endswith(" Run loud: finite elements, no contact damping.")
+    damped = here.record.scene.varied({"model": "reduced", "damping.contact_time_us": 12.5})
+    of_time = replace(here, record=replace(here.record, scene=damped))
+    assert method_sentence(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
+    assert method_sentence(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_comparison_stands_on_the_page_with_its_captions(runs_report_against, tmp_path):
+    out = tmp_path / "out"
+    assert (
+        main([str(runs_report_against[0]), "--against", str(runs_report_against[1]), "--output", str(out), "--quiet"])
+        == 0
+    )
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "Run loud: finite elements, no contact damping.</figcaption>" in page
+    assert "quiet against loud" in page and 'id="against"' in page
+
+
+# What a check warns of in a record itself: vibration folded down, a beginning that is a transient
+
+
+# NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg
+NU206 = """
+[bearing]
+rollers = 13
+roller_diameter_mm = 7.5
+roller_length_mm = 9.0
+inner_raceway_diameter_mm = 38.5
+outer_raceway_diameter_mm = 53.54
+bore_diameter_mm = 30.0
+outside_diameter_mm = 62.0
+[operation]
+speed_rpm = 3000.0
+radial_load_N = 1500.0
+inner_ring_and_shaft_kg = 3.0
+[numerics]
+duration_ms = 6.0
+mesh_size_mm = 2.0
+"""
+PASSING, STEP_RECORD_NOTES = 400.0, 1e-5
+
+
+def checked_run(folder, interval_us):
+    scene, path = folder / "nu206.toml", folder / f"{interval_us}.nc"
+    scene.write_text(NU206, encoding="utf-8")
+    options = ["--set", f"numerics.output_interval_us={interval_us}", "--output", str(path), "--quiet"]
+    assert run_main([str(scene), *options]) == 0
+    return evaluate(read_result(path))
+
+
+def test_folded_vibration_of_rollers_is_warned_of_and_the_interval_named_cures_it(tmp_path):
+    coarse = checked_run(tmp_path, 10)
+    (note,) = [note for note in coarse.notes if "aliased" in note]
+    named = float(note.rpartition("= ")[2])
+    fine = checked_run(tmp_path, named)
+    assert not any("aliased" in note for note in fine.notes)
+    for direction, floor in zip(fine.directions, floor_newtons(fine), strict=True):
+        assert direction.balance.rms < 1.5 * floor
+    assert fine.y.balance.rms < 0.3 * coarse.y.balance.rms
+
+
+def test_a_run_that_is_told_well_enough_is_not_warned_of(coarse_run):
+    assert not any("aliased" in note for note in evaluate(read_result(coarse_run)).notes)
+
+
+SPALLED = """
+model = "reduced"
+bearing.designation = "NU206"
+operation.speed_rpm = 2950.0
+operation.radial_load_N = 3000.0
+numerics.duration_ms = 8.0
+[[spall]]
+body = "outer_ring"
+width_mm = 1.2
+"""
+
+
+def test_a_verdict_names_our_own_sampling_and_the_interval_that_resolves_it(tmp_path):
+    """Strikes in a spall: Newton's law holds for slow motion, as samples show it, and not for the strikes; the
+    interval named is right where it holds for all.
+    """
+    scene, found, interval = tmp_path / "spalled.toml", [], 5.0
+    scene.write_text(SPALLED, encoding="utf-8")
+    for _ in range(2):
+        path = tmp_path / f"{interval}.nc"
+        options = ["--set", f"numerics.output_interval_us={interval}", "--output", str(path), "--quiet"]
+        assert run_main([str(scene), *options]) == 0
+        found.append(verdict(evaluate(read_result(path))))
+        interval = float(found[0].partition("output_interval_us = ")[2].partition(" ")[0])
+    coarse, fine = found
+    assert coarse.startswith("The trajectories are sound below 10 kHz") and "samples every 5 µs do not follow" in coarse
+    assert fine.startswith("The trajectories are sound (")
+
+
+def test_a_warning_of_the_run_that_stands_in_its_file_twice_is_told_once(tmp_path, capsys):
+    path = write_result(tmp_path / "run.nc", make_run(n_times=401), warnings="one and the same\none and the same")
+    assert main([str(path), "--no-figures", "--output", str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().err.count("one and the same") == 1
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.lower().count("one and the same") == 1
+
+
+def swinging(amplitudes):
+    """A record whose hub swings by so much, m, in each of four quarters of 20 ms."""
+    time = STEP_RECORD_NOTES * np.arange(8000)
+    swing = np.repeat(amplitudes, 2000) * np.sin(2 * np.pi * 900.0 * time)
+    none = np.zeros((time.size, 13))
+    return Record(
+        name="made", source=Path("made.nc"), scene=Scene(), time=time, inner_x=swing, inner_y=0.1 * swing,
+        roller_x=none, roller_y=none,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("amplitudes", "settled"),
+    [((1, 1, 1.2, 1), 0), ((1, 3, 3.1, 3), 1), ((1, 2, 4, 4.4), 2), ((1, 2, 3, 6), None), ((1e-5, 3e-5, 1e-6, 0), 0)],
+)
+def test_the_quarter_from_which_the_hub_swings_alike(amplitudes, settled):
+    record = swinging(1e-7 * np.array(amplitudes, dtype=float))
+    found = stationarity(record, {"x": record.inner_x, "y": record.inner_y}, PASSING)
+    assert found.settled == settled
+    np.testing.assert_allclose(found.hub["x"], 1e-7 * np.array(amplitudes) / np.sqrt(2), rtol=1e-6)
+    if settled is None:
+        assert "simulate longer" in found.note
+    elif settled:
+        assert f"--start {20 * settled} leaves it out" in found.note
+    else:
+        assert found.note is None
+
+
+def test_a_record_of_few_passages_is_not_judged():
+    record = swinging(np.ones(4))
+    short = record.samples(slice(0, 1900))
+    assert stationarity(short, {}, PASSING) is None and stationarity(record, {}, 0.0) is None
+    assert stationarity(replace(record), {}, PASSING) is not None
+
+
+# What errors are compared with: the whole load, wherever it points and however it turns, or the contact forces
+
+
+TURNS = 75.0  # Hz, of the shaft
+MASS, GRAVITY = 0.078, 9.81
+LOADS = {  # lines of [operation], and the rms of the whole load, N
+    "down": ("radial_load_N = 2000.0", 2000.0 + MASS * GRAVITY),
+    "table": ('load_table = "turning.csv"\ngravity_m_s2 = 0.0', 2000.0),
+    "aside": ('load_table = "aside.csv"', np.hypot(2000.0, 20.0 + MASS * GRAVITY)),
+    "rotating": ("radial_load_N = 0.0\nrotating_load_N = 2000.0\ngravity_m_s2 = 0.0", 2000.0),
+    "unbalance": (
+        f"radial_load_N = 0.0\nunbalance_g_mm = {2000.0 / (2 * np.pi * TURNS) ** 2 * 1e6}\ngravity_m_s2 = 0.0",
+        2000.0,
+    ),
+    "weight": ("radial_load_N = 0.0\ninner_ring_and_shaft_kg = 200.0", 200.0 * GRAVITY),
+}
+
+
+def more_carried():
+    """What Palmgren's law carries more than Harris', per cent, on the approaches of an equilibrium with the latter."""
+    bearing, operation = Scene().ideal_bearing(), Scene().ideal_operation()
+    harris, palmgren = (contact_laws(name, bearing).inner for name in ("harris", "palmgren"))
+    force = static_equilibrium(bearing, operation, contact_laws("harris", bearing)).inner_force
+    down = np.cos(2.0 * np.pi / bearing.n_rollers * np.arange(bearing.n_rollers))  # roller 0 under the load
+    return 100.0 * (np.sum(palmgren.force(harris.approach(force)) * down) / np.sum(force * down) - 1.0)
+
+
+@pytest.fixture(scope="module")
+def folder_reference_force(tmp_path_factory):
+    found = tmp_path_factory.mktemp("loads")
+    time = np.linspace(0.0, 20.0, 801)  # ms
+    angle = 2e-3 * np.pi * TURNS * time
+    turning = np.column_stack([time, 2000.0 * np.cos(angle), 2000.0 * np.sin(angle)])
+    np.savetxt(found / "turning.csv", turning, "%.9f", ",", header="time_ms,x_N,y_N", comments="")
+    (found / "aside.csv").write_text("time_ms,x_N,y_N\n0,2000,-20\n20,2000,-20\n", encoding="utf-8")
+    return found
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_a_load_is_a_scale_wherever_it_points_and_however_it_turns(folder_reference_force, name, capsys):
+    """Palmgren's law misses the same share of 2000 N from any direction: the bearing is round."""
+    lines, load = LOADS[name]
+    scene, run, out = (
+        folder_reference_force / f"{name}.toml",
+        folder_reference_force / f"{name}.nc",
+        folder_reference_force / name,
+    )
+    text = f'model = "lagrange"\n[operation]\n{lines}\n[numerics]\nduration_ms = 16.0\noutput_interval_us = 5.0\n'
+    scene.write_text(text, encoding="utf-8")
+    assert run_main([str(scene), "--output", str(run), "--quiet"]) == 0
+    assert main([str(run), "--law", "palmgren", "--no-figures", "--output", str(out)]) == 0
+    printed, page = capsys.readouterr().out, (out / "report.html").read_text(encoding="utf-8")
+    assert "The trajectories are sound" in printed and "of the load" in printed
+    assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["load_N"] == pytest.approx(
+        load, rel=1e-5
+    )  # a table is joined smoothly
+    percent = float(page.partition("law palmgren carries ")[2].partition(" %")[0])
+    assert percent == pytest.approx(more_carried(), rel=0.03) and "% more than the load" in page
+
+
+def test_a_preloaded_bearing_is_judged_by_its_contact_forces(tmp_path):
+    run = make_run(n_times=401)
+    run = replace(run, scene=run.scene.model_copy(update={"operation": run.scene.operation.model_copy(
+        update={"radial_load_N": 0.0})}))  # fmt: skip
+    found = evaluate(recorded(tmp_path / "idle.nc", run))
+    assert found.record.load == pytest.approx(MASS * GRAVITY)
+    assert found.reference == (found.force.max(), "largest contact force")
+
+
+@pytest.mark.parametrize("rate", [0.0, 50.0])
+def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(tmp_path, rate):
+    """All turned by an angle, constant or growing: nothing else in the bearing has a direction."""
+    motion = roller_motion(recorded(tmp_path / "run.nc", make_run(n_times=401)))
+    motion = replace(motion, law=contact_laws("palmgren", motion.bearing).inner.force)
+    angle = 1.0 + rate * 1e-5 * np.arange(401)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = motion.load
+    turned = replace(
+        motion, inner_angle=motion.inner_angle + angle[:, None], load=(cosine * x - sine * y, sine * x + cosine * y)
+    )
+    assert turned.scale == pytest.approx(motion.scale, rel=1e-12)
+    assert replace(motion, load=(0.0 * x, 0.0 * y)).scale == 1.0
+    assert abs(motion.scale - 1.0) > 0.02  # the load matters: the law is scaled to carry it
+
+
+# Resolution and noise of a table's positions, found in them, and the error forces that they make
+
+
+MASS_POSITION_NOISE = 3.0  # kg
+
+
+@pytest.fixture(scope="module")
+def run_position_noise():
+    """Held still at an approach that carries 2000 N within 60 N: a hub that moves less than a micrometre."""
+    made = make_run(n_times=2001, amplitude=1e-9)
+    operation = made.scene.operation.model_copy(update={"inner_ring_and_shaft_kg": MASS_POSITION_NOISE})
+    return replace(made, scene=made.scene.model_copy(update={"operation": operation}))
+
+
+def disturbed(run_position_noise, change):
+    return replace(
+        run_position_noise,
+        **{name: change(getattr(run_position_noise, name)) for name in ("inner_x", "inner_y", "roller_x", "roller_y")},
+    )
+
+
+def rounded(places):
+    return np.round(places, 6)
+
+
+def noisy(run_position_noise, size):
+    rng = np.random.default_rng(5)
+    return disturbed(run_position_noise, lambda places: places + size * rng.standard_normal(places.shape))
+
+
+def checked(run_position_noise, folder, capsys, law="harris"):
+    scene, out = folder / "scene.toml", folder / "out"
+    scene.write_text(run_position_noise.scene.to_toml(), encoding="utf-8")
+    table = write_table(run_position_noise, folder / "table.csv")
+    assert main([str(table), "--scene", str(scene), "--law", law, "--no-figures", "--output", str(out)]) == 0
+    printed = capsys.readouterr()
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    return printed.out, printed.err.splitlines(), summary, evaluate(read_table(table, run_position_noise.scene), law)
+
+
+def test_positions_rounded_to_a_micrometre_blame_no_law(run_position_noise, tmp_path, capsys):
+    out, warnings, summary, found = checked(disturbed(run_position_noise, rounded), tmp_path, capsys)
+    assert "rounding to 1 µm" in warnings[0] and "residuals mean nothing" in warnings[0]
+    assert "say nothing about the contact law harris" in out and "is off by" not in out
+    assert summary["position_noise"]["rounding_step_m"] == pytest.approx(1e-6)
+    assert summary["position_noise"]["within"]
+    sentences = " ".join(interpretation(found, None))
+    assert "carries" not in sentences and "has the smallest error" not in sentences
+
+
+def test_white_noise_is_told_from_the_motion_and_its_force_is_that_of_its_second_derivative(
+    run_position_noise, tmp_path, capsys
+):
+    """Independent: the same noise, put through M d²/dt² of order 6, and the stiffness of the law at the approaches."""
+    out, warnings, summary, found = checked(noisy(run_position_noise, 1e-8), tmp_path, capsys)
+    noise = summary["position_noise"]
+    assert [*noise["hub_rms_m"].values(), noise["roller_rms_m"]] == pytest.approx([1e-8] * 3, rel=0.1)
+    weights = np.array([2, -27, 270, -490, 270, -27, 2]) / 180.0
+    inertia = MASS_POSITION_NOISE * 1e-8 * np.sqrt(np.sum(weights**2)) / 1e-10
+    assert list(noise["balance_N"].values()) == pytest.approx([inertia] * 2, rel=0.1)
+    assert [d.error.std for d in found.directions] == pytest.approx(list(noise["error_N"].values()), rel=0.1)
+    assert "noise" in warnings[0] and "say nothing about the contact law harris" in out
+    with_forces = evaluate(replace(found.record, inner_force=run_position_noise.law_force))
+    assert "the trajectories cannot be checked" in verdict(with_forces).lower()
+
+
+def test_noise_of_the_approaches_makes_a_laws_force_uncertain(run_position_noise, tmp_path):
+    """By the law itself, typed in again, at the noisy and at the exact approaches."""
+    b, pushes, moved = run_position_noise.scene.ideal_bearing(), [], noisy(run_position_noise, 1e-8)
+    for each in (run_position_noise, moved):
+        x, y = each.roller_x - each.inner_x[:, None], each.roller_y - each.inner_y[:, None]
+        away = np.hypot(x, y)
+        force = harris_force(b.inner_raceway_radius + b.roller_radius - away)
+        pushes.append(np.sum(force * np.stack([x, y]) / away, axis=2))
+    found = evaluate(read_table(write_table(moved, tmp_path / "table.csv"), run_position_noise.scene), "harris")
+    assert found.position_noise.law == pytest.approx(np.std(pushes[1] - pushes[0], axis=1), rel=0.1)
+
+
+def test_exact_positions_are_told_nothing_of_and_a_wrong_law_is_found(run_position_noise, tmp_path, capsys):
+    out, warnings, summary, _ = checked(run_position_noise, tmp_path, capsys, "johnson")
+    assert not any("positions have an error" in line for line in warnings)
+    assert "with the contact law johnson" in out
+    assert summary["position_noise"]["rounding_step_m"] < 1e-12 and not summary["position_noise"]["within"]
+
+
+def test_a_mean_beyond_the_noise_is_a_finding_still(run_position_noise, tmp_path, capsys):
+    """Noise of the inertia has no mean: what a law carries too little of the load is seen through it."""
+    _, _, _, found = checked(noisy(run_position_noise, 1e-8), tmp_path, capsys, "johnson")
+    assert found.within_noise and "johnson gives" in " ".join(interpretation(found, None))

@@ -1,10 +1,15 @@
 """Studies: the same results as run-fem, points of each method, what fails, and going on after any end."""
 
+import io
 import json
 import os
+import re
+import shutil
 import signal
+import socket
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import h5py
@@ -17,12 +22,16 @@ from scipy import stats
 from fem.commands.run_fem import run_main
 from fem.commands.run_study import study_main
 from fem.rating.answers import rating
+from fem.study.dataset import write_dataset
+from fem.study.effects import sobol_indices, table_of
 from fem.study.folder import Folder
+from fem.study.page import write_page
 from fem.study.sampling import design_of
-from fem.study.solving import checked_points
+from fem.study.solving import COMPLETE, FAILED, Solved, checked_points
 from fem.study.study_file import read_study
+from lagrange.files.output import read_sealed, write_sealed
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.small_study import BASE, GRID, many, same
+from tests.reference.small_study import BASE, GRID, TWO_SPEEDS, many, same
 from tests.waiting import GIVE_UP, wait_until
 
 
@@ -387,3 +396,532 @@ def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
     assert life[0] == 1e6 * answers["L10r_Mrev"]
     assert pressure[0] == 1e6 * answers["peak_pressure_MPa"] < pressure[1]
     assert np.isnan(moment).all()  # of a plane section
+
+
+# Studies on a cluster: a real scheduler with workers as processes of their own, some of which are killed
+
+
+pytest.importorskip("distributed")
+
+
+@pytest.fixture
+def here_cluster(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fem.study.figures.study_figures", lambda *_: [])
+    return tmp_path
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Starts a program of dask with the tests' own import path; all are ended with the test."""
+    running = []
+
+    def start(*words):
+        path = os.pathsep.join(entry for entry in sys.path if entry)
+        log = open(tmp_path / f"log-{len(running)}", "w", encoding="utf-8")
+        process = subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], stderr=log, stdout=log,
+            env={**os.environ, "PYTHONPATH": path},
+        )  # fmt: skip
+        running.append(process)
+        return process
+
+    yield start
+    for process in reversed(running):
+        process.kill()  # they hold nothing, and a worker without its scheduler waits long
+    for process in running:
+        process.wait(GIVE_UP)
+
+
+@pytest.fixture
+def scheduler_cluster(started, tmp_path):
+    """Address of a scheduler."""
+    file = tmp_path / "scheduler.json"
+    started("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file), "--host", "127.0.0.1")
+    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
+    return json.loads(file.read_text())["address"]
+
+
+def worker(started, address, *words):
+    return started("dask_worker", address, "--nthreads", "1", "--no-dashboard", *(words or ("--no-nanny",)))
+
+
+def test_two_workers_of_a_scheduler_give_what_one_process_gives(here_cluster, started, scheduler_cluster):
+    """Three programs and two points: what CI has of a cluster. The slow tests below kill and hang them."""
+    for _ in range(2):
+        worker(started, scheduler_cluster)
+    text = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'
+    Path("study.toml").write_text(text, encoding="utf-8")
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 0
+    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
+    same("studies/study/study.nc", "here/study.nc")
+
+
+def test_what_is_no_scheduler_is_named(here_cluster, monkeypatch, capsys):
+    monkeypatch.setattr("fem.study.workers.CONNECT", 0.5)
+    Path("study.toml").write_text(GRID, encoding="utf-8")
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
+        hangs = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address in ("tcp://127.0.0.1:9", hangs, "tls://127.0.0.1:9", "ucx://a", "inproc://x", "tcp://", ""):
+            assert study_main(["study.toml", "--quiet", "--scheduler", address]) == 2
+            said = capsys.readouterr().err
+            assert f"--scheduler {address}: does not answer: " in said and not said.endswith(": \n")
+    assert not Path("studies").exists()  # the study has not begun
+
+
+@pytest.mark.slow
+def test_points_of_a_killed_worker_are_solved_by_another(here_cluster, started, scheduler_cluster):
+    first, _ = worker(started, scheduler_cluster), worker(started, scheduler_cluster)
+    Path("study.toml").write_text(many(40), encoding="utf-8")
+    kept = Path("studies/study/points")
+
+    def kill():
+        wait_until(lambda: len(list(kept.glob("*.point"))) > 5)
+        first.send_signal(signal.SIGKILL)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 0
+    thread.join()
+    assert first.wait(GIVE_UP) == -signal.SIGKILL
+    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
+    same("studies/study/study.nc", "here/study.nc")
+
+
+HANGING = """
+import ctypes
+from fem.solver.rigid.state import LagrangianState
+
+def advance(state, most, real=LagrangianState.advance):
+    if state.plan.scene.operation.speed_rpm == 3000.0:
+        ctypes.PyDLL(None).sleep(3600)  # keeps even the interpreter's lock: the worker answers nobody
+    return real(state, most)
+
+LagrangianState.advance = advance
+"""
+
+
+@pytest.mark.slow
+def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
+    here_cluster, started, scheduler_cluster, monkeypatch
+):
+    monkeypatch.setattr("fem.study.workers.GRACE", 3.0)
+    Path("hanging.py").write_text(HANGING, encoding="utf-8")
+    worker(started, scheduler_cluster, "--preload", str(here_cluster / "hanging.py"))
+    Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 2.0\n", encoding="utf-8")
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 1
+    with xarray.open_dataset("studies/study/study.nc") as found:
+        hung = found.sel(speed_rpm=3000.0)
+        assert np.all(hung.status == "stopped")
+        assert all("hung in compiled code" in str(text) for text in hung.message.values.ravel())
+        assert np.all(found.drop_sel(speed_rpm=3000.0).status == "complete")
+
+
+# Folders of studies that others have made: `run-study --collect` refuses them, or leaves points out, and soon
+
+
+STUDY = TWO_SPEEDS + 'signals = ["inner_ay"]\n'
+
+
+@pytest.fixture(scope="module")
+def study_folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "s.toml").write_text(STUDY, encoding="utf-8")
+    assert study_main([str(folder / "s.toml"), "--output", str(folder / "s"), "--workers", "1", "--quiet"]) == 0
+    return folder / "s"
+
+
+FACTS = {  # what is put into study.json, and what must be told
+    "digests that lead elsewhere": ({"digests": ["../../x"] * 2}, "digests.0: String should match"),
+    "digests without points": ({"digests": ["0" * 32] * 6}, "as many digests as points"),
+    "axes that are none": ({"axes": "abc"}, "axes: "),
+    "axes that make other points": ({"axes": [[1] * 1000]}, "axes: must make the points"),
+    "keys that are none": ({"keys": [1]}, "keys.0: "),
+    "no name": ({"name": None}, "name: "),
+    "a program that is none": ({"made_by": {"a": 1}}, "made_by: "),
+    "a study of thirty thousand tables": ({"study": "a." * 30_000 + "a = 1"}, "a key of more than 50 parts"),
+    "a speed that is no number": ({"points": [[float("nan")]] * 2}, "points.0.0."),
+}
+
+
+@pytest.mark.parametrize("kind", FACTS)
+def test_a_study_that_can_not_be_is_refused(kind, study_folder, tmp_path, capsys):
+    change, words = FACTS[kind]
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    about = folder / "study.json"
+    about.write_text(json.dumps(json.loads(about.read_text(encoding="utf-8")) | change), encoding="utf-8")
+    _refused(folder, words, capsys)
+
+
+def test_a_study_that_nests_is_refused(study_folder, tmp_path, capsys):
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    (folder / "study.json").write_text("[" * 10**5, encoding="utf-8")
+    _refused(folder, "recursion limit", capsys)
+
+
+def test_a_study_in_a_pipe_is_refused(study_folder, tmp_path, capsys):
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    (folder / "study.json").unlink()
+    os.mkfifo(folder / "study.json")
+    _refused(folder, "not a plain file", capsys)
+
+
+def _refused(folder, words, capsys):
+    assert study_main(["--collect", str(folder), "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ") and words in said and len(said) < 5000, said
+
+
+def _seal(path, save, arrays):
+    archive = io.BytesIO()
+    save(archive, **arrays)
+    write_sealed(path, archive.getvalue())
+
+
+def in_a_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+POINTS = {
+    "no archive": lambda path: write_sealed(path, b"hello"),
+    "no facts": lambda path: _seal(path, np.savez, {"a": np.zeros(1)}),
+    "a pipe": in_a_pipe,
+    "another seal": lambda path: path.write_bytes(path.read_bytes()[:50]),
+}
+
+
+def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(study_folder, tmp_path, capsys):
+    """One copied under another's name is none of either's: solved anew, and missing where nothing is solved."""
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    first, second = sorted((folder / "points").iterdir())
+    shutil.copy(first, second)
+    assert study_main(["--collect", str(folder)]) == 1
+    assert "2 points: 1 complete, 1 missing" in capsys.readouterr().out
+    assert study_main([str(study_folder.parent / "s.toml"), "--output", str(folder), "--resume", "--quiet"]) == 0
+    assert first.read_bytes() != second.read_bytes()
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_a_point_that_can_not_be_is_left_out(kind, study_folder, tmp_path, capsys):
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    for path in (folder / "points").iterdir():
+        POINTS[kind](path)
+    assert study_main(["--collect", str(folder)]) == 1
+    out, error = capsys.readouterr()
+    assert "2 points: 2 missing" in out and "Traceback" not in error and "Warning" not in error
+
+
+def test_a_signal_of_another_length_is_named(study_folder, tmp_path, capsys):
+    folder = shutil.copytree(study_folder, tmp_path / "s")
+    path = min((folder / "points").iterdir())
+    with np.load(io.BytesIO(read_sealed(path))) as found:
+        _seal(path, np.savez, {"facts": found["facts"], "inner_ay": found["inner_ay"][:7]})
+    _refused(folder, "its signals have another length than those of other points", capsys)
+
+
+# Studies that can't be run: refused with exit code 2 before anything is solved, the key named
+
+
+GOOD = '[sampling]\nmethod = "grid"' + TWO_SPEEDS
+SPEED = '"operation.speed_rpm" = [1500, 3000]'
+
+
+def change(old, new):
+    assert old in GOOD
+    return GOOD.replace(old, new)
+
+
+BAD = {  # what is wrong: the study and what must be told
+    "not TOML": ("[sampling", "not valid TOML"),
+    "unknown table": (GOOD + "[kept]\n", "kept: unknown key; did you mean keep?"),
+    "unknown key of sampling": (change('method = "grid"', "metod = 1"), "sampling.metod: unknown key; did you mean"),
+    "unknown method": (change('"grid"', '"random"'), "sampling.method = 'random'"),
+    "samples of a grid": (change('"grid"', '"grid"\nsamples = 4'), "sampling: samples = 4: only for"),
+    "no samples": (change('"grid"', '"lhs"'), "sampling: samples: missing"),
+    "uneven Sobol": (change('"grid"', '"sobol"\nsamples = 100'), "samples = 100: a Sobol sequence"),
+    "indices of a hypercube": (change('"grid"', '"lhs"\nsamples = 4\nindices = true'), "indices = true: only for"),
+    "negative seed": (change('"grid"', '"lhs"\nsamples = 4\nseed = -1'), "sampling.seed = -1"),
+    "too many samples": (change('"grid"', '"lhs"\nsamples = 10000000'), "sampling.samples = 10000000"),
+    "file of a grid": (change('"grid"', '"grid"\nfile = "a.csv"'), "file: a CSV table of points"),
+    "list without a file": (change('"grid"', '"list"'), "file: a CSV table of points"),
+    "list that is missing": (change(SPEED, "").replace('"grid"', '"list"\nfile = "a.csv"'), "a.csv: can't be read"),
+    "list with parameters": (change('"grid"', '"list"\nfile = "a.csv"'), "[parameters]: with method"),
+    "no parameters": (change(SPEED, ""), "[parameters]: empty"),
+    "unknown scene key": (change(SPEED, '"operation.spede_rpm" = [1]'), "did you mean speed_rpm"),
+    "unknown scene table": (change(SPEED, '"operatin.speed_rpm" = [1]'), "did you mean operation"),
+    "a table for a key": (change(SPEED, '"operation" = [1, 2]'), "operation = 1: must be a table"),
+    "unquoted key": (change(SPEED, "operation.speed_rpm = [1]"), "dotted keys of the scene are quoted"),
+    "a plain value": (change(SPEED, '"operation.speed_rpm" = 1500'), '"operation.speed_rpm" = 1500: must be a list'),
+    "an empty list": (change(SPEED, '"operation.speed_rpm" = []'), "holds 0 values"),
+    "a value twice": (change(SPEED, '"operation.speed_rpm" = [1, 1]'), "1 is there twice"),
+    "a value that is none": (change(SPEED, '"operation.speed_rpm" = [nan]'), "nan is no value of a scene"),
+    "a list of lists": (change(SPEED, '"operation.speed_rpm" = [[1], [2]]'), "is no value of a scene"),
+    "value out of the scene's range": (change("3000]", "3e9]"), "point 1 (operation.speed_rpm = 3e+09)"),
+    "value of the wrong type": (change("3000]", '"fast"]'), "operation.speed_rpm = 'fast'"),
+    "range upside down": (change("[1500, 3000]", "{ from = 2, to = 1, count = 3 }"), "from = 2 must be below to = 1"),
+    "range without an end": (change("[1500, 3000]", "{ from = 2, count = 3 }"), '"operation.speed_rpm".to = None'),
+    "range without a count": (change("[1500, 3000]", "{ from = 1, to = 2 }"), "needs a list or a range with a count"),
+    "range of one value": (change("[1500, 3000]", "{ from = 1, to = 2, count = 1 }"), ".count = 1: must be"),
+    "range with a typo": (change("[1500, 3000]", "{ from = 1, to = 2, cuont = 5 }"), ".cuont: unknown key"),
+    "logarithm of nothing": (change("[1500, 3000]", '{ from = 0, to = 2, count = 3, scale = "log" }'), "above 0"),
+    "unknown scale": (change("[1500, 3000]", '{ from = 1, to = 2, count = 3, scale = "sqrt" }'), ".scale = 'sqrt'"),
+    "distribution of a grid": (change("[1500, 3000]", "{ normal = [1500, 5] }"), "needs a list or a range"),
+    "unknown distribution": (change("[1500, 3000]", "{ gauss = [1500, 5] }"), ".gauss: no range and no continuous"),
+    "uniform by location and scale": (change("[1500, 3000]", "{ uniform = [1, 2] }"), "write { from"),
+    "distribution of nothing": (change("[1500, 3000]", "{ normal = [1500, -5] }"), "outside the distribution"),
+    "arguments of a distribution": (change("[1500, 3000]", "{ normal = [1, 2, 3, 4] }"), "4 arguments"),
+    "two things at once": (change("[1500, 3000]", "{ normal = [1, 2], gamma = [1] }"), "must be a list"),
+    "count of a draw": (
+        change('"grid"', '"lhs"\nsamples = 4').replace("[1500, 3000]", "{ from = 1, to = 2, count = 3 }"),
+        "count is only for a grid",
+    ),
+    "lengths of a zip": (
+        change('"grid"', '"zip"').replace(SPEED, SPEED + '\n"operation.radial_load_N" = [1, 2, 3]'),
+        "needs as many values of each",
+    ),
+    "too many points": (
+        change("[1500, 3000]", "{ from = 1, to = 2, count = 9999 }").replace(
+            "[keep]", '"operation.radial_load_N" = { from = 1, to = 2, count = 9999 }\n[keep]'
+        ),
+        "99,980,001 points; at most",
+    ),
+    "unknown quantity": (change("hub_mean_y", "hub_mean_z"), "'hub_mean_z' is unknown; did you mean hub_mean_"),
+    "quantities that are no names": (change('["hub_mean_y"]', "[1, 2]"), "keep.quantities.1 = 2: "),
+    "quantity twice": (change('["hub_mean_y"]', '["hub_mean_y", "hub_mean_y"]'), "is there twice"),
+    "unknown signal": (GOOD + 'signals = ["inner_az"]', "keep.signals: 'inner_az' is no signal"),
+    "rate without signals": (GOOD + "signal_rate_kHz = 1.0", "there are no signals"),
+    "rate above the samples'": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 200.0', "samples are stored at 100"),
+    "rate of no sample": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 0.5', "keeps one of 200 samples, but"),
+    "rate next to nothing": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 1e-320', "signal_rate_kHz = 1e-320"),
+    "signals of other lengths": (
+        change(SPEED, '"numerics.duration_ms" = [1.0, 2.0]').replace('"numerics.duration_ms" = 1.0', "", 1)
+        + 'signals = ["inner_ay"]',
+        "signals must have the same length in every point",
+    ),
+    "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "a run at rest has only the quantities"),
+    "a key fixed and varied": (change("model =", '"operation.speed_rpm" = 1\nmodel ='), "stands in [fixed] and in"),
+    "no time": (GOOD + "[limits]\nseconds_per_point = 0", "limits.seconds_per_point = 0"),
+    "a scene that is missing": ('scene = "none.toml"\n' + GOOD, "none.toml: no such file"),
+    "a name that is none": ('name = "../x"\n' + GOOD, "name = '../x'"),
+    "a file of a scene": (change(SPEED, '"profile.0.file" = ["a.csv", "b.csv"]'), "files of a scene can't be varied"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_is_refused_by_its_key(kind, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text, told = BAD[kind]
+    Path("study.toml").write_text(text, encoding="utf-8")
+    assert study_main(["study.toml", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert told in said, said
+    assert "Traceback" not in said
+    assert not Path("studies").exists()
+
+
+def test_every_fault_of_the_points_is_told_with_its_point(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(change("[1500, 3000]", "[1500, -3e9, 3000, 4e9]"), encoding="utf-8")
+    assert study_main(["study.toml", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert "point 1 (" in said and "point 3 (" in said and "point 0" not in said
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "name a study file"),
+        (["study.toml", "--workers", "0"], "--workers 0"),
+        (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "its own workers"),
+        (["study.toml", "--export", "shards"], "training sets are no longer exported; study.nc holds"),
+        (["--collect", "nowhere"], "nowhere: no study"),
+        (["--collect", ".", "--resume"], "--collect solves nothing"),
+        (["study.toml", "--output", "study.toml"], "is a file, not a folder"),
+        (["study.toml", "--output", "other"], "other: not empty and no study"),
+        (["none.toml"], "none.toml: can't be read"),
+    ],
+)
+def test_unusable_options_are_refused(words, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(GOOD, encoding="utf-8")
+    Path("other").mkdir()
+    Path("other/mine.txt").write_text("mine", encoding="utf-8")
+    assert study_main([*words, "--quiet"]) == 2
+    assert told in capsys.readouterr().err
+    assert Path("other/mine.txt").read_text(encoding="utf-8") == "mine"
+
+
+# The page of a study and the numbers behind it, on points whose results are made up
+
+
+STUDY_PAGE = """
+[sampling]
+method = "{method}"
+[parameters]
+"operation.speed_rpm" = {speed}
+"operation.radial_load_N" = {load}
+"bearing.roller_length_mm" = {length}
+[keep]
+quantities = ["largest_force", "hub_mean_y"]
+"""
+GRID_PAGE = dict(method="grid", speed="[1, 2, 3]", load="[10, 20]", length="[8.0, 9.0, 10.0, 11.0]")
+DRAWN_PAGE = dict(
+    method='sobol"\nsamples = 64\nindices = true\n#"', speed="{ from = -1.0, to = 1.0 }",
+    load="{ from = 0.0, to = 1.0 }", length="{ from = 9.0, to = 11.0 }",
+)  # fmt: skip
+
+
+@pytest.fixture
+def made_up(tmp_path, monkeypatch):
+    """Gives the table of a study whose largest force is a function of speed, load and length."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(force, failed=(), **values):
+        Path("study.toml").write_text(STUDY_PAGE.format(**values), encoding="utf-8")
+        study = read_study(Path("study.toml"))
+        points = checked_points(study, design_of(study))
+        folder = Folder(path=Path("out"))
+        folder.begin(points)
+        for i, digest in enumerate(points.digests):
+            quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1e-6}
+            status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)
+            folder.add(digest, Solved(**status, seconds=0.1, quantities={} if i in failed else quantities))
+        write_dataset(points, folder)
+        return points, folder
+
+    return make
+
+
+def shares(points, folder):
+    table = table_of(points, write_dataset(points, folder))
+    return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
+
+
+def test_a_quantity_of_one_parameter_is_explained_by_it_alone(made_up):
+    found, _ = shares(*made_up(lambda speed, load, length: speed**2, **GRID_PAGE))
+    assert found["speed_rpm"] == pytest.approx(1.0)
+    assert found["radial_load_N"] == found["roller_length_mm"] == 0.0
+
+
+def test_effects_of_a_sum_share_its_variance(made_up):
+    """3 s + 0.4 l + h/2 of s = 1, 2, 3, l = 10, 20, h = 8 … 11: variances 9 · 2/3, 0.16 · 25, 0.25 · 1.25.
+
+    In a grid nothing is drawn, so no part of a small share is chance.
+    """
+    found, _ = shares(*made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load + 0.5 * length, **GRID_PAGE))
+    whole = 6.0 + 4.0 + 0.3125
+    assert found["speed_rpm"] == pytest.approx(6.0 / whole, abs=1e-12)
+    assert found["radial_load_N"] == pytest.approx(4.0 / whole, abs=1e-12)
+    assert found["roller_length_mm"] == pytest.approx(0.3125 / whole, abs=1e-12)
+
+
+def test_shares_of_drawn_points_are_less_what_chance_explains_and_the_page_says_so(made_up):
+    """Eight groups of 320 drawn points explain 7/319 of a variance that knows nothing of the parameter."""
+    rng = np.random.default_rng(3)
+    points, folder = made_up(lambda *_: rng.normal(), **DRAWN_PAGE)
+    found, _ = shares(points, folder)
+    assert max(found.values()) < 0.04
+    write_page(points, folder, write_dataset(points, folder))
+    assert "chance" in folder.page.read_text(encoding="utf-8")
+    points, folder = made_up(lambda speed, load, length: speed, **GRID_PAGE)
+    write_page(points, folder, write_dataset(points, folder))
+    assert "chance" not in folder.page.read_text(encoding="utf-8")
+
+
+def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
+    """3 x + 2 y + z + 3 x y, each even in -1 … 1: the terms have variances 3, 4/3, 1/3 and 1."""
+
+    def known(speed, load, length):
+        x, y, z = speed, 2.0 * load - 1.0, length - 10.0
+        return 3.0 * x + 2.0 * y + z + 3.0 * x * y
+
+    points, folder = made_up(known, **DRAWN_PAGE)
+    assert len(points) == 5 * 64
+    _, table = shares(points, folder)
+    found, whole = sobol_indices(table, table.quantities[0]), 3.0 + 4.0 / 3.0 + 1.0 / 3.0 + 1.0
+    assert found.first == pytest.approx(np.array([3.0, 4.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert found.total == pytest.approx(np.array([4.0, 7.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert sobol_indices(table, table.quantities[1]) is None  # it never changes
+
+
+def cells(page):
+    """Rows of all tables, each a list of texts."""
+    rows = re.findall(r"<tr>(.*?)</tr>", page.read_text(encoding="utf-8"), re.S)
+    return [re.findall(r"<t[dh]>(.*?)</t[dh]>", re.sub("</?span[^>]*>", "", row), re.S) for row in rows]
+
+
+def test_the_page_of_a_grid_has_a_line_for_each_value_and_a_table_of_points(made_up):
+    points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID_PAGE)
+    write_page(points, folder, write_dataset(points, folder))
+    text = folder.page.read_text()
+    assert "Varied: speed, radial load, roller length; 23 of 24 points are complete" in text
+    assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
+    assert re.findall('<figure id="([^"]*)"', text) == ["lines"]
+    rows = cells(folder.page)
+    assert ["mean position of the hub, y, µm", "1", "1", "23", "-"] in rows
+    assert ["point", "speed, rpm", "radial load, N", "roller length, mm", "largest force on the inner raceway, N",
+            "mean position of the hub, y, µm"] in rows  # fmt: skip
+    assert ["0", "1", "10", "8", "11", "1"] in rows and ["5", "1", "20", "9", "-", "-"] in rows
+    assert "http" not in text.split("<pre>")[0].replace("http://www.w3.org", "")
+
+
+@pytest.mark.parametrize(("speed", "length"), [("[2]", "[8.0]"), ("[1, 2, 3]", "[8.0]"), ("[1, 2, 3]", "[8.0, 9.0]")])
+def test_lines_of_a_grid_go_through_every_point(made_up, speed, length):
+    """A mean over loads would be of no bearing."""
+    from fem.study import figures
+
+    scene = GRID_PAGE | dict(speed=speed, load="[250, 500, 1000, 2000]", length=length)
+    points, folder = made_up(lambda speed, load, length: speed * load + length, **scene)
+    table = table_of(points, write_dataset(points, folder))
+    seen = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "finished", lambda figure, *_: seen.append(figure))
+        figures.study_figures(table, [])
+    (figure,) = seen
+    drawn = np.concatenate([line.get_ydata() for axis in figure.axes for line in axis.lines])
+    assert sorted(drawn) == sorted(table.quantities[0].values)
+
+
+def test_drawn_points_have_clouds_with_means_of_groups(made_up):
+    points, folder = made_up(lambda speed, load, length: speed + load, **DRAWN_PAGE)
+    write_page(points, folder, write_dataset(points, folder))
+    text = folder.page.read_text()
+    assert re.findall('<figure id="([^"]*)"', text) == ["main-effects", "heat-map", "scatter-matrix", "sobol-indices"]
+    assert ["largest force on the inner raceway", "radial load"] in [row[:2] for row in cells(folder.page)]
+
+
+def test_one_parameter_has_no_shares_and_points_that_can_not_tell_are_left_out(made_up):
+    points, folder = made_up(lambda speed, *_: 100.0 * speed, **{**GRID_PAGE, "load": "[10]", "length": "[8.0]"})
+    write_page(points, folder, write_dataset(points, folder))
+    assert ["largest force on the inner raceway, N", "100", "300", "3"] in cells(folder.page)
+    assert "variance" not in folder.page.read_text(encoding="utf-8")
+    points, folder = made_up(lambda speed, *_: np.nan if speed < 3.0 else speed, **GRID_PAGE)
+    write_page(points, folder, write_dataset(points, folder))
+    assert ["largest force on the inner raceway, N", "3", "3", "8", "-"] in cells(folder.page)
+
+
+def test_a_study_without_a_complete_point_has_a_page_too(made_up):
+    points, folder = made_up(lambda *_: 1.0, failed=range(24), **GRID_PAGE)
+    write_page(points, folder, write_dataset(points, folder))
+    assert "0 of 24 points are complete" in folder.page.read_text()
+    assert "Too few complete points" in folder.page.read_text()
+
+
+def test_an_empty_cell_is_no_value_of_its_parameter(tmp_path, monkeypatch):
+    """A point without a spall has no width, and its body is a word of its own."""
+    monkeypatch.chdir(tmp_path)
+    Path("points.csv").write_text(
+        "operation.speed_rpm,spall.0.body,spall.0.width_mm\n1000,,\n1000,outer_ring,1.0\n1000,outer_ring,2.0\n"
+    )
+    Path("study.toml").write_text('[sampling]\nmethod = "list"\nfile = "points.csv"\n')
+    study = read_study(Path("study.toml"))
+    points = checked_points(study, design_of(study))
+    assert not points.scene(0).spall and points.scene(2).spall[0].width_mm == 2.0
+    folder = Folder(path=Path("out"))
+    folder.begin(points)
+    write_dataset(points, folder)
+    body, width = table_of(points, write_dataset(points, folder)).parameters
+    with xarray.open_dataset(folder.dataset, engine="netcdf4") as dataset:
+        assert dataset.body.values.tolist() == ["", "outer_ring", "outer_ring"]
+    assert body.words == ("-", "outer_ring") and np.isnan(width.values[0]) and width.values[2] == 2.0

@@ -57,6 +57,18 @@ def whole(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="session")
+def can_draw():
+    """Skip the test on a machine that can't draw off-screen."""
+    from fem.errors import UsageError
+    from fem.pictures.drawing_process import check_rendering
+
+    try:
+        check_rendering()
+    except UsageError as error:
+        pytest.skip(f"no off-screen rendering here: {error}")
+
+
 @pytest.fixture
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""

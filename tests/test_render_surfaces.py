@@ -106,8 +106,9 @@ def test_an_unequal_roller_is_named(instant, drawn):
 
 
 @pytest.mark.parametrize("view", ["close-up", pytest.param("bearing", marks=pytest.mark.slow)])
-def test_faults_are_seen(run, view):
+def test_faults_are_seen(can_draw, run, view):
     from fem.pictures.render import Renderer
 
-    image = Renderer(run, Request(view=view, width=640, roller=3), [0]).image(0)
+    with Renderer(run, Request(view=view, width=640, roller=3), [0]) as renderer:
+        image = renderer.image(0)
     assert np.count_nonzero(np.abs(image.astype(int) - ORANGE).max(axis=-1) < 40) > (200 if view == "bearing" else 3)

@@ -86,7 +86,7 @@ def _render(
 
     load_matplotlib()
     from fem.pictures.recover import StoredRun
-    from fem.pictures.render import refuse_foreign
+    from fem.pictures.target import refuse_foreign
 
     stored = StoredRun(run if run is not None else _newest())
     target = output or animation or export or stored.path.with_suffix(".png")
@@ -105,7 +105,10 @@ def _render(
         return _export(stored, export, samples, quiet)
     if view == "axial":
         return _axial(stored, target, animation, samples[0])
+    from fem.pictures.drawing_process import check_rendering
     from fem.pictures.look import Request
+
+    check_rendering()
 
     request = Request(
         view=view,
@@ -182,7 +185,8 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
     from fem.commands.progress import count_display
-    from fem.pictures.render import Renderer, write_film
+    from fem.pictures.film import write_film
+    from fem.pictures.render import Renderer
 
     shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * shown) if shown > 0.0 else inf

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
-from fem.pictures.render import MARK
+from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
 from lagrange.axial.pressure import SHARP, borne, profile_ends
 from lagrange.contact.hertz import contact_pairs

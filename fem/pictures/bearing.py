@@ -14,8 +14,11 @@ from fem.pictures.canvas import (
     Panel,
     View,
     arrow,
+    cells,
+    circle,
     disc,
     line,
+    polygon,
     ring,
     segments,
     strip,
@@ -24,6 +27,7 @@ from fem.pictures.canvas import (
 from fem.pictures.legend import ORBIT_DOT, draw_legend, orbit_view
 from fem.pictures.look import Look
 from fem.pictures.recover import Instant
+from fem.pictures.stress_below import FIRST_ROLLER
 from fem.pictures.surfaces import Drawing, charts, holes, unequal_rollers
 
 BAR = 0.34  # of a roller's radius: half a bar's width across the pitch circle
@@ -85,6 +89,7 @@ HOUSING_RADIUS, THINNEST_HOUSING = 1.09, 0.01
 OUTSIDE = 3  # of a drawn bearing's circles
 OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown
 ARROW_WIDTH = 0.017
+ROLLERS_ABOVE = 0.01
 NAME = 18.0  # pixels of a page 1600 wide
 MARK = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 
@@ -126,7 +131,7 @@ def _housing(whole: _Whole) -> None:
         start, end = look.load_zone
         end += 2.0 * np.pi * (end < start)
         page.fill(ring(inside, HOUSING_RADIUS, -0.02, start, end), LOAD_ZONE)
-    page.stroke(disc((0.0, 0.0), HOUSING_RADIUS, -0.01), FAINT, OUTLINE)
+    page.stroke(circle((0.0, 0.0), HOUSING_RADIUS, -0.01), FAINT, OUTLINE)
     middle = 0.5 * (max(inside + 0.01, 1.0) + HOUSING_RADIUS)
     for j, centre in enumerate(whole.drawn.roller_reference):
         x, y = middle * centre / np.hypot(*centre)
@@ -137,10 +142,9 @@ def _bodies(whole: _Whole) -> None:
     page, drawn, magnification, scale = whole.page, whole.drawn, whole.magnification, whole.scale
     colours = whole.look.scale
     fine = drawn.refined(FINEST * PIXEL / scale, COARSEST / scale, RELATIVE)
-    # rollers last: where one lies in a spall, magnified, it overlaps the ring
-    triangles = fine.triangles[np.argsort(fine.body[fine.triangles[:, 0]], kind="stable")]
-    values = colours.values(fine)
-    page.field(scale * fine.points(magnification), triangles, values, colours.norm, colours.colours)
+    height = ROLLERS_ABOVE * (fine.body >= FIRST_ROLLER)  # where one lies in a spall, magnified, it overlaps the ring
+    bodies = cells(scale * fine.points(magnification), fine.triangles, height)
+    page.field(bodies, colours.values(fine), colours.limits, colours.colours)
     if drawn.spacing > FINEST_WIRES * PIXEL / scale:
         wires = segments(scale * drawn.points(magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
@@ -150,7 +154,7 @@ def _bodies(whole: _Whole) -> None:
 def _cage(whole: _Whole) -> None:
     found = [whole.scale * outline for outline in bars(whole.instant)]
     if found:
-        whole.page.fill([line(outline, BEHIND) for outline in found], CAGE)
+        whole.page.fill([polygon(outline, BEHIND) for outline in found], CAGE)
         whole.page.stroke([line(np.concatenate([outline, outline[:1]]), BEHIND) for outline in found], INK, OUTLINE)
 
 
@@ -166,7 +170,7 @@ def _surfaces(whole: _Whole) -> None:
         page.stroke(line(scale * chart.curve, 0.115), FAULT, 2.5)
         names.append((chart.name, chart.place))
     for roller, name in unequal_rollers(whole):
-        page.stroke(disc(scale * roller.centre, scale * roller.radius, 0.115), FAULT, 4.0)
+        page.stroke(circle(scale * roller.centre, scale * roller.radius, 0.115), FAULT, 4.0)
         names.append((name, roller.name_place))
     for name, place in names:
         page.text(name, *(scale * place), NAME, backed=True, align="center")
@@ -196,7 +200,7 @@ def _shaft(whole: _Whole) -> None:
     hub, bore = whole.scale * whole.hub, whole.scale * whole.bearing.core_radius
     size = min(27.0, 75.0 * bore)
     page.fill(disc(hub, bore, 0.05), SHAFT)
-    page.stroke(disc(hub, bore, 0.06), INK, OUTLINE)
+    page.stroke(circle(hub, bore, 0.06), INK, OUTLINE)
     arm = 0.16 * bore
     page.stroke(
         [line(np.array([[-arm, 0.0], [arm, 0.0]]), 0.2), line(np.array([[0.0, -arm], [0.0, arm]]), 0.2)], FAINT, 1.5
@@ -224,9 +228,8 @@ def _forces(whole: _Whole) -> None:
             if np.hypot(*vector) >= 0.5 * ARROW_WIDTH:
                 arrows.append((start, start + vector))
     if arrows:
-        shapes = [arrow(*ends, ARROW_WIDTH, 0.41) for ends in arrows]
-        whole.page.stroke(shapes, "white", 0.5 * ARROW_WIDTH / PIXEL)
-        whole.page.fill(shapes, FORCE)
+        whole.page.fill([arrow(*ends, ARROW_WIDTH, 0.40, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
+        whole.page.fill([arrow(*ends, ARROW_WIDTH, 0.41) for ends in arrows], FORCE)
 
 
 def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:

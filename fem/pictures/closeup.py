@@ -11,10 +11,11 @@ import numpy as np
 
 from fem.elastic.bodies import max_shear
 from fem.pictures.bodies import DrawnBearing
-from fem.pictures.canvas import ASPECT, FAULT, INK, Canvas, Panel, View, border, line, segments, strip
+from fem.pictures.canvas import ASPECT, FAULT, INK, Canvas, Panel, View, border, cells, line, segments, strip
 from fem.pictures.legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed
-from fem.pictures.look import Look, Scale
+from fem.pictures.look import Look
 from fem.pictures.recover import Instant
+from fem.pictures.scale import Scale
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, hertz_stress
 from fem.pictures.surfaces import Drawing, holes
 from fem.solver.frames import rotated
@@ -156,7 +157,7 @@ class _Roller(Drawing):
     def show(self, panel: Panel, fine: DrawnBearing, scale: Scale, origin: np.ndarray, unit: float) -> None:
         """Coloured bodies and their outlines."""
         points = self.placed(fine.points(self.magnification), origin, unit)
-        panel.field(points, fine.triangles, scale.values(fine), scale.norm, scale.colours)
+        panel.field(cells(points, fine.triangles, 0.0), scale.values(fine), scale.limits, scale.colours)
         outlines = [line(self.placed(o, origin, unit), 0.1) for o in self.drawn.outlines(self.magnification)]
         panel.stroke(outlines, INK, OUTLINE)
         margin = OUTLINE * unit * panel.view.tall / (1200.0 * (panel.view.top - panel.view.bottom))

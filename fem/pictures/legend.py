@@ -4,9 +4,10 @@ from math import pi
 
 import numpy as np
 
-from fem.pictures.canvas import INK, Canvas, Panel, View, arrow, bar, border, disc, line
-from fem.pictures.look import Look, Scale, rounded_down
+from fem.pictures.canvas import INK, Canvas, Panel, View, arrow, bar, border, cells, disc, frame, line
+from fem.pictures.look import Look
 from fem.pictures.recover import Instant
+from fem.pictures.scale import Scale, rounded_down
 from fem.pictures.surfaces import chart_factor
 from lagrange.load_history import load_share
 from lagrange.scene.operation import RPM
@@ -105,7 +106,22 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
 
 def draw_scale(page: Panel, scale: Scale, x: float, bottom: float, top: float, width: float) -> None:
     """The colour bar with its ticks."""
-    page.scale(scale.norm, scale.colours, scale.ticks(), (x, bottom), width, top - bottom, TEXT)
+    unit = 0.0005 * page.view.tall
+    n = 65
+    y = np.linspace(bottom, top, n)
+    points = np.concatenate([np.column_stack([np.full(n, at), y]) for at in (x, x + width)])
+    k = np.arange(n - 1)
+    low, high = scale.limits
+    page.field(
+        cells(points, np.column_stack([k, n + k, n + k + 1, k + 1]), 0.0),
+        np.tile(np.linspace(low, high, n), 2), scale.limits, scale.colours,
+    )  # fmt: skip
+    page.stroke(frame((x, bottom), width, top - bottom, 0.1), QUIET, 1.2)
+    ticks = scale.ticks()
+    at = [bottom + share * (top - bottom) for share, _ in ticks]
+    page.stroke([line(np.array([(x + width, y), (x + width + 15 * unit, y)]), 0.1) for y in at], QUIET, 1.2)
+    for y, (_, label) in zip(at, ticks, strict=True):
+        page.text(label, x + width + 30 * unit, y, TEXT)
 
 
 def scale_notes(instant: Instant, scale: Scale) -> list[str]:

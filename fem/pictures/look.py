@@ -1,85 +1,17 @@
-"""How a picture, or every frame of a film, is drawn: what is asked for, its colours and scales."""
+"""How a picture, or every frame of a film, is drawn: what is asked for, and the scales that follow from the run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import floor, log10
 from typing import Literal
 
 import numpy as np
-from matplotlib.colors import LogNorm, Normalize
-from matplotlib.ticker import LogLocator, MaxNLocator
 
-from fem.elastic.bodies import max_shear, von_mises
 from fem.errors import UsageError
-from fem.pictures.bodies import DrawnBearing, body_motions
+from fem.pictures.bodies import body_motions
 from fem.pictures.recover import StoredRun
+from fem.pictures.scale import Field, Scale, rounded_down
 from fem.pictures.stress_below import LARGEST_SHEAR
-
-Field = Literal["von-mises", "max-shear", "displacement"]
-FIELDS = {  # title, unit, its size in SI, colours, fit for colour-blind eyes
-    "von-mises": ("Von Mises stress", "MPa", 1e6, "viridis"),
-    "max-shear": ("Max. shear stress", "MPa", 1e6, "viridis"),
-    "displacement": ("Displacement", "µm", 1e-6, "cividis"),
-}
-FAINTEST = 1.0 / 500.0  # of the end of a logarithmic scale
-ROUND = MaxNLocator(5, steps=[1, 2, 2.5, 5, 10])  # intervals of a linear scale
-ROUND_TIMES = LogLocator(subs=(1.0, 2.0, 5.0))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scale:
-    """From a quantity in its unit to colours, up to a round number."""
-
-    field: Field
-    largest: float  # Pa or m, that must be on it
-    logarithmic: bool
-
-    @property
-    def title(self) -> str:
-        return FIELDS[self.field][0]
-
-    @property
-    def unit(self) -> str:
-        return FIELDS[self.field][1]
-
-    @property
-    def colours(self) -> str:
-        return FIELDS[self.field][3]
-
-    @property
-    def end(self) -> float:
-        """In its unit."""
-        return float(ROUND.tick_values(0.0, self.largest / FIELDS[self.field][2] or 1.0)[-1])
-
-    @property
-    def norm(self) -> Normalize:
-        """From its unit to the colour map."""
-        return LogNorm(FAINTEST * self.end, self.end, clip=True) if self.logarithmic else Normalize(0.0, self.end)
-
-    def values(self, drawn: DrawnBearing) -> np.ndarray:
-        """The nodes' values, in its unit."""
-        return quantity(self.field, drawn) / FIELDS[self.field][2]
-
-    def ticks(self) -> list[float]:
-        """Values to be labelled."""
-        low = FAINTEST * self.end if self.logarithmic else 0.0
-        values = (ROUND_TIMES if self.logarithmic else ROUND).tick_values(low, self.end)
-        return [float(value) for value in values if low * (1.0 - 1e-9) <= value <= self.end * (1.0 + 1e-9)]
-
-
-def quantity(field: Field, drawn: DrawnBearing) -> np.ndarray:
-    """Nodal values, Pa or m."""
-    if field == "displacement":
-        return np.hypot(*drawn.motion.T)
-    stress = drawn.stress()
-    return von_mises(stress, drawn.poisson_ratio) if field == "von-mises" else max_shear(stress)
-
-
-def rounded_down(value: float, steps: tuple[float, ...] = (1.0, 2.0, 5.0, 10.0)) -> float:
-    """The largest step times a power of ten that is not above a value > 0."""
-    decade = 10.0 ** floor(log10(value))
-    return decade * max(step for step in steps if step * decade <= value * (1.0 + 1e-12))
-
+from lagrange import Bearing
 
 LARGEST_SHARE = 0.03  # of the outside radius: the largest displacement as drawn
 STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # round magnifications, times a power of ten
@@ -129,20 +61,20 @@ def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: 
     some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
     motions = (motion for k in some for motion in body_motions(run.instant(samples[k])))
     displacement = max(float(np.hypot(*motion.T).max()) for motion in motions)
-    model, bearing = run.model, run.model.bearing
+    model = run.model
     half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
     scale, contact_scale = _scales(request, run, largest, displacement)
     magnification = request.magnification
     if magnification is None:
-        close = request.view == "close-up"
-        magnification = 1.0 if close else chosen_magnification(displacement, bearing.outside_radius)
+        outside = model.bearing.outside_radius
+        magnification = 1.0 if request.view == "close-up" else chosen_magnification(displacement, outside)
     orbit = 1e6 * run.orbit[:: max(1, len(run.orbit) // MOST_ORBIT_POINTS)]
     return Look(
         scale=scale,
         contact_scale=contact_scale,
         magnification=magnification,
         largest_force=largest,
-        arrow_length=LONGEST_ARROW * bearing.roller_radius / bearing.outside_radius / largest if largest > 0.0 else 0.0,
+        arrow_length=_arrow_length(model.bearing, largest),
         orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None,
         load_zone=run.load_zone,
         roller=_roller(request, forces),
@@ -169,6 +101,10 @@ def _scales(request: Request, run: StoredRun, force: float, displacement: float)
     largest = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
     of_body, of_contacts = (Scale(field=field, largest=largest, logarithmic=each) for each in (True, False))
     return of_body, of_contacts
+
+
+def _arrow_length(bearing: Bearing, largest: float) -> float:
+    return LONGEST_ARROW * bearing.roller_radius / bearing.outside_radius / largest if largest > 0.0 else 0.0
 
 
 def chosen_magnification(largest: float, outside_radius: float) -> float:

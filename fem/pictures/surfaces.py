@@ -13,8 +13,8 @@ from math import asin, pi
 import numpy as np
 
 from fem.pictures.bodies import DrawnBearing
-from fem.pictures.look import rounded_down
 from fem.pictures.recover import Instant
+from fem.pictures.scale import rounded_down
 from lagrange.bearing import Bearing
 from lagrange.surface.deviation import Profiles, profiles
 from lagrange.surface.edges import outline
@@ -133,8 +133,8 @@ def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
         angle = spall.angle + half * np.linspace(-1.0, 1.0, HOLE_POINTS)
         if as_reached:
             depth = _sinkage(profiles(replace(bearing, faults=(spall,))), spall.body, spall.roller, angle)
-            most, deepest = min(DEEPEST * circle.thickness, STEEPEST * spall.width), float(depth.max())
-            factor = factor if factor * deepest <= most else rounded_down(most / deepest)
+            most = min(DEEPEST * circle.thickness, STEEPEST * spall.width)
+            factor = _hole_factor(factor, float(depth.max()), most)
         else:
             at, below = outline(spall, spall.half_opening(bearing.roller_radius))
             order = np.argsort(at, kind="stable")
@@ -153,6 +153,11 @@ def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
             )
         )
     return found
+
+
+def _hole_factor(magnification: float, deepest: float, most: float) -> float:
+    """How often a hole is magnified: as displacements are, or a round factor that draws it `most` deep or less, m."""
+    return magnification if magnification * deepest <= most else rounded_down(most / deepest)
 
 
 def charts(drawing: Drawing) -> list[Chart]:

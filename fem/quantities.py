@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.run_summary import LOADED, load_zone
-from lagrange import kinematics
-from lagrange.kinematics import Kinematics
+from lagrange.kinematics import Kinematics, kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
 

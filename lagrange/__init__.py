@@ -22,12 +22,23 @@ Example, the loads of the paper's rollers at rest:
 Everything but `scene` (which validates with pydantic) and `files.pages` (jinja) needs numpy and scipy only.
 """
 
-from lagrange.bearing import BallBearing, Bearing, Material, Operation
-from lagrange.contact.laws import ContactLaws, contact_laws
-from lagrange.first_state import Problem
-from lagrange.kinematics import Kinematics, kinematics
-from lagrange.statics import Statics, static_equilibrium
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from lagrange.bearing import BallBearing, Bearing, Material, Operation
+    from lagrange.contact.laws import ContactLaws, contact_laws
+    from lagrange.first_state import Problem
+    from lagrange.kinematics import Kinematics
+    from lagrange.statics import Statics, static_equilibrium
+
+HOMES = {
+    "bearing": ("BallBearing", "Bearing", "Material", "Operation"),
+    "contact.laws": ("ContactLaws", "contact_laws"),
+    "first_state": ("Problem",),
+    "kinematics": ("Kinematics",),
+    "statics": ("Statics", "static_equilibrium"),
+}
 __all__ = [
     "BallBearing",
     "Bearing",
@@ -38,6 +49,13 @@ __all__ = [
     "Problem",
     "Statics",
     "contact_laws",
-    "kinematics",
     "static_equilibrium",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """A name from its module when it is asked for: commands that only print their help load no numpy."""
+    for home, names in HOMES.items():
+        if name in names:
+            return getattr(import_module(f"lagrange.{home}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

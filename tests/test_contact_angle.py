@@ -12,8 +12,9 @@ from fem.commands.run_fem import run_main
 from fem.interface import statics
 from fem.rating.answers import rating
 from fem.rating.case import Case, Options
-from lagrange import contact_laws, kinematics
+from lagrange import contact_laws
 from lagrange.contact.hertz import contact_pairs, raceway_curvature
+from lagrange.kinematics import kinematics
 from lagrange.rating.life import Dimensions, capacity_factor, dynamic_capacity, static_capacity
 from lagrange.rating.reference_life import reference_life
 from lagrange.scene.faults import SceneError

@@ -14,9 +14,10 @@ from fem.elastic.outer_support import bored_ring
 from fem.interface import rating
 from fem.rating.report import write_page
 from fem.statics.reduced_bearing import reduced_bearing
-from lagrange import BallBearing, Material, kinematics
+from lagrange import BallBearing, Material
 from lagrange.bearing import Bearing
 from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clearance, spinning_growth
+from lagrange.kinematics import kinematics
 from lagrange.mounting import Bore
 from lagrange.rating.life import Dimensions, dynamic_capacity
 from lagrange.scene.fit import FitTable

@@ -15,8 +15,8 @@ from fem.rating.case import Case, Options
 from fem.statics.exact_statics import couplings_at, crossings_at, exact_statics
 from fem.statics.reduced_bearing import neighbours_of, reduced_bearing
 from fem.study.parameters import read_parameter
-from lagrange import contact_laws, kinematics
-from lagrange.kinematics import roller_angles
+from lagrange import contact_laws
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.rating.life import Dimensions
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import SceneError

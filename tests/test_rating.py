@@ -12,7 +12,7 @@ from fem.rating.elastic import elastic_pitch
 from fem.rating.ross import coefficients
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.reduced_bearing import reduced_bearing
-from lagrange import contact_laws, kinematics
+from lagrange import contact_laws
 from lagrange.axial.facts import logarithmic_drop
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
@@ -26,7 +26,7 @@ from lagrange.contact.hertz import (
     stress_below,
 )
 from lagrange.first_state import equilibrium_state
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.rating.friction import caged_cylinders, conductance, palmgren_torque, power_loss, skf_torque
 from lagrange.rating.life import (
     Basic,

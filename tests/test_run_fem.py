@@ -23,10 +23,10 @@ from fem.solver.rigid.lagrangian import Judge
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from fem.solver.warnings import of_scene
-from lagrange import kinematics
 from lagrange.columns import columns_of
 from lagrange.contact.hertz import contact_ellipse, contact_pairs, raceway_curvature
 from lagrange.equations import THROUGH, farthest_place
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result

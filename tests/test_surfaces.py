@@ -17,11 +17,12 @@ from fem.statics.contact_balance import Loads, geometry
 from fem.statics.equilibrium import equilibrium, static_error
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import contact_laws as contact_laws_crossing_forces
-from lagrange import kinematics, static_equilibrium
+from lagrange import static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ball_law, contact_laws
 from lagrange.first_state import Problem
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from lagrange.statics import static_equilibrium as static_equilibrium_crossing_forces
 from lagrange.surface.deviation import Turns, profiles

@@ -52,8 +52,8 @@ from fem.solver.simulate import run as run_spread
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from lagrange import Material, contact_laws, kinematics
-from lagrange.kinematics import roller_angles
+from lagrange import Material, contact_laws
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from meshes import Disc
 from tests.reference.bearings import (

@@ -10,10 +10,10 @@ from scipy.integrate import solve_bvp
 from fem.commands.run_fem import run_main
 from fem.interface import simulate as run
 from fem.runner import RunOptions, run_scene
-from lagrange import contact_laws, kinematics, static_equilibrium
+from lagrange import contact_laws, static_equilibrium
 from lagrange.first_state import Problem
 from lagrange.fits import outer_growth
-from lagrange.kinematics import OUTER_RING, turned
+from lagrange.kinematics import OUTER_RING, kinematics, turned
 from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns

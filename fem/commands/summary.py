@@ -14,8 +14,8 @@ from fem.result.layout import bytes_of_a_sample, variables_of
 from fem.run_summary import run_summary
 from fem.solver.compiling import CompiledPlan
 from fem.solver.solver import Plan, RunState
-from lagrange import Bearing, kinematics
-from lagrange.kinematics import mean_kinematics
+from lagrange import Bearing
+from lagrange.kinematics import kinematics, mean_kinematics
 from lagrange.messages import engineering, shown
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.cage import default_cage

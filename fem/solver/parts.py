@@ -24,11 +24,12 @@ from fem.kernels.state import (
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.samples import row_places, row_width
-from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
+from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting, Sensor
 from lagrange.surface.deviation import Profile, profiles
 from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias

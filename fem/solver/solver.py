@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Bearing, Operation
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.faults import Spall
 

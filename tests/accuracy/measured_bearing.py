@@ -19,7 +19,7 @@ import numpy as np
 from scipy.signal import decimate
 
 from fem.solver.simulate import make_plan
-from lagrange import kinematics
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, read_scene
 from residual.spectrum import kinematic_lines
 from residual.vibration import Vibration, vibration

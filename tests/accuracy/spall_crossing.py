@@ -17,8 +17,7 @@ from cyclopts import App
 
 from fem.interface import Scene, simulate
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from lagrange import kinematics
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.surface.faults import Spall
 from tests.measurements import markdown_table, publish
 from tests.reference.resolved_bodies import FINE, Fineness

@@ -19,8 +19,9 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
-from lagrange import contact_laws, kinematics, static_equilibrium
+from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.hertz import contact_pairs
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import softened

@@ -7,7 +7,8 @@ import numpy as np
 from fem.contacts.model import standing
 from fem.contacts.points import POINTS_PER_NODE
 from fem.contacts.resolved import ResolvedModel
-from lagrange import Bearing, Material, kinematics
+from lagrange import Bearing, Material
+from lagrange.kinematics import kinematics
 from tests.reference.contact_pressures import Pressures, contact_pressures
 from tests.reference.line_contact import half_width
 from tests.verification.case import Case, Check, Origin

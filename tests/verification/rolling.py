@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from fem.kernels.state import INNER
 from fem.solver.elements.plan import ElementPlan
-from lagrange import kinematics
+from lagrange.kinematics import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.line_contact import carter_creep, half_width
 from tests.verification.case import Case, Check, Origin

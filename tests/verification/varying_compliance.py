@@ -6,7 +6,8 @@ from math import pi
 import numpy as np
 
 from fem.statics.exact_statics import exact_statics
-from lagrange import contact_laws, kinematics, static_equilibrium
+from lagrange import contact_laws, static_equilibrium
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import read_scene
 from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
 from tests.verification.case import Case, Check, Origin

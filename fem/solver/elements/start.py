@@ -10,9 +10,9 @@ from fem.elastic.outer_support import BoredRing
 from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
 from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
 from fem.statics.exact_statics import exact_contacts
-from lagrange import Kinematics, Operation, kinematics
+from lagrange import Kinematics, Operation
 from lagrange.first_state import places_moving, tilts_moving
-from lagrange.kinematics import roller_angles, turned
+from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import HubTilt, Tilts
 

@@ -19,10 +19,11 @@ from fem.solver.rigid import start as rigid_start
 from fem.solver.rigid.start import MOVING, narrow_slices
 from fem.statics.equilibrium import Equilibrium
 from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Bearing, Operation
 from lagrange.axial import Axial
 from lagrange.axial.slices import MORE, steepest_slope
 from lagrange.bearing import Cage
+from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import Tilts, hub_tilt
 

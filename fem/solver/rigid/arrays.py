@@ -35,12 +35,12 @@ from fem.solver.parts import (
 from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.samples import row_width
 from fem.statics.reduced_bearing import ReducedBearing, neighbours_of
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw
-from lagrange.kinematics import kinematics_met
+from lagrange.kinematics import kinematics, kinematics_met
 from lagrange.surface.deviation import profiles
 
 STILL = np.zeros(2)

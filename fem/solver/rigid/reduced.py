@@ -38,12 +38,12 @@ from fem.statics.reduced_bearing import (
     tangential_compliance,
     unseen_waves,
 )
-from lagrange import Operation, kinematics
+from lagrange import Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.slices import MORE
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
-from lagrange.kinematics import fastest_kinematics, kinematics_met
+from lagrange.kinematics import fastest_kinematics, kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
 from lagrange.step_size import fastest_in_machine

@@ -24,14 +24,14 @@ from fem.statics.contact_balance import (
     standing_ring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
-from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.slices import steepest_slope
 from lagrange.contact.hertz import contact_pairs
 from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
-from lagrange.kinematics import roller_angles, turned
+from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED, Turns

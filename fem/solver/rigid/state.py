@@ -32,14 +32,14 @@ from fem.solver.row_state import RowState, changing_arrays
 from fem.solver.samples import SampleReader, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
 from fem.solver.validity import add_samples, law_warning, no_sums, vibration_warning
-from lagrange import Bearing, kinematics
+from lagrange import Bearing
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
 from lagrange.axial.slices import steepest_slope
 from lagrange.equations import THROUGH, touching_distances
 from lagrange.first_state import Problem
 from lagrange.fits import growths, outer_growth
-from lagrange.kinematics import turned
+from lagrange.kinematics import kinematics, turned
 from lagrange.motion import State, StatedDampers, contact_state, hub_equations, rotation_energy
 from lagrange.mounting import from_outer_ring
 from lagrange.step_size import expected_force

@@ -52,3 +52,24 @@ def test_dampers_of_elastic_bodies_keep_lumped_masses():
     coarse = ("numerics.mesh_size_mm=3", "numerics.duration_ms=1")
     assert make_plan(read_scene(None, coarse)).mass is not LUMPED
     assert make_plan(read_scene(None, (*coarse, "damping.contact_time_us=12.5"))).mass is LUMPED
+
+
+def test_a_law_that_time_loops_can_not_compile_ends_in_a_sentence(monkeypatch):
+    """In place of a thousand lines of numba's."""
+    from fem.kernels.jit import kernel, part
+    from fem.solver.simulate import make_plan
+    from lagrange.errors import RunFailed
+
+    @part
+    def law(stiffness):
+        return np.quantile(stiffness)
+
+    @kernel
+    def loop(stiffness):
+        return law(stiffness)
+
+    plan = make_plan(read_scene(None, ("model=lagrange", "numerics.duration_ms=1")))
+    monkeypatch.setattr(type(plan), "first_state", lambda plan: loop(1.0))
+    with pytest.raises(RunFailed, match=r"does not compile: .*quantile.*test_damping.py") as caught:
+        plan.prepare()
+    assert len(str(caught.value)) < 400

@@ -9,6 +9,7 @@ import gc
 import hashlib
 import json
 import os
+import re
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,6 +19,7 @@ from statistics import median
 
 from fem.kernels import kernel_folder
 from fem.solver.solver import Plan, RunState
+from lagrange.errors import RunFailed
 from lagrange.files.input import read_plain, user_cache
 from lagrange.files.output import write_whole
 from lagrange.messages import said_if_long
@@ -88,7 +90,17 @@ def _key(model: str) -> str:
 
 
 PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
+CAUSE = re.compile(r"No implementation|Unknown attribute|Untyped global|Cannot |Invalid use|Unsupported")
 COMPILING = "compiling the time loop, once for such bodies and contacts: "
+
+
+def _cause(error: Exception) -> str:
+    """What numba can't compile, and where, of the thousand lines in which it says so: the innermost ones."""
+    lines = [line for line in re.sub(r"\x1b\[\d*m", "", str(error)).splitlines() if line.strip()]
+    inner = max(len(line) - len(line.lstrip()) for line in lines if CAUSE.search(line))
+    first = next(i for i, line in enumerate(lines) if CAUSE.search(line) and len(line) - len(line.lstrip()) == inner)
+    place = next((line.strip().rstrip(":") for line in lines[first:] if line.strip().startswith("File ")), "")
+    return f"{lines[first].strip()} ({place})"
 
 
 class CompiledPlan(Plan):
@@ -110,6 +122,7 @@ class CompiledPlan(Plan):
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
         """Compile the time loop, or load it compiled, without taking a step."""
+        from numba.core.errors import TypingError
         from numba.core.event import install_recorder
 
         collecting, began = gc.isenabled(), time.process_time()
@@ -119,6 +132,8 @@ class CompiledPlan(Plan):
             with said_if_long(PATIENCE, long, tell), install_recorder("numba:compile") as new:
                 state = self.first_state()
                 state.take_steps(0)
+        except TypingError as error:
+            raise RunFailed(f"the time loop does not compile: {_cause(error)}") from error
         finally:
             if collecting:
                 gc.enable()

@@ -276,9 +276,9 @@ def test_the_plan_prints_the_cage_and_a_run_whether_it_slips_or_rollers_coast(tm
         return lines[0].partition(":")[2].strip()
 
     assert line("cage", "--dry-run").startswith("5.71 g, guided by the outer ring with 0.0465 mm, pocket clearance 0.0")
-    assert line("cage", *none, "--dry-run") == "none: rollers coast where they are not loaded"
+    assert line("cage", *none, "--dry-run") == "none: unloaded rollers coast"
     assert "slip" in line("cage", *long) and line("cage", *short).endswith(" Hz")
-    assert "% slower than rolling: no cage, rollers coast" in line("roller orbit", *long, *none)
+    assert "% slower than pure rolling (no cage: rollers coast)" in line("roller orbit", *long, *none)
     assert line("roller orbit", *short, *none).endswith(" Hz")
 
 

@@ -203,7 +203,7 @@ def test_a_signal_is_heard_within_a_sample_of_minutes(number, tmp_path):
     finally:
         process.kill()
     assert process.returncode == 128 + number, error
-    assert error.startswith("interrupted at 0.000 ms; 0 samples are in") and "--resume goes on" in error
+    assert error.startswith("interrupted at 0.000 ms; 0 samples are in") and "the same command with --resume" in error
     with h5py.File(path) as file:
         assert file.attrs["status"] == "interrupted"
     assert checkpoint_path(path).is_file()

@@ -102,7 +102,7 @@ def test_a_clearance_is_another_way_to_give_the_outer_raceway():
         (["clearance_um=-300"], "preload"),
         (["clearance_um=3000"], "too large"),
         (["clearance_um=wide"], "bearing.clearance_um = 'wide'"),
-        (["designation=NU402"], "of another bearing leave it out and give rollers, roller_diameter_mm"),
+        (["designation=NU402"], "for another bearing leave it out and give rollers, roller_diameter_mm"),
         (["designation=NU206", "type=ball"], "'NU206': not with type = \"ball\""),
         (["designation='6205'", "type=roller"], "'6205': not with type = \"roller\""),
     ],

@@ -412,7 +412,7 @@ REFUSED = {
     "which": ({"law": "power"}, None, "needs contact_stiffness_N_per_m_n = "),
     "half of it": ({"contact_stiffness_N_per_m_n": [1e9, 1e9]}, None, "give both, or neither"),
     "of one raceway": ({"contact_stiffness_N_per_m_n": [1e9], "contact_exponent": 1.1}, None, "at least 2 items"),
-    "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "greater than 0"),
+    "negative": ({"contact_stiffness_N_per_m_n": [1e9, -1.0], "contact_exponent": 1.1}, None, "equal to 1000"),
     "softening": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 0.9}, None, "greater than or equal"),
     "twice": ({"contact_stiffness_N_per_m_n": [1e9, 1e9], "contact_exponent": 1.1}, table(), "are fitted to it"),
     "no units": ({}, table(header="force; approach"), "column force: its unit must be one of N, mN, kN, lbf"),

@@ -166,7 +166,7 @@ def test_damping_is_found_again_with_its_interval(tmp_path):
     settings = ("damping.contact_N_s_m=200", "numerics.start=rest", "numerics.load_ramp_ms=0.5")
     assert run(path, "--duration", "12", "--quiet", *settings) == 0
     trajectory = read_result(path)
-    found = evaluate(trajectory, "fitted_damped")
+    found = evaluate(trajectory, "fitted_damped", fit=True)
     fit = found.identification
     assert fit.damping.value == pytest.approx(200.0, rel=2e-3)
     assert fit.damping.low < fit.damping.value < fit.damping.high < 1.02 * fit.damping.value

@@ -195,7 +195,7 @@ BAD = {
     "time_ms,time_s,speed_rpm\n0,0,1\n9,9,2": "columns time_ms and time_s say the same thing; leave all but one out",
     "time_ms,speed_rpm\n0,fast\n9,2000": "line 2: speed_rpm = 'fast' is no number",
     "time_ms,speed_rpm\n0,1,500\n9,1,500": "line 2: 3 cells under 2 names; where commas",
-    "time_ms;speed_rpm\n0;1,5\n9;2": "speed_rpm = '1,5' is no number; give decimal = \",\" where commas are decimal",
+    "time_ms;speed_rpm\n0;1,5\n9;2": "speed_rpm = '1,5' is no number; give decimal = \",\" if commas are decimal",
     "time_ms,speed_rpm\n0,1_000\n9,2000": "speed_rpm = '1_000' is no number; write digits 0 to 9",
     "time_ms,speed_rpm\n0,\u0661\n9,2000": "is no number; write digits 0 to 9",
     "time_ms,speed_rpm\nms,rpm\n0,1\n9,2000": "line 2: no numbers in it; a line of units",

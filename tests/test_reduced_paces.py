@@ -17,6 +17,7 @@ NU206 = {
     "bearing": {"designation": "NU206", "clearance_um": 15.0},
     "operation": {"speed_rpm": 2900.0, "radial_load_N": 3000.0, "inner_ring_and_shaft_kg": 3.0},
     "damping": DAMPED,
+    "cage": {"kind": "none"},
     "spall": [SPALL],
     "numerics": {"duration_ms": 30.0, "output_interval_us": 5.0},
 }

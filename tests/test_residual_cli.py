@@ -742,8 +742,8 @@ def test_a_load_is_a_scale_wherever_it_points_and_however_it_turns(folder_refere
     assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["load_N"] == pytest.approx(
         load, rel=1e-5
     )  # a table is joined smoothly
-    percent = float(page.partition("law palmgren carries ")[2].partition(" %")[0])
-    assert percent == pytest.approx(more_carried(), rel=0.03) and "% more than the load" in page
+    percent = float(page.partition("law palmgren gives ")[2].partition(" %")[0])
+    assert percent == pytest.approx(more_carried(), rel=0.03) and "% more force than the load" in page
 
 
 def test_a_preloaded_bearing_is_judged_by_its_contact_forces(tmp_path):

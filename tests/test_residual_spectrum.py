@@ -400,7 +400,7 @@ def test_report_holds_term_spectra_and_warns_of_unresolved_lines(tmp_path, capsy
     assert {"envelope.png", "short_time.png"} <= {p.name for p in (tmp_path / "a-residual").iterdir()}
 
 
-@pytest.mark.parametrize("speed", ["1e-310", "1e-12", "1e-4", "1e-2"])
+@pytest.mark.parametrize("speed", ["1e-14", "1e-12", "1e-4", "1e-2"])
 def test_a_bearing_that_as_good_as_stands_is_reported_on(speed, tmp_path):
     path = tmp_path / "slow.nc"
     slow = ["--set", f"operation.speed_rpm={speed}", "--duration", "0.6", "--quiet", "--output", str(path)]

@@ -12,7 +12,7 @@ from scipy.signal.windows import hann
 from fem.commands.run_fem import run_main
 from fem.interface import check_quantities
 from lagrange.scene.scene import parse_scene
-from residual.check_vibration import app as check_vibration
+from residual.check_vibration import main as check_vibration
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
@@ -211,7 +211,7 @@ def test_a_line_that_is_there_is_told_with_what_it_may_be(runs):
 def test_check_residual_and_check_vibration_give_one_verdict_on_a_run(runs, name, tmp_path):
     assert main([str(runs(name)), "--quiet", "--output", str(tmp_path / "a")]) == 0
     options = ["--quiet", "--no-figures", "--output", str(tmp_path / "b")]
-    assert main([str(runs(name)), *options], command=check_vibration) == 0
+    assert check_vibration([str(runs(name)), *options]) == 0
     here, there = (json.loads((tmp_path / of / "summary.json").read_text(encoding="utf-8")) for of in "ab")
     assert here["diagnosis"] == {key: there[key] for key in ("verdict", "reasons")}
     assert "Verdict of check-vibration on the hub" in (tmp_path / "a" / "report.html").read_text(encoding="utf-8")

@@ -111,7 +111,7 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
     with h5py.File(path) as file:
         assert file.attrs["status"] == "interrupted"
         count = int(file.attrs["committed_samples"])
-    assert f"{count} samples are in {path}; the same command with --resume goes on" in capsys.readouterr().err
+    assert f"{count} samples are in {path}; to continue: the same command with --resume" in capsys.readouterr().err
     if refines and "reduced" in case and looks > 17:  # restarts as soon as its energy is lost
         assert 0 < count < looks
     else:
@@ -139,7 +139,7 @@ def test_a_run_shows_its_progress_and_its_end(case, tmp_path, monkeypatch, capsy
     path = tmp_path / "run.nc"
     assert run(case, path) == 0
     out, error = capsys.readouterr()
-    line = re.compile(r"(\S+) of 2\.00 ms, [\d,]+ steps/s, \d+ s left, energy imbalance \S+")
+    line = re.compile(r"(\S+) of 2\.00 ms, [\d,]+ steps/s, energy imbalance \S+, \d+ s left")
     slow = "planning: ", "compiling "  # what a loaded machine makes a command say
     reached = [float(line.fullmatch(text)[1]) for text in error.splitlines() if not text.startswith(slow)]
     assert reached == sorted(reached) and reached[-1] == 2.0

@@ -309,7 +309,7 @@ def text_without_encoding(call):
     if name not in ("open", "fdopen", "read_text", "write_text", "TextIOWrapper"):
         return False
     of = getattr(call.func, "value", None)
-    if name == "open" and isinstance(of, ast.Name) and of.id in ("os", "Image", "archive", "webbrowser"):
+    if name == "open" and ast.unparse(of or call.func) in ("os", "Image", "archive", "webbrowser", "nptdms.TdmsFile"):
         return False
     given = [*call.args, *(keyword.value for keyword in call.keywords if keyword.arg == "mode")]
     binary = any(isinstance(arg, ast.Constant) and isinstance(arg.value, str) and "b" in arg.value for arg in given[:2])

@@ -174,7 +174,7 @@ def test_slices_are_refused_before_contacts_are_tabulated_or_bodies_meshed(model
         monkeypatch.setattr(module, name, lambda *given: pytest.fail("computed"))
     for slices, load in ((41, 4000.0), (201, 2000.0)):
         found = scene(model, {"slices": slices, "roller_profile": "logarithmic"}, operation__radial_load_N=load)
-        with pytest.raises(UsageError, match=rf"axial.slices = {slices} are .*take at most (40|5\d),"):
+        with pytest.raises(UsageError, match=rf"axial.slices = {slices} are .*use at most (40|5\d),"):
             make_plan(found)
 
 

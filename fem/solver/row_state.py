@@ -148,7 +148,7 @@ class RowState(RunState):
             return wide
         return (
             *wide,
-            f"the energy is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
+            f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged "
             f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
         )
 

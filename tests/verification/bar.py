@@ -76,7 +76,7 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     history = []
     for step in range(int(duration / dt) + 1):
         gap = DROP + u[floor, 1, 0].mean()
-        force = contact_force(-gap, law.constants.A, law.constants.B, law.constants.Q_line, 0.0)
+        force = contact_force(-gap, law.A, law.B, law.Q_line, 0.0)
         before = w[:, :, 0].copy()
         w[floor, 1, 0] += 0.5 * force / mass[floor] * dt
         w[:, 1, 0] -= GRAVITY * dt

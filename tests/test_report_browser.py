@@ -192,8 +192,8 @@ def test_the_player_draws_loads_and_the_path(page):
 
 
 @on_a_desk
-def test_the_paper_and_the_peaks_stand_in_the_appendix_after_loads_spectra_and_budget(page):
-    order = "player run loads-and-motion spectra vibration errors budget-of-errors appendix paper peaks"
+def test_the_peaks_stand_in_the_appendix_after_loads_spectra_and_budget(page):
+    order = "player run loads-and-motion spectra vibration errors budget-of-errors appendix peaks"
     places = [page.locator(f"#{name}").bounding_box()["y"] for name in order.split()]
     assert places == sorted(places)
 

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
 from fem.quantities import Quantity, labels
 from fem.rating.answers import rating
 from fem.recording import Memory, Result, open_result
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Progress
+from lagrange.errors import RunFailed, UsageError
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
 

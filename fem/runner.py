@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from fem.commands.progress import progress_display
 from fem.commands.start_up import Outcome, stop_signals
 from fem.commands.summary import print_estimates, print_plan, print_run, size_warning
-from fem.errors import RunFailed, UsageError
 from fem.result.checkpoint import (
     checkpoint_path,
     load_checkpoint,
@@ -25,6 +24,7 @@ from fem.run_summary import summary_columns
 from fem.solver.compiling import remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
+from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
 from lagrange.messages import said_if_long, say, telling
 from lagrange.scene.scene import Scene

@@ -5,8 +5,8 @@ import pytest
 from scipy.io import wavfile
 
 from fem.commands.render_fem import render_main
-from fem.errors import UsageError
 from fem.result.acceleration import G, accelerations, channels
+from lagrange.errors import UsageError
 from lagrange.scene.scene import parse_scene
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 

@@ -6,7 +6,6 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.errors import UsageError
 from fem.interface import simulate
 from fem.pictures.axial import axial_pressures, draw_axial
 from fem.pictures.recover import StoredRun
@@ -16,6 +15,7 @@ from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.facts import logarithmic_drop
 from lagrange.axial.pressure import placed
 from lagrange.axial.slices import read_slices, write_slices
+from lagrange.errors import UsageError
 from lagrange.files.hdf5 import Damaged, hdf5_to_write
 from lagrange.scene import Scene, read_scene
 from lagrange.scene.faults import SceneError

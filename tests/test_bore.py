@@ -10,7 +10,6 @@ from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.points import ring_patch_force
 from fem.elastic.outer_support import LooseRing, bored_ring
 from fem.elastic.reciprocal_mass import SECOND
-from fem.errors import UsageError
 from fem.kernels import ring_kernels
 from fem.kernels.bodies import add_motion, drift_body, kick_body, slow_body
 from fem.kernels.bore import ARC, AX, PLACE_X, PLACE_Y
@@ -30,6 +29,7 @@ from fem.solver.elements.arrays import bore_body, ring_nodes
 from fem.solver.elements.plan import model_of
 from fem.solver.elements.start import equilibrium_start, rolling_motion
 from fem.solver.simulate import make_plan
+from lagrange.errors import UsageError
 from lagrange.mounting import Bore, Housing, Mounting, from_outer_ring
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from residual.evaluation import evaluate

@@ -9,7 +9,6 @@ from numba import njit
 
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import EVENLY
-from fem.errors import UsageError
 from fem.kernels.cage import CagePair, GuidingRing, Riders, meet, rub
 from fem.kernels.jit import OPTIONS
 from fem.kernels.lanes import WIDTH
@@ -18,6 +17,7 @@ from fem.solver.rigid.reduced import make_plan
 from lagrange.bearing import Cage
 from lagrange.catalogue import entries, has_balls
 from lagrange.contact.laws import contact_laws
+from lagrange.errors import UsageError
 from lagrange.mounting import Housing, Mounting
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene
 from tests.accuracy.fault_finding import diagnosis_of_sensor

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.result.store import ResultFile
 from fem.solver import row_state
 from fem.solver.simulate import make_plan, run
+from lagrange.errors import UsageError
 from lagrange.scene.scene import read_scene
 from tests.reference.commands import ENTRIES, command, environment, start_run, started_as
 from tests.reference.run_files import same_data

@@ -27,11 +27,11 @@ from fem.elastic.continuum import (
     shear_compliance,
     weight_sag,
 )
-from fem.errors import UsageError
 from fem.interface import simulate
 from lagrange import Material as MaterialMovingLoad
 from lagrange import Material as MaterialTangential
 from lagrange.bearing import Material
+from lagrange.errors import UsageError
 from lagrange.fits import SLOW, spinning_growth
 from lagrange.scene.scene import parse_scene
 from tests.reference.half_plane import cubic_bspline_patch

@@ -10,7 +10,6 @@ import xarray
 
 from fem.commands.run_fem import run_main
 from fem.contacts.model import Motion, unloaded
-from fem.errors import UsageError
 from fem.kernels.ring_kernels import HALO
 from fem.quantities import Quantity, moving_quantities
 from fem.solver.errors import SAFETY, Choice, coarser_scene, estimates, mesh_table, model_choices, suggestion
@@ -19,6 +18,7 @@ from fem.statics.contact_balance import LOOSE_SPRING, Loads
 from fem.statics.equilibrium import equilibrium, static_quantities
 from fem.statics.exact_statics import exact_statics
 from lagrange import Bearing, Material
+from lagrange.errors import UsageError
 from lagrange.fits import spinning_growth
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene

@@ -9,11 +9,11 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
-from fem.errors import RunFailed
 from fem.kernels.ring_kernels import HALO
 from fem.solver.elements.plan import LONGEST_UNWATCHED
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import make_plan, run
+from lagrange.errors import RunFailed
 from lagrange.scene.scene import read_scene
 
 SELDOM = ("numerics.mesh_size_mm=2", "numerics.duration_ms=60", "numerics.output_interval_us=3000")

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint
 from fem.solver.simulate import make_plan
 from lagrange.columns import columns_of
+from lagrange.errors import UsageError
 from lagrange.scene.scene import read_scene
 from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result

@@ -11,7 +11,6 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.contacts.points import patch
 from fem.elastic.bodies import turned
-from fem.errors import UsageError
 from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
 from fem.result.fields import GROUP
@@ -21,6 +20,7 @@ from fem.solver.frames import frame_of, rotated
 from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
+from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.unchecked import unchecked_copy
 

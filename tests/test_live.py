@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from fem.commands.run_live import live_main
-from fem.errors import UsageError
 from fem.live import player as player_module
 from fem.live import server as server_module
 from fem.live.controls import changed, controls, values_of
@@ -18,6 +17,7 @@ from fem.live.server import LiveServer, Pace, make_page
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
 
 REDUCED = "model=reduced"

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.errors import UsageError
 from fem.live import controls
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
+from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from residual.errors import InputError

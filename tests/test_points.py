@@ -6,9 +6,9 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.contacts.points import patch
 from fem.elastic.outer_support import FEWEST, supported_ring
-from fem.errors import UsageError
 from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
+from lagrange.errors import UsageError
 from lagrange.mounting import Points
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from tests.reference.bearings import LENGTH, STEEL

@@ -14,7 +14,6 @@ from scipy.linalg import eigh
 
 from fem.elastic.continuum import Section, plane_compliance, ring_sections, roller_section, stick_approach
 from fem.elastic.vibration import inertia, shift_vibrations
-from fem.errors import UsageError
 from fem.kernels.rigid.state import INNER, OUTER
 from fem.kernels.rigid.strikes import given
 from fem.solver import row_state, simulate
@@ -26,6 +25,7 @@ from fem.statics.exact_statics import crossings_at, exact_contacts, exact_static
 from fem.statics.reduced_bearing import ReducedBearing, tangential_compliance
 from lagrange import Material
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from tests.reference.bearings import LENGTH, STEEL, paper, ring

@@ -11,7 +11,6 @@ from PIL import Image
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.elastic.bodies import von_mises
-from fem.errors import UsageError
 from fem.pictures.bodies import ARCS, drawn_bearing, refined
 from fem.pictures.canvas import Panel
 from fem.pictures.drawing_process import PROBE, check_rendering
@@ -20,6 +19,7 @@ from fem.pictures.look import LARGEST_SHARE, Request, chosen_look, chosen_magnif
 from fem.pictures.recover import StoredRun
 from fem.pictures.scale import Scale, quantity
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING
+from lagrange.errors import UsageError
 from meshes import Disc, mesh_of
 from meshes.export import FORMATS
 

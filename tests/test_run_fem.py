@@ -13,7 +13,6 @@ from scipy.special import elliprd
 
 from fem.commands.run_fem import run_main
 from fem.commands.summary import result_megabytes, size_warning
-from fem.errors import RunFailed
 from fem.interface import simulate
 from fem.quantities import labels
 from fem.result.store import ResultFile
@@ -26,6 +25,7 @@ from fem.solver.warnings import of_scene
 from lagrange.columns import columns_of
 from lagrange.contact.hertz import contact_ellipse, contact_pairs, raceway_curvature
 from lagrange.equations import THROUGH, farthest_place
+from lagrange.errors import RunFailed
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from residual.cli import main as check_main

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import tomli_w
 
-from fem.errors import RunFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
+from lagrange.errors import RunFailed
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
 from tests.reference.whole_run import whole_run

@@ -9,7 +9,6 @@ import pytest
 from scipy.optimize import minimize
 
 from fem.contacts.model import standing
-from fem.errors import UsageError
 from fem.interface import simulate
 from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
@@ -21,6 +20,7 @@ from lagrange import static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ball_law, contact_laws
+from lagrange.errors import UsageError
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene

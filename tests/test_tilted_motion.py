@@ -6,7 +6,6 @@ import pytest
 
 from fem import interface
 from fem.contacts.tilted import MeshedContact, tilted_slices, tilted_tables
-from fem.errors import RunFailed, UsageError
 from fem.runner import RunOptions, run_scene
 from fem.solver.elements import plan as elements
 from fem.solver.rigid import start as rigid_start
@@ -17,6 +16,7 @@ from fem.statics.reduced_bearing import kept_contacts
 from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import RunFailed, UsageError
 from lagrange.first_state import Problem
 from lagrange.scene.scene import SceneError
 from lagrange.tilt import TiltedLaws, sliced_laws

@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.errors import UsageError
 from lagrange.bearing import Bearing, Material
+from lagrange.errors import UsageError
 
 # Harmonics summed by the Hertz approaches: C_n less its 1/n and 1/n² parts leaves c/n³, and a truncation of
 # 1/(2 n_max²) = 1e-9 of c against a sum of several c, however narrow the patch. Only thin rings, coupled up

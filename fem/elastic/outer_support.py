@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.elastic.bodies import RingBody
-from fem.errors import UsageError
+from lagrange.errors import UsageError
 from lagrange.mounting import Bore, Points
 
 FEWEST = 2  # nodes of a point: one would be a hinge

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.errors import UsageError
+from lagrange.errors import UsageError
 from lagrange.files.output import write_whole
 from lagrange.scene.keys import scene_with_every_key
 

@@ -6,12 +6,12 @@ from math import degrees, pi, remainder
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
 from fem.live.controls import changed, controls, values_of
 from fem.solver.rigid.state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from fem.statics.tilted_pressures import scene_slices, slice_pressures
+from lagrange.errors import RunFailed, UsageError
 from lagrange.kinematics import OUTER_RING, kinematics
 from lagrange.messages import G
 from lagrange.mounting import from_outer_ring

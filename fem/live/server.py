@@ -24,9 +24,9 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from fem.errors import RunFailed, UsageError
 from fem.live.player import Player, measured
 from fem.result.acceleration import channels
+from lagrange.errors import RunFailed, UsageError
 from lagrange.files.pages import as_it_is, render_page
 from lagrange.scene.scene import SceneError
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
 from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
 from lagrange.axial.pressure import SHARP, borne, profile_ends
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.files.output import replaced
 from lagrange.messages import shown
 

@@ -13,8 +13,8 @@ import numpy as np
 import pyvista as pv
 from PIL import Image
 
-from fem.errors import UsageError
 from fem.pictures.drawing_process import rendering_failure
+from lagrange.errors import UsageError
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 

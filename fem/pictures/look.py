@@ -6,12 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.pictures.bodies import body_motions
 from fem.pictures.recover import StoredRun
 from fem.pictures.scale import Field, Scale, rounded_down
 from fem.pictures.stress_below import LARGEST_SHEAR
 from lagrange import Bearing
+from lagrange.errors import UsageError
 
 LARGEST_SHARE = 0.03  # of the outside radius: the largest displacement as drawn
 STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # round magnifications, times a power of ten

@@ -16,12 +16,12 @@ from scipy.integrate import cumulative_trapezoid
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
-from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
 from fem.solver.elements.plan import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
+from lagrange.errors import UsageError
 from lagrange.kinematics import turned
 from lagrange.messages import shown
 from lagrange.scene.scene import Scene

@@ -3,7 +3,7 @@
 import mmap
 from pathlib import Path
 
-from fem.errors import UsageError
+from lagrange.errors import UsageError
 from lagrange.files.output import refuse_special
 
 MARK = "render-fem"  # in files that have room for a remark

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.errors import UsageError
+from lagrange.errors import UsageError
 from lagrange.files.output import replaced, write_whole
 from lagrange.messages import G
 from lagrange.scene.scene import Scene

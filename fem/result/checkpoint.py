@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.result.earlier import differences, scene_keys
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
+from lagrange.errors import UsageError
 from lagrange.files.input import read_plain
 from lagrange.files.output import real_path, replaced
 from lagrange.scene.scene import SceneError, parse_scene_text

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import h5py
 
-from fem.errors import UsageError
 from fem.result.durable import is_in_use
+from lagrange.errors import UsageError
 from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 

@@ -7,9 +7,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from fem.errors import UsageError
 from fem.result.fields import read_frame, stored_samples
 from fem.result.layout import variables_of
+from lagrange.errors import UsageError
 from lagrange.files.hdf5 import Damaged, check_array, has, read_numbers, read_scene_files, read_scene_text
 from lagrange.scene.scene import Scene, parse_stored_scene
 

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from fem.errors import UsageError
 from fem.result.durable import alone_in, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.later_columns import events_of, sinkages, write_events, write_scene_files
 from fem.result.layout import Places, create, variables_of
 from lagrange.axial.slices import write_slices
 from lagrange.columns import FORMAT_VERSION
+from lagrange.errors import UsageError
 from lagrange.files.hdf5 import checksum, hdf5_to_write, text_checksum
 from lagrange.files.output import move_into_place, new_part, real_path, remove_left
 from lagrange.surface.faults import labels

@@ -6,7 +6,6 @@ from math import pi, sqrt
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.quantities import Quantity, moving_quantities
 from fem.solver.elements import plan as elements
 from fem.solver.elements.plan import ElementPlan
@@ -16,6 +15,7 @@ from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import LEAST_LOAD, exact_statics
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.mounting import HELD
 from lagrange.scene.run import COMPARISONS
 from lagrange.scene.scene import Scene, SceneError

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.solver.guards import WIDEST_CONTACT
 from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.errors import UsageError
 from lagrange.limits import exceeds
 from lagrange.scene.scene import Scene
 from lagrange.scene.surfaces import SURFACES

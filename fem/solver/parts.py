@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 import fem.kernels.cage as kernels
-from fem.errors import UsageError
 from fem.kernels.cage import CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.drive import N_NOW, N_OUTER_NOW
 from fem.kernels.fields import at_line, filled, lined_up
@@ -29,6 +28,7 @@ from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
+from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting, Sensor
 from lagrange.surface.deviation import Profile, profiles

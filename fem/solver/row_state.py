@@ -5,7 +5,6 @@ from abc import abstractmethod
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.kernels.bodies import DONE
 from fem.kernels.fields import kind_of
 from fem.solver.guards import (
@@ -22,6 +21,7 @@ from fem.solver.guards import (
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
+from lagrange.errors import UsageError
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 

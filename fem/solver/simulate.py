@@ -4,7 +4,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, TypeVar
 
-from fem.errors import RunFailed, UsageError
+from lagrange.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:  # the command asks for the names of models long before anything heavy is needed
     from fem.solver.frames import Frame

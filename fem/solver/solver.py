@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.errors import UsageError
 from lagrange import Bearing, Operation
+from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.faults import Spall

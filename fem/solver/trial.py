@@ -3,9 +3,9 @@
 from numba import config
 from numba.core.event import Listener, install_listener
 
-from fem.errors import RunFailed
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Plan
+from lagrange.errors import RunFailed
 
 ENOUGH = 0.1  # s of the processor
 LONGEST_SAMPLE = 0.5  # s, of a sample that is tried

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
-from fem.errors import UsageError
 from lagrange import Bearing, Operation
 from lagrange.equations import nothing_carries, overlaps, sunk
+from lagrange.errors import UsageError
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import ring_place

@@ -8,12 +8,12 @@ from math import nan
 import numpy as np
 import xarray
 
-from fem.errors import UsageError
 from fem.quantities import UNITS, labels
 from fem.result.layout import readable
 from fem.study.folder import MISSING, PROGRAM, Folder
 from fem.study.solving import COMPLETE, LIBRARIES, Points
 from fem.study.study_file import QUANTITIES
+from lagrange.errors import UsageError
 from lagrange.files.output import replaced
 from lagrange.scene.keys import unit_of
 from lagrange.version import VERSION

@@ -19,11 +19,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from fem.errors import UsageError
 from fem.result.durable import alone_in
 from fem.study.sampling import Design
 from fem.study.solving import LOST, Points, Solved
 from fem.study.study_file import study_of
+from lagrange.errors import UsageError
 from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
 from lagrange.scene.faults import printable

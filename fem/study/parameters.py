@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.errors import UsageError
+from lagrange.errors import UsageError
 from lagrange.scene.faults import quoted
 
 Value = float | int | str | bool

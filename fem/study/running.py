@@ -9,13 +9,13 @@ from functools import partial
 from math import nan
 
 from fem.commands.progress import count_display
-from fem.errors import RunFailed, UsageError
 from fem.result.layout import readable
 from fem.solver.simulate import make_plan, programs_named
 from fem.study.folder import Folder
 from fem.study.solving import LOST, Points, Solved, Wanted, needs_no_run, rated, solve
 from fem.study.workers import scheduler_client, solve_in_processes, solve_on_cluster
 from lagrange.columns import PER_ROLLER
+from lagrange.errors import RunFailed, UsageError
 from lagrange.messages import say
 from lagrange.scene.scene import Scene
 

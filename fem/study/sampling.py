@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.errors import UsageError
 from fem.study.parameters import Value, is_value
+from lagrange.errors import UsageError
 from lagrange.scene.faults import quoted
 from lagrange.scene.files import load
 from lagrange.scene.scene import SceneError

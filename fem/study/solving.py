@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
 from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS, Quantity
 from fem.recording import Result
@@ -21,6 +20,7 @@ from fem.solver.solver import sample_count
 from fem.study.sampling import Design
 from fem.study.study_file import KeepTable, Study, decimation
 from lagrange.columns import PER_ROLLER
+from lagrange.errors import RunFailed, UsageError
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
 

@@ -9,11 +9,11 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from fem.errors import UsageError
 from fem.interface import OF_CHECK
 from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
 from fem.study.sampling import design_of
+from lagrange.errors import UsageError
 from lagrange.files.input import plain_text
 from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable
 from lagrange.scene.files import load

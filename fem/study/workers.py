@@ -16,8 +16,8 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from fem.errors import UsageError
 from fem.study.solving import LOST, STOPPED, Solved, Wanted, program, solve
+from lagrange.errors import UsageError
 from lagrange.scene.scene import Scene
 
 GRACE = 60.0  # s, beyond the limit: planning a fine mesh, or compiling on a new node

@@ -10,9 +10,9 @@ from math import pi
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
+from lagrange.errors import RunFailed, UsageError
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene
 

@@ -12,12 +12,12 @@ from cyclopts import App
 from rich.console import Console
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.errors import RunFailed
 from fem.solver.rigid.reduced import SHARE
 from fem.solver.rigid.state import LIMIT
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Samples
+from lagrange.errors import RunFailed
 from lagrange.scene.scene import read_scene
 from tests.measurements import markdown_table, publish
 

@@ -21,10 +21,10 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from fem.errors import RunFailed, UsageError
 from fem.solver.rigid.state import HARD_SHOCK, SHOCK
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
+from lagrange.errors import RunFailed, UsageError
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.measurements import markdown_table, publish
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch

@@ -12,10 +12,10 @@ import numpy as np
 from cyclopts import App
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.errors import UsageError
 from fem.solver.rigid.reduced import SHARE, ReducedPlan, strongest_coupling
 from fem.solver.rigid.state import LIMIT
 from fem.solver.simulate import make_plan
+from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.accuracy.reduced import found
 from tests.measurements import markdown_table, publish

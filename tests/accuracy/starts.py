@@ -12,9 +12,9 @@ from time import process_time
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from fem.errors import RunFailed
 from fem.interface import simulate as run_scene
 from fem.solver.rigid.lagrangian import make_plan
+from lagrange.errors import RunFailed
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene

@@ -59,9 +59,9 @@ class Targets:
     def study(self, data: bytes) -> bool:
         """Run-study's plan, of large studies the reader alone."""
         from fem.commands.run_study import study_main
-        from fem.errors import UsageError
         from fem.study.sampling import design_of
         from fem.study.study_file import read_study
+        from lagrange.errors import UsageError
         from lagrange.scene.scene import SceneError
 
         path = self._file("fuzzed-study.toml", data)
@@ -76,8 +76,8 @@ class Targets:
 
     def folder(self, data: bytes) -> bool:
         """Read what a study's folder tells of it, and make the scene of every point."""
-        from fem.errors import UsageError
         from fem.study.folder import Folder
+        from lagrange.errors import UsageError
         from lagrange.scene.scene import SceneError
 
         try:

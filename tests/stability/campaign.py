@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
+from lagrange.errors import RunFailed, UsageError
 from lagrange.scene.scene import SceneError, parse_scene
 from tests.waiting import ASLEEP, limit_processor_time
 

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.errors import UsageError
 from fem.solver.simulate import make_plan
 from lagrange.contact.laws import contact_laws
 from lagrange.equations import contact_resultant
+from lagrange.errors import UsageError
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import SceneError, parse_scene_text
 from residual.errors import InputError

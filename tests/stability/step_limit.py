@@ -8,10 +8,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.errors import RunFailed
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
+from lagrange.errors import RunFailed
 from lagrange.scene.scene import Scene, parse_scene
 from tests.stability.random_scenes import random_scene
 

@@ -7,7 +7,6 @@ import numpy as np
 from fem.contacts.model import Model
 from fem.contacts.subgrid import SubgridModel
 from fem.contacts.tilted import MeshedContact, rounded_range, tilted_tables
-from fem.errors import UsageError
 from fem.kernels.fields import at_line, filled
 from fem.kernels.state import INNER, OUTER, Pair, RingProfile, RollerProfiles
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest
@@ -23,6 +22,7 @@ from lagrange import Bearing, Operation
 from lagrange.axial import Axial
 from lagrange.axial.slices import MORE, steepest_slope
 from lagrange.bearing import Cage
+from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import profiles
 from lagrange.tilt import Tilts, hub_tilt

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.errors import RunFailed
 from fem.run_summary import largest_loads
 from fem.solver.compiling import in_words, pace
 from fem.solver.guards import ASTRAY, EnergyAccount, largest_forces, run_warnings
@@ -21,6 +20,7 @@ from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
 from fem.solver.warnings import of_scene
 from lagrange import Bearing, Operation, contact_laws, static_equilibrium
 from lagrange.contact.laws import warning
+from lagrange.errors import RunFailed
 from lagrange.first_state import Problem
 from lagrange.kinematics import fastest_kinematics, kinematics
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations

@@ -11,7 +11,6 @@ import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.tilted import rounded_range, too_narrow
-from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.run_summary import largest_loads
 from fem.solver.compiling import in_words, pace
@@ -43,6 +42,7 @@ from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.slices import MORE
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.kinematics import fastest_kinematics, kinematics, kinematics_met
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES

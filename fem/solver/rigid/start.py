@@ -7,7 +7,6 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
-from fem.errors import UsageError
 from fem.statics.contact_balance import (
     ROUND_OFF,
     Condensed,
@@ -30,6 +29,7 @@ from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.slices import steepest_slope
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.mounting import HELD

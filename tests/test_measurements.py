@@ -56,7 +56,6 @@ def test_the_front_page_says_which_version_on_which_processor_was_measured():
         assert [found[0] for found in MEASURED.finditer(section)] == [measured_by(page, section)]
 
 
-@pytest.mark.xfail(strict=True, reason="measured again before a release: then remove this mark")
 def test_the_front_page_quotes_measurements_of_this_version():
     page = measurements.ROOT / "README.md"
     for section in front_page():

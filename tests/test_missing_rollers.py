@@ -14,7 +14,7 @@ from fem.interface import simulate, statics
 from fem.rating.case import Case, Options
 from fem.statics.exact_statics import couplings_at, crossings_at, exact_statics
 from fem.statics.reduced_bearing import neighbours_of, reduced_bearing
-from fem.study.parameters import read_parameter
+from fem.study.study_file import read_parameter
 from lagrange import contact_laws
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.rating.life import Dimensions

@@ -1,15 +1,14 @@
-"""Studies: the same results as run-fem, points of each method, what fails, and going on after any end."""
+"""Studies: the same results as run-fem, points of each method, pages, what fails or is refused, what goes on."""
 
 import io
 import json
 import os
 import re
+import runpy
 import shutil
 import signal
-import socket
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import h5py
@@ -22,17 +21,19 @@ from scipy import stats
 from fem.commands.run_fem import run_main
 from fem.commands.run_study import study_main
 from fem.rating.answers import rating
-from fem.study.dataset import write_dataset
-from fem.study.effects import sobol_indices, table_of
-from fem.study.folder import Folder
-from fem.study.page import write_page
-from fem.study.sampling import design_of
+from fem.study import solving
+from fem.study.folder import Folder, write_dataset
+from fem.study.page import table_of, write_page
 from fem.study.solving import COMPLETE, FAILED, Solved, checked_points
-from fem.study.study_file import read_study
+from fem.study.study_file import design_of, read_study
 from lagrange.files.output import read_sealed, write_sealed
 from lagrange.scene.scene import SceneError, read_scene
+from tests.documented import blocks
 from tests.reference.small_study import BASE, GRID, TWO_SPEEDS, many, same
 from tests.waiting import GIVE_UP, wait_until
+
+KEPT = Path("studies/study")
+DOCS = Path(__file__).parents[1] / "docs"
 
 
 @pytest.fixture
@@ -43,39 +44,34 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def run(text, *words, name="study.toml"):
-    Path(name).write_text(text, encoding="utf-8")
-    return study_main([name, "--quiet", "--workers", "1", *words])
+def run(text, *words):
+    Path("study.toml").write_text(text, encoding="utf-8")
+    return study_main(["study.toml", "--quiet", "--workers", "1", *words])
 
 
-def points_of(text, name="study.toml"):
-    Path(name).write_text(text, encoding="utf-8")
+def points_of(text=None, name="study.toml"):
+    if text is not None:
+        Path(name).write_text(text, encoding="utf-8")
     study = read_study(Path(name))
     return checked_points(study, design_of(study))
 
 
-def test_a_point_is_what_run_fem_gives_bit_for_bit(here):
+def test_a_point_is_what_run_fem_gives_bit_for_bit_and_the_dataset_says_what_it_is(here):
     assert run(GRID, "--keep-runs") == 0
     points = points_of(GRID)
     scene = points.scene(3)
     assert scene.operation.speed_rpm == 3000.0 and scene.bearing.outer_raceway_diameter_mm == 56.02
     Path("scene.toml").write_text(scene.to_toml(), encoding="utf-8")
     assert run_main(["scene.toml", "--quiet", "--output", "run.nc"]) == 0
-    kept = Folder(path=Path("studies/study")).run(points.digests[3])
-    with h5py.File("run.nc") as command, h5py.File(kept) as point:
+    with h5py.File("run.nc") as command, h5py.File(Folder(path=KEPT).run(points.digests[3])) as point:
         for name in command:
             assert command[name][...].tobytes() == point[name][...].tobytes(), name
-    with h5py.File("run.nc") as command, xarray.open_dataset("studies/study/study.nc") as found:
+    with h5py.File("run.nc") as command, xarray.open_dataset(KEPT / "study.nc") as found:
         at = found.sel(speed_rpm=3000.0, outer_raceway_diameter_mm=56.02)
         assert float(at.largest_force) == command["inner_force"][:].max()
         assert float(at.hub_mean_y) == np.trapezoid(command["inner_y"][:], command["time"][:]) / command["time"][-1]
         assert at.inner_ay.dims == ("time",) and at.inner_force.dims == ("time", "roller")
         assert float(at.time[1]) == pytest.approx(4e-5)  # of 10 µs, decimated to 25 kHz
-
-
-def test_the_dataset_says_what_it_is(here):
-    assert run(GRID) == 0
-    with xarray.open_dataset("studies/study/study.nc") as found:
         assert found.sizes["speed_rpm"] == 3 and found.sizes["outer_raceway_diameter_mm"] == 2
         assert found.speed_rpm.attrs["units"] == "rpm" and found.largest_force.attrs["units"] == "N"
         assert np.all(found.status == "complete") and found.attrs["seed"] == 0
@@ -87,58 +83,57 @@ def test_the_dataset_says_what_it_is(here):
 
 def test_words_empty_cells_and_signals_of_a_list_are_as_other_readers_have_them(here):
     Path("points.csv").write_text("operation.speed_rpm,lagrange.law\n1500,harris\n,palmgren\n3000,\n")
-    text = BASE + '[sampling]\nmethod = "list"\nfile = "points.csv"\n[keep]\nsignals = ["inner_force"]\n'
-    assert run(text) == 0
-    with netCDF4.Dataset("studies/study/study.nc") as found:
+    assert run(BASE + '[sampling]\nmethod = "list"\nfile = "points.csv"\n[keep]\nsignals = ["inner_force"]\n') == 0
+    with netCDF4.Dataset(KEPT / "study.nc") as found:
         assert {name: len(each) for name, each in found.dimensions.items()} == {"point": 3, "time": 101, "roller": 13}
         assert "point" not in found.variables and found["law"].dimensions == ("point",)
         assert found["law"][:].tolist() == ["harris", "palmgren", ""]
         assert found["speed_rpm"][:].filled(np.nan).tolist() == pytest.approx([1500.0, np.nan, 3000.0], nan_ok=True)
         force = found["inner_force"]
         assert force.dimensions == ("point", "time", "roller") and np.isnan(force._FillValue)
-    with xarray.open_dataset("studies/study/study.nc") as found:
+    with xarray.open_dataset(KEPT / "study.nc") as found:
         assert list(found.coords) == ["time"] and np.isfinite(found.inner_force).all()
         assert found.message.values.tolist() == ["", "", ""]
 
 
 def test_dask_is_asked_for_before_any_work(here, monkeypatch, capsys):
-    words = "--scheduler", "tcp://127.0.0.1:8786"
     monkeypatch.setattr("fem.commands.start_up.find_spec", lambda name: None)
     for more in ((), ("--dry-run",)):
-        assert study_main(["study.toml", *words, *more]) == 2
-        told = capsys.readouterr().err
-        assert f"{words[0]}: needs distributed" in told and "python -m pip install distributed" in told
+        assert study_main(["study.toml", "--scheduler", "tcp://127.0.0.1:8786", *more]) == 2
+        error = capsys.readouterr().err
+        assert "--scheduler: needs distributed" in error and "python -m pip install distributed" in error
     assert list(here.iterdir()) == []
 
 
-def test_collect_makes_the_same_dataset_and_page_without_solving(here, monkeypatch):
+def test_a_study_is_not_begun_twice_resumed_where_points_are_missing_and_collected(here, monkeypatch, capsys):
     assert run(GRID) == 0
-    folder = Folder(path=Path("studies/study"))
+    folder, digests = Folder(path=KEPT), points_of(GRID).digests
     folder.dataset.rename("first.nc")
+    assert run(GRID) == 2 and "--resume goes on" in capsys.readouterr().err
+    (folder.path / "points" / f"{digests[1]}.point").unlink()
+    (folder.path / "points" / f"{digests[4]}.point").write_bytes(b"half a file")
+    solved, real = [], solving.solve
+    monkeypatch.setattr(solving, "solve", lambda *given: solved.append(given[0]) or real(*given))
+    assert run(GRID, "--resume") == 0 and len(solved) == 2
+    same(folder.dataset, "first.nc")
     folder.page.unlink()
-    monkeypatch.setattr("fem.study.running.solve", lambda *_: pytest.fail("a point was solved"))
-    assert study_main(["--collect", "studies/study", "--quiet"]) == 0
+    folder.dataset.unlink()
+    assert study_main(["--collect", str(KEPT), "--quiet"]) == 0 and len(solved) == 2
     same(folder.dataset, "first.nc")
     assert folder.page.is_file()
 
 
-def test_a_study_is_not_begun_twice_and_resume_solves_what_is_missing(here, monkeypatch, capsys):
-    assert run(GRID) == 0
-    folder = Folder(path=Path("studies/study"))
-    folder.dataset.rename("first.nc")
-    assert run(GRID) == 2
-    assert "--resume goes on" in capsys.readouterr().err
-    digests = points_of(GRID).digests
-    (folder.path / "points" / f"{digests[1]}.point").unlink()
-    (folder.path / "points" / f"{digests[4]}.point").write_bytes(b"half a file")
-    solved = []
-    from fem.study import running
-
-    real = running.solve
-    monkeypatch.setattr(running, "solve", lambda *given: solved.append(given[0]) or real(*given))
-    assert run(GRID, "--resume") == 0
-    assert len(solved) == 2
-    same(folder.dataset, "first.nc")
+def test_points_of_another_version_are_named_with_both_versions(here, monkeypatch, capsys):
+    assert run(TWO_SPEEDS) == 0
+    first = next((KEPT / "points").iterdir())
+    first.unlink()
+    monkeypatch.setattr("fem.study.folder.program", lambda: "of-another")
+    monkeypatch.setattr("fem.study.folder.VERSION", "99.0")
+    assert study_main(["--collect", str(KEPT), "--quiet"]) == 1
+    error, version = capsys.readouterr().err, json.loads((KEPT / "study.json").read_text())["version"]
+    assert f"begun by run-study {version}, program " in error and "this is run-study 99.0, program of-an" in error
+    assert run(TWO_SPEEDS, "--resume") == 0
+    assert "all points are solved again" in capsys.readouterr().err
 
 
 FAILING = """
@@ -155,16 +150,16 @@ quantities = ["largest_force"]
 
 
 def test_what_fails_is_collected_with_its_text(here, capsys):
-    """The reduced model takes no balls, which only its plan sees."""
+    """The reduced model takes no balls, which only its plan sees. Where it refuses all, the study is not begun."""
+    assert run(FAILING.replace('"lagrange", ', "")) == 2
+    error = capsys.readouterr().err
+    assert "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in error
+    assert "cylindrical rollers only" in error and not Path("studies").exists()
     assert run(FAILING) == 1
     first, second, third = capsys.readouterr().err.splitlines()[-3:]  # --quiet keeps no reason back
     assert first == "4 points: 2 complete, 2 failed"
-    assert (
-        "model = 'reduced'): failed: " in second
-        and "cylindrical rollers only" in second
-        and "model = 'reduced'" in third
-    )
-    with xarray.open_dataset("studies/study/study.nc") as found:
+    assert "'reduced'): failed: " in second and "cylindrical rollers only" in second and "model = 'reduced'" in third
+    with xarray.open_dataset(KEPT / "study.nc") as found:
         failed = found.sel(model="reduced")
         assert np.all(failed.status == "failed") and np.all(np.isnan(failed.largest_force))
         assert "cylindrical rollers only" in str(failed.message.values.ravel()[0])
@@ -172,27 +167,15 @@ def test_what_fails_is_collected_with_its_text(here, capsys):
         assert np.all(found.sel(model="lagrange").largest_force > 0.0)
 
 
-def test_a_study_whose_plans_are_all_refused_is_not_begun(here, capsys):
-    assert run(FAILING.replace('"lagrange", ', "")) == 2
-    said = capsys.readouterr().err
-    assert (
-        "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in said and "cylindrical rollers only" in said
-    )
-    assert not Path("studies").exists()
-
-
 def test_a_point_that_takes_too_long_is_stopped_and_said_so(here):
-    text = GRID + "[limits]\nseconds_per_point = 1e-6\n"
-    assert run(text) == 1
-    with xarray.open_dataset("studies/study/study.nc") as found:
+    assert run(GRID + "[limits]\nseconds_per_point = 1e-6\n") == 1
+    with xarray.open_dataset(KEPT / "study.nc") as found:
         assert np.all(found.status == "stopped")
         assert "limits.seconds_per_point = 1e-06" in str(found.message.values[0, 0])
 
 
 def test_a_full_disk_ends_the_study_and_resume_goes_on(here, monkeypatch, capsys):
-    from fem.study import folder as kept
-
-    real, calls = kept.write_sealed, []
+    calls, real = [], write_sealed
 
     def full(path, data):
         calls.append(path)
@@ -200,32 +183,26 @@ def test_a_full_disk_ends_the_study_and_resume_goes_on(here, monkeypatch, capsys
             raise OSError(28, "No space left on device", str(path))
         real(path, data)
 
-    monkeypatch.setattr(kept, "write_sealed", full)
+    monkeypatch.setattr("fem.study.folder.write_sealed", full)
     assert run(GRID) == 2
-    said = capsys.readouterr().err
-    assert "No space left on device" in said and "--resume goes on" in said
-    monkeypatch.setattr(kept, "write_sealed", real)
-    assert run(GRID, "--resume") == 0
-    assert run(GRID, "--output", "whole") == 0
-    same("studies/study/study.nc", "whole/study.nc")
+    error = capsys.readouterr().err
+    assert "No space left on device" in error and "--resume goes on" in error
+    assert run(GRID, "--resume") == 0 and run(GRID, "--output", "whole") == 0
+    same(KEPT / "study.nc", "whole/study.nc")
 
 
 def test_zip_takes_values_side_by_side_and_a_list_those_of_a_table(here):
     zipped = BASE + '[sampling]\nmethod = "zip"\n[parameters]\n"operation.speed_rpm" = [1000, 2000]\n'
-    zipped += '"operation.radial_load_N" = [500, 900]\n'
-    assert points_of(zipped).design.points == [(1000, 500), (2000, 900)]
+    assert points_of(zipped + '"operation.radial_load_N" = [500, 900]\n').design.points == [(1000, 500), (2000, 900)]
     Path("points.csv").write_text(
-        'operation.speed_rpm,spall.0.body,"spall.0.width_mm"\n1000,outer_ring,1.5\n2000,inner_ring,2\n',
-        encoding="utf-8",
+        'operation.speed_rpm,spall.0.body,"spall.0.width_mm"\n1000,outer_ring,1.5\n2000,inner_ring,2\n'
     )
     listed = points_of(BASE + '[sampling]\nmethod = "list"\nfile = "points.csv"\n')
     assert listed.scene(1).spall[0].body == "inner_ring" and listed.scene(0).spall[0].width_mm == 1.5
     assert listed.design.names == ("speed_rpm", "body", "width_mm")
 
 
-DRAWN = (
-    BASE
-    + """
+DRAWN = BASE + """
 [sampling]
 method = "lhs"
 samples = 128
@@ -237,28 +214,25 @@ seed = 3
 "bearing.rollers" = { from = 9, to = 12 }
 "bearing.roller_length_mm" = [9.0, 10.0]
 """
-)
 
 
 @pytest.mark.parametrize("method", ["lhs", "sobol"])
 def test_drawn_points_follow_their_distributions(method, here):
     """Kolmogorov and Smirnov's distance of 128 even points is of the order 1/128; random ones have 0.12."""
-    design = points_of(DRAWN.replace('"lhs"', f'"{method}"')).design
+    text = DRAWN.replace('"lhs"', f'"{method}"')
+    design = points_of(text).design
     speed, modulus, load, rollers, length = (np.array(column) for column in zip(*design.points, strict=True))
     laws = stats.uniform(1000.0, 2000.0), stats.norm(210.0, 5.0), stats.loguniform(100.0, 1000.0)
     for column, law in zip((speed, modulus, load), laws, strict=True):
         assert stats.kstest(column, law.cdf).statistic < 0.02
     assert np.unique(rollers, return_counts=True)[1] == pytest.approx([32] * 4, abs=1)
     assert np.unique(length, return_counts=True)[1] == pytest.approx([64] * 2, abs=1)
-    again = points_of(DRAWN.replace('"lhs"', f'"{method}"')).design
-    assert again.points == design.points
-    other = points_of(DRAWN.replace('"lhs"', f'"{method}"').replace("seed = 3", "seed = 4")).design
-    assert other.points != design.points
+    assert points_of(text).design.points == design.points
+    assert points_of(text.replace("seed = 3", "seed = 4")).design.points != design.points
 
 
 def test_matrices_of_sobol_indices_differ_in_one_column_each(here):
-    text = DRAWN.replace('"lhs"', '"sobol"\nindices = true').replace("samples = 128", "samples = 8")
-    design = points_of(text).design
+    design = points_of(DRAWN.replace('"lhs"', '"sobol"\nindices = true').replace("= 128", "= 8")).design
     A, B, *mixed = (design.points[8 * k : 8 * (k + 1)] for k in range(7))
     for i, AB in enumerate(mixed):
         for a, b, ab in zip(A, B, AB, strict=True):
@@ -268,9 +242,9 @@ def test_matrices_of_sobol_indices_differ_in_one_column_each(here):
 def test_dry_run_tells_the_cost_and_writes_nothing(here, capsys):
     Path("study.toml").write_text(GRID, encoding="utf-8")
     assert study_main(["study.toml", "--dry-run"]) == 0
-    told = capsys.readouterr().out
+    out = capsys.readouterr().out
     for word in ("6 (grid, 3 × 2), 6 to be solved", "processor time", "memory", "disk", "this process"):
-        assert word in told
+        assert word in out
     assert {path.name for path in here.iterdir()} == {"study.toml"}
 
 
@@ -280,16 +254,24 @@ def test_digests_follow_scene_and_what_is_kept(here):
     assert not set(points_of(GRID.replace("hub_mean_y", "hub_mean_x")).digests) & set(base)
     wider = points_of(GRID.replace("[1500.0, 3000.0, 4500.0]", "[1500.0, 3000.0, 4500.0, 6000.0]"))
     assert set(base) < set(wider.digests)  # a study that grows keeps its points
-    seconds = points_of(GRID + "[limits]\nseconds_per_point = 5\n").digests
-    assert seconds == base
+    assert points_of(GRID + "[limits]\nseconds_per_point = 5\n").digests == base
 
 
-def test_a_clearance_is_varied_as_it_is_written(here):
-    """It becomes the outer raceway's diameter, which must not stand in the way of the next one's."""
-    Path("base.toml").write_text('[bearing]\ndesignation = "NU206"\nclearance_um = 30.0\n', encoding="utf-8")
-    points = points_of('scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n')
-    low, high = (points.scene(i).ideal_bearing().radial_clearance for i in range(2))
-    assert high - low == pytest.approx(15e-6)
+def test_a_clearance_is_varied_as_it_is_written_and_a_folder_gives_the_scenes_that_were_studied(here):
+    """It becomes the outer raceway's diameter, which must not stand in the way of the next one's; tables as written."""
+    Path("speeds.csv").write_text("time_ms,speed_rpm\n0,1000\n100,2000\n", encoding="utf-8")
+    Path("loads.csv").write_text("time_ms,x_N,y_N\n0,0,-500\n100,0,-900\n", encoding="utf-8")
+    tables = '[operation]\nspeed_table = "speeds.csv"\nload_table = "loads.csv"\n'
+    varied = 'scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n'
+    for base in ('designation = "NU206"\nclearance_um = 30.0\n', "clearance_um = 30.0\n" + tables):
+        Path("base.toml").write_text(f"[bearing]\n{base}", encoding="utf-8")
+        points = points_of(varied)
+        low, high = (points.scene(i).ideal_bearing().radial_clearance for i in range(2))
+        assert high - low == pytest.approx(15e-6)
+        Folder(path=Path("s")).begin(points)
+        again = Folder(path=Path("s")).points()
+        assert [again.scene(i) for i in range(2)] == [points.scene(i) for i in range(2)]
+        assert again.scene(1).ideal_bearing().radial_clearance == high
     grown = read_scene(None, ("bearing.clearance_um=20",)).varied({"bearing.clearance_um": 50.0, "spall.0.width_mm": 1})
     assert grown.ideal_bearing().radial_clearance == pytest.approx(25e-6)
 
@@ -297,7 +279,8 @@ def test_a_clearance_is_varied_as_it_is_written(here):
 def test_the_base_may_lack_a_key_that_every_point_gives(here):
     Path("base.toml").write_text('model = "reduced"\n[axial]\nroller_profile = "crowned"\n', encoding="utf-8")
     Path("points.csv").write_text("axial.crown_um\n4.0\n8.0\n", encoding="utf-8")
-    for sampling in ('[parameters]\n"axial.crown_um" = [4.0, 8.0]\n', '[sampling]\nmethod="list"\nfile="points.csv"\n'):
+    listed = '[sampling]\nmethod="list"\nfile="points.csv"\n'
+    for sampling in ('[parameters]\n"axial.crown_um" = [4.0, 8.0]\n', listed):
         points = points_of('scene = "base.toml"\n' + sampling)
         assert [points.scene(i).axial.crown_um for i in range(2)] == [4.0, 8.0]
     Path("points.csv").write_text("axial.crown_um,axial.slices\n4.0,5\n,7\n", encoding="utf-8")
@@ -305,92 +288,49 @@ def test_the_base_may_lack_a_key_that_every_point_gives(here):
         points_of('scene = "base.toml"\n' + sampling)
 
 
-def test_a_folder_gives_the_scenes_that_were_studied(here):
-    """A clearance and tables of speed and load stand in it as they were written."""
-    Path("speeds.csv").write_text("time_ms,speed_rpm\n0,1000\n100,2000\n", encoding="utf-8")
-    Path("loads.csv").write_text("time_ms,x_N,y_N\n0,0,-500\n100,0,-900\n", encoding="utf-8")
-    Path("base.toml").write_text(
-        '[bearing]\nclearance_um = 30.0\n[operation]\nspeed_table = "speeds.csv"\nload_table = "loads.csv"\n',
-        encoding="utf-8",
-    )
-    points = points_of('scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n')
-    Folder(path=Path("s")).begin(points)
-    again = Folder(path=Path("s")).points()
-    assert [again.scene(i) for i in range(2)] == [points.scene(i) for i in range(2)]
-    assert again.scene(1).ideal_bearing().radial_clearance == pytest.approx(20e-6)
-
-
-COMMAND = "import sys; sys.path[:0] = {path!r}; from fem.commands.run_study import run_study; run_study()"
-
-
-def command(*words):
-    """A study as a process of its own."""
-    program = COMMAND.format(path=[entry for entry in sys.path if entry])
-    return subprocess.Popen([sys.executable, "-c", program, *words], stderr=subprocess.PIPE, text=True)
-
-
-def ended_after(process, folder, count, number):
-    """Send a signal once so many points are there."""
-    wait_until(lambda: len(list(folder.glob("*.point"))) >= count, process, pause=0.005)
-    process.send_signal(number)
-    return process.wait(GIVE_UP)
-
-
-def test_resume_goes_on_with_the_same_study_or_a_grown_one_alone(here, capsys):
-    assert run(GRID) == 0
-    before = Path("studies/study/study.nc").read_bytes()
-    other = GRID.replace("[1500.0, 3000.0, 4500.0]", "[1000.0, 2000.0]")
-    assert run(other, "--resume") == 2
-    assert "studies/study: holds another study, none of whose points is one of this study" in capsys.readouterr().err
-    assert Path("studies/study/study.nc").read_bytes() == before
-    assert run(GRID.replace("[1500.0, ", "[1500.0, 2000.0, "), "--resume") == 0
-    assert len(list(Path("studies/study/points").iterdir())) == 8
-
-
-def test_two_runs_do_not_work_in_one_folder(here, capsys):
-    with Folder(path=Path("studies/study")).held(points_of(GRID), resume=False):
+def test_resume_goes_on_with_the_same_study_or_a_grown_one_alone_and_not_beside_another_run(here, capsys):
+    with Folder(path=KEPT).held(points_of(GRID), resume=False):
         assert run(GRID, "--resume") == 2
     assert "studies/study: another run-study works there; wait for its end" in capsys.readouterr().err
     assert run(GRID, "--resume") == 0
+    before = (KEPT / "study.nc").read_bytes()
+    assert run(GRID.replace("[1500.0, 3000.0, 4500.0]", "[1000.0, 2000.0]"), "--resume") == 2
+    assert "studies/study: holds another study, none of whose points is one of this study" in capsys.readouterr().err
+    assert (KEPT / "study.nc").read_bytes() == before
+    assert run(GRID.replace("[1500.0, ", "[1500.0, 2000.0, "), "--resume") == 0
+    assert len(list((KEPT / "points").iterdir())) == 8
 
 
 @pytest.mark.slow
-def test_an_interrupted_study_says_so_and_goes_on(here):
-    Path("study.toml").write_text(many(12), encoding="utf-8")
-    process = command("study.toml", "--workers", "1")
-    assert ended_after(process, Path("studies/study/points"), 3, signal.SIGINT) == 130
-    assert "--resume goes on with the other" in process.stderr.read()
-    assert run(many(12), "--resume") == 0
-    assert run(many(12), "--output", "whole") == 0
-    same("studies/study/study.nc", "whole/study.nc")
-
-
-@pytest.mark.slow
-def test_a_study_killed_at_twenty_moments_gives_the_same_dataset(here):
-    Path("study.toml").write_text(many(40), encoding="utf-8")
-    rng = np.random.default_rng(5)
-    for moment in range(20):
-        process = command("study.toml", "--workers", "1", "--quiet", "--resume")
-        done = len(list(Path("studies/study/points").glob("*.point")))
-        ended_after(process, Path("studies/study/points"), done + int(rng.integers(0, 4)), signal.SIGKILL)
-        assert process.returncode == -signal.SIGKILL, moment
-    assert run(many(40), "--resume") == 0
-    assert run(many(40), "--output", "whole") == 0
-    same("studies/study/study.nc", "whole/study.nc")
+@pytest.mark.parametrize(("count", "moments", "sent"), [(12, 1, signal.SIGINT), (40, 20, signal.SIGKILL)])
+def test_a_study_ended_at_any_moment_goes_on_to_the_same_dataset(here, count, moments, sent):
+    Path("study.toml").write_text(many(count), encoding="utf-8")
+    rng, kept = np.random.default_rng(5), KEPT / "points"
+    path = [entry for entry in sys.path if entry]
+    program = f"import sys; sys.path[:0] = {path!r}; from fem.commands.run_study import run_study; run_study()"
+    for moment in range(moments):
+        words = ["study.toml", "--workers", "1", *(["--quiet", "--resume"] if moments > 1 else [])]
+        process = subprocess.Popen([sys.executable, "-c", program, *words], stderr=subprocess.PIPE, text=True)
+        enough = len(list(kept.glob("*.point"))) + (int(rng.integers(0, 4)) if moments > 1 else 3)
+        wait_until(lambda: len(list(kept.glob("*.point"))) >= enough, process, pause=0.005)  # noqa: B023
+        process.send_signal(sent)
+        assert process.wait(GIVE_UP) == (130 if sent == signal.SIGINT else -sent), moment
+    assert sent != signal.SIGINT or "--resume goes on with the other" in process.stderr.read()
+    assert run(many(count), "--resume") == 0 and run(many(count), "--output", "whole") == 0
+    same(KEPT / "study.nc", "whole/study.nc")
 
 
 def test_the_built_in_scene_is_left_as_it_is(here):
     """A study of nothing but its scene is run-fem's scene: varying must not spell anything differently."""
-    text = '[parameters]\n"operation.speed_rpm" = [4500.0]\n'
-    assert points_of(text).scene(0).to_toml() == read_scene().to_toml()
+    assert points_of('[parameters]\n"operation.speed_rpm" = [4500.0]\n').scene(0).to_toml() == read_scene().to_toml()
     assert os.listdir() == ["study.toml"]
 
 
 def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
-    monkeypatch.setattr("fem.study.solving.simulate", None)
+    monkeypatch.setattr(solving, "simulate", None)
     kept = '[keep]\nquantities = ["rating_life", "rating_peak_pressure", "rating_moment"]\n'
     assert run('[parameters]\n"operation.radial_load_N" = [1000.0, 2000.0]\n' + kept) == 0
-    with h5py.File("studies/study/study.nc") as file:
+    with h5py.File(KEPT / "study.nc") as file:
         life, pressure, moment = (file[f"rating_{name}"][...] for name in ("life", "peak_pressure", "moment"))
     answers = rating(read_scene().varied({"operation.radial_load_N": 1000.0}))
     assert life[0] == 1e6 * answers["L10r_Mrev"]
@@ -398,140 +338,28 @@ def test_a_study_of_ratings_runs_nothing(here, monkeypatch):
     assert np.isnan(moment).all()  # of a plane section
 
 
-# Studies on a cluster: a real scheduler with workers as processes of their own, some of which are killed
-
-
-pytest.importorskip("distributed")
-
-
-@pytest.fixture
-def here_cluster(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("fem.study.figures.study_figures", lambda *_: [])
-    return tmp_path
-
-
-@pytest.fixture
-def started(tmp_path):
-    """Starts a program of dask with the tests' own import path; all are ended with the test."""
-    running = []
-
-    def start(*words):
-        path = os.pathsep.join(entry for entry in sys.path if entry)
-        log = open(tmp_path / f"log-{len(running)}", "w", encoding="utf-8")
-        process = subprocess.Popen(
-            [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], stderr=log, stdout=log,
-            env={**os.environ, "PYTHONPATH": path},
-        )  # fmt: skip
-        running.append(process)
-        return process
-
-    yield start
-    for process in reversed(running):
-        process.kill()  # they hold nothing, and a worker without its scheduler waits long
-    for process in running:
-        process.wait(GIVE_UP)
-
-
-@pytest.fixture
-def scheduler_cluster(started, tmp_path):
-    """Address of a scheduler."""
-    file = tmp_path / "scheduler.json"
-    started("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file), "--host", "127.0.0.1")
-    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
-    return json.loads(file.read_text())["address"]
-
-
-def worker(started, address, *words):
-    return started("dask_worker", address, "--nthreads", "1", "--no-dashboard", *(words or ("--no-nanny",)))
-
-
-def test_two_workers_of_a_scheduler_give_what_one_process_gives(here_cluster, started, scheduler_cluster):
-    """Three programs and two points: what CI has of a cluster. The slow tests below kill and hang them."""
-    for _ in range(2):
-        worker(started, scheduler_cluster)
-    text = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'
-    Path("study.toml").write_text(text, encoding="utf-8")
-    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 0
-    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
-    same("studies/study/study.nc", "here/study.nc")
-
-
-def test_what_is_no_scheduler_is_named(here_cluster, monkeypatch, capsys):
-    monkeypatch.setattr("fem.study.workers.CONNECT", 0.5)
-    Path("study.toml").write_text(GRID, encoding="utf-8")
-    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
-        hangs = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        for address in ("tcp://127.0.0.1:9", hangs, "tls://127.0.0.1:9", "ucx://a", "inproc://x", "tcp://", ""):
-            assert study_main(["study.toml", "--quiet", "--scheduler", address]) == 2
-            said = capsys.readouterr().err
-            assert f"--scheduler {address}: does not answer: " in said and not said.endswith(": \n")
-    assert not Path("studies").exists()  # the study has not begun
-
-
-@pytest.mark.slow
-def test_points_of_a_killed_worker_are_solved_by_another(here_cluster, started, scheduler_cluster):
-    first, _ = worker(started, scheduler_cluster), worker(started, scheduler_cluster)
-    Path("study.toml").write_text(many(40), encoding="utf-8")
-    kept = Path("studies/study/points")
-
-    def kill():
-        wait_until(lambda: len(list(kept.glob("*.point"))) > 5)
-        first.send_signal(signal.SIGKILL)
-
-    thread = threading.Thread(target=kill)
-    thread.start()
-    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 0
-    thread.join()
-    assert first.wait(GIVE_UP) == -signal.SIGKILL
-    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
-    same("studies/study/study.nc", "here/study.nc")
-
-
-HANGING = """
-import ctypes
-from fem.solver.rigid.state import LagrangianState
-
-def advance(state, most, real=LagrangianState.advance):
-    if state.plan.scene.operation.speed_rpm == 3000.0:
-        ctypes.PyDLL(None).sleep(3600)  # keeps even the interpreter's lock: the worker answers nobody
-    return real(state, most)
-
-LagrangianState.advance = advance
-"""
-
-
-@pytest.mark.slow
-def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
-    here_cluster, started, scheduler_cluster, monkeypatch
-):
-    monkeypatch.setattr("fem.study.workers.GRACE", 3.0)
-    Path("hanging.py").write_text(HANGING, encoding="utf-8")
-    worker(started, scheduler_cluster, "--preload", str(here_cluster / "hanging.py"))
-    Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 2.0\n", encoding="utf-8")
-    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler_cluster]) == 1
-    with xarray.open_dataset("studies/study/study.nc") as found:
-        hung = found.sel(speed_rpm=3000.0)
-        assert np.all(hung.status == "stopped")
-        assert all("hung in compiled code" in str(text) for text in hung.message.values.ravel())
-        assert np.all(found.drop_sel(speed_rpm=3000.0).status == "complete")
-
-
 # Folders of studies that others have made: `run-study --collect` refuses them, or leaves points out, and soon
 
 
-STUDY = TWO_SPEEDS + 'signals = ["inner_ay"]\n'
-
-
 @pytest.fixture(scope="module")
-def study_folder(tmp_path_factory):
+def solved_once(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    (folder / "s.toml").write_text(STUDY, encoding="utf-8")
+    (folder / "s.toml").write_text(TWO_SPEEDS + 'signals = ["inner_ay"]\n', encoding="utf-8")
     assert study_main([str(folder / "s.toml"), "--output", str(folder / "s"), "--workers", "1", "--quiet"]) == 0
     return folder / "s"
 
 
-FACTS = {  # what is put into study.json, and what must be told
+@pytest.fixture
+def study_folder(solved_once, tmp_path):
+    return shutil.copytree(solved_once, tmp_path / "s")
+
+
+def in_a_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+FACTS = {  # what is put into study.json or done to it, and what must be told
     "digests that lead elsewhere": ({"digests": ["../../x"] * 2}, "digests.0: String should match"),
     "digests without points": ({"digests": ["0" * 32] * 6}, "as many digests as points"),
     "axes that are none": ({"axes": "abc"}, "axes: "),
@@ -541,83 +369,62 @@ FACTS = {  # what is put into study.json, and what must be told
     "a program that is none": ({"made_by": {"a": 1}}, "made_by: "),
     "a study of thirty thousand tables": ({"study": "a." * 30_000 + "a = 1"}, "a key of more than 50 parts"),
     "a speed that is no number": ({"points": [[float("nan")]] * 2}, "points.0.0."),
+    "one that nests": (lambda about: about.write_text("[" * 10**5, encoding="utf-8"), "recursion limit"),
+    "a pipe": (in_a_pipe, "not a plain file"),
 }
 
 
 @pytest.mark.parametrize("kind", FACTS)
-def test_a_study_that_can_not_be_is_refused(kind, study_folder, tmp_path, capsys):
+def test_a_study_that_can_not_be_is_refused(kind, study_folder, capsys):
     change, words = FACTS[kind]
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    about = folder / "study.json"
-    about.write_text(json.dumps(json.loads(about.read_text(encoding="utf-8")) | change), encoding="utf-8")
-    _refused(folder, words, capsys)
+    about = study_folder / "study.json"
+    if callable(change):
+        change(about)
+    else:
+        about.write_text(json.dumps(json.loads(about.read_text(encoding="utf-8")) | change), encoding="utf-8")
+    refused(study_folder, words, capsys)
 
 
-def test_a_study_that_nests_is_refused(study_folder, tmp_path, capsys):
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    (folder / "study.json").write_text("[" * 10**5, encoding="utf-8")
-    _refused(folder, "recursion limit", capsys)
-
-
-def test_a_study_in_a_pipe_is_refused(study_folder, tmp_path, capsys):
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    (folder / "study.json").unlink()
-    os.mkfifo(folder / "study.json")
-    _refused(folder, "not a plain file", capsys)
-
-
-def _refused(folder, words, capsys):
+def refused(folder, words, capsys):
     assert study_main(["--collect", str(folder), "--quiet"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: ") and words in said and len(said) < 5000, said
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and words in error and len(error) < 5000, error
 
 
-def _seal(path, save, arrays):
+def seal(path, **arrays):
     archive = io.BytesIO()
-    save(archive, **arrays)
+    np.savez(archive, **arrays)
     write_sealed(path, archive.getvalue())
-
-
-def in_a_pipe(path):
-    path.unlink()
-    os.mkfifo(path)
 
 
 POINTS = {
     "no archive": lambda path: write_sealed(path, b"hello"),
-    "no facts": lambda path: _seal(path, np.savez, {"a": np.zeros(1)}),
+    "no facts": lambda path: seal(path, a=np.zeros(1)),
     "a pipe": in_a_pipe,
     "another seal": lambda path: path.write_bytes(path.read_bytes()[:50]),
 }
 
 
-def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(study_folder, tmp_path, capsys):
-    """One copied under another's name is none of either's: solved anew, and missing where nothing is solved."""
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    first, second = sorted((folder / "points").iterdir())
-    shutil.copy(first, second)
-    assert study_main(["--collect", str(folder)]) == 1
-    assert "2 points: 1 complete, 1 missing" in capsys.readouterr().out
-    assert study_main([str(study_folder.parent / "s.toml"), "--output", str(folder), "--resume", "--quiet"]) == 0
-    assert first.read_bytes() != second.read_bytes()
-
-
 @pytest.mark.parametrize("kind", POINTS)
-def test_a_point_that_can_not_be_is_left_out(kind, study_folder, tmp_path, capsys):
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    for path in (folder / "points").iterdir():
+def test_a_point_that_can_not_be_is_left_out(kind, study_folder, capsys):
+    for path in (study_folder / "points").iterdir():
         POINTS[kind](path)
-    assert study_main(["--collect", str(folder)]) == 1
+    assert study_main(["--collect", str(study_folder)]) == 1
     out, error = capsys.readouterr()
     assert "2 points: 2 missing" in out and "Traceback" not in error and "Warning" not in error
 
 
-def test_a_signal_of_another_length_is_named(study_folder, tmp_path, capsys):
-    folder = shutil.copytree(study_folder, tmp_path / "s")
-    path = min((folder / "points").iterdir())
-    with np.load(io.BytesIO(read_sealed(path))) as found:
-        _seal(path, np.savez, {"facts": found["facts"], "inner_ay": found["inner_ay"][:7]})
-    _refused(folder, "its signals have another length than those of other points", capsys)
+def test_a_point_is_known_by_what_is_sealed_and_not_by_its_name(solved_once, study_folder, capsys):
+    """One copied under another's name is none of either's: solved anew, and missing where nothing is solved."""
+    first, second = sorted((study_folder / "points").iterdir())
+    shutil.copy(first, second)
+    assert study_main(["--collect", str(study_folder)]) == 1
+    assert "2 points: 1 complete, 1 missing" in capsys.readouterr().out
+    assert study_main([str(solved_once.parent / "s.toml"), "--output", str(study_folder), "--resume", "--quiet"]) == 0
+    assert first.read_bytes() != second.read_bytes()
+    with np.load(io.BytesIO(read_sealed(first))) as found:
+        seal(first, facts=found["facts"], inner_ay=found["inner_ay"][:7])
+    refused(study_folder, "its signals have another length than those of other points", capsys)
 
 
 # Studies that can't be run: refused with exit code 2 before anything is solved, the key named
@@ -709,41 +516,32 @@ BAD = {  # what is wrong: the study and what must be told
 
 
 @pytest.mark.parametrize("kind", BAD)
-def test_is_refused_by_its_key(kind, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    text, told = BAD[kind]
-    Path("study.toml").write_text(text, encoding="utf-8")
-    assert study_main(["study.toml", "--quiet"]) == 2
-    said = capsys.readouterr().err
-    assert told in said, said
-    assert "Traceback" not in said
+def test_is_refused_by_its_key(kind, here, capsys):
+    text, words = BAD[kind]
+    assert run(text) == 2
+    error = capsys.readouterr().err
+    assert words in error and "Traceback" not in error, error
     assert not Path("studies").exists()
 
 
-def test_every_fault_of_the_points_is_told_with_its_point(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("study.toml").write_text(change("[1500, 3000]", "[1500, -3e9, 3000, 4e9]"), encoding="utf-8")
-    assert study_main(["study.toml", "--quiet"]) == 2
-    said = capsys.readouterr().err
-    assert "point 1 (" in said and "point 3 (" in said and "point 0" not in said
+def test_every_fault_of_the_points_is_told_with_its_point(here, capsys):
+    assert run(change("[1500, 3000]", "[1500, -3e9, 3000, 4e9]")) == 2
+    error = capsys.readouterr().err
+    assert "point 1 (" in error and "point 3 (" in error and "point 0" not in error
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ([], "name a study file"),
-        (["study.toml", "--workers", "0"], "--workers 0"),
-        (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "its own workers"),
-        (["study.toml", "--export", "shards"], "training sets are no longer exported; study.nc holds"),
-        (["--collect", "nowhere"], "nowhere: no study"),
-        (["--collect", ".", "--resume"], "--collect solves nothing"),
-        (["study.toml", "--output", "study.toml"], "is a file, not a folder"),
-        (["study.toml", "--output", "other"], "other: not empty and no study"),
-        (["none.toml"], "none.toml: can't be read"),
-    ],
-)
-def test_unusable_options_are_refused(words, told, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.parametrize(("words", "told"), [
+    ([], "name a study file"),
+    (["study.toml", "--workers", "0"], "--workers 0"),
+    (["study.toml", "--workers", "2", "--scheduler", "tcp://x:1"], "its own workers"),
+    (["study.toml", "--export", "shards"], "training sets are no longer exported; study.nc holds"),
+    (["--collect", "nowhere"], "nowhere: no study"),
+    (["--collect", ".", "--resume"], "--collect solves nothing"),
+    (["study.toml", "--output", "study.toml"], "is a file, not a folder"),
+    (["study.toml", "--output", "other"], "other: not empty and no study"),
+    (["none.toml"], "none.toml: can't be read"),
+])  # fmt: skip
+def test_unusable_options_are_refused(words, told, here, capsys):
     Path("study.toml").write_text(GOOD, encoding="utf-8")
     Path("other").mkdir()
     Path("other/mine.txt").write_text("mine", encoding="utf-8")
@@ -755,7 +553,7 @@ def test_unusable_options_are_refused(words, told, tmp_path, monkeypatch, capsys
 # The page of a study and the numbers behind it, on points whose results are made up
 
 
-STUDY_PAGE = """
+MADE_UP = """
 [sampling]
 method = "{method}"
 [parameters]
@@ -765,8 +563,8 @@ method = "{method}"
 [keep]
 quantities = ["largest_force", "hub_mean_y"]
 """
-GRID_PAGE = dict(method="grid", speed="[1, 2, 3]", load="[10, 20]", length="[8.0, 9.0, 10.0, 11.0]")
-DRAWN_PAGE = dict(
+OF_GRID = dict(method="grid", speed="[1, 2, 3]", load="[10, 20]", length="[8.0, 9.0, 10.0, 11.0]")
+OF_DRAWN = dict(
     method='sobol"\nsamples = 64\nindices = true\n#"', speed="{ from = -1.0, to = 1.0 }",
     load="{ from = 0.0, to = 1.0 }", length="{ from = 9.0, to = 11.0 }",
 )  # fmt: skip
@@ -774,34 +572,26 @@ DRAWN_PAGE = dict(
 
 @pytest.fixture
 def made_up(tmp_path, monkeypatch):
-    """Gives the table of a study whose largest force is a function of speed, load and length."""
+    """Gives the table of a study whose largest force is a function of speed, load and length, and its page's text."""
     monkeypatch.chdir(tmp_path)
 
-    def make(force, failed=(), **values):
-        Path("study.toml").write_text(STUDY_PAGE.format(**values), encoding="utf-8")
-        study = read_study(Path("study.toml"))
-        points = checked_points(study, design_of(study))
-        folder = Folder(path=Path("out"))
+    def make(force, failed=(), page=False, **values):
+        points, folder = points_of(MADE_UP.format(**values)), Folder(path=Path("out"))
         folder.begin(points)
         for i, digest in enumerate(points.digests):
             quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1e-6}
             status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)
             folder.add(digest, Solved(**status, seconds=0.1, quantities={} if i in failed else quantities))
-        write_dataset(points, folder)
-        return points, folder
+        dataset = write_dataset(points, folder)
+        if page:
+            write_page(points, folder, dataset)
+        return table_of(points, dataset), folder.page.read_text(encoding="utf-8") if page else ""
 
     return make
 
 
-def shares(points, folder):
-    table = table_of(points, write_dataset(points, folder))
-    return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
-
-
-def test_a_quantity_of_one_parameter_is_explained_by_it_alone(made_up):
-    found, _ = shares(*made_up(lambda speed, load, length: speed**2, **GRID_PAGE))
-    assert found["speed_rpm"] == pytest.approx(1.0)
-    assert found["radial_load_N"] == found["roller_length_mm"] == 0.0
+def shares(table):
+    return {column.name: share for column, share in table.strongest(table.quantities[0])}
 
 
 def test_effects_of_a_sum_share_its_variance(made_up):
@@ -809,24 +599,21 @@ def test_effects_of_a_sum_share_its_variance(made_up):
 
     In a grid nothing is drawn, so no part of a small share is chance.
     """
-    found, _ = shares(*made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load + 0.5 * length, **GRID_PAGE))
-    whole = 6.0 + 4.0 + 0.3125
+    table, page = made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load + 0.5 * length, page=True, **OF_GRID)
+    found, whole = shares(table), 6.0 + 4.0 + 0.3125
     assert found["speed_rpm"] == pytest.approx(6.0 / whole, abs=1e-12)
     assert found["radial_load_N"] == pytest.approx(4.0 / whole, abs=1e-12)
     assert found["roller_length_mm"] == pytest.approx(0.3125 / whole, abs=1e-12)
+    assert "chance" not in page
+    found = shares(made_up(lambda speed, load, length: speed**2, **OF_GRID)[0])  # explained by it alone
+    assert found["speed_rpm"] == pytest.approx(1.0) and found["radial_load_N"] == found["roller_length_mm"] == 0.0
 
 
 def test_shares_of_drawn_points_are_less_what_chance_explains_and_the_page_says_so(made_up):
     """Eight groups of 320 drawn points explain 7/319 of a variance that knows nothing of the parameter."""
     rng = np.random.default_rng(3)
-    points, folder = made_up(lambda *_: rng.normal(), **DRAWN_PAGE)
-    found, _ = shares(points, folder)
-    assert max(found.values()) < 0.04
-    write_page(points, folder, write_dataset(points, folder))
-    assert "chance" in folder.page.read_text(encoding="utf-8")
-    points, folder = made_up(lambda speed, load, length: speed, **GRID_PAGE)
-    write_page(points, folder, write_dataset(points, folder))
-    assert "chance" not in folder.page.read_text(encoding="utf-8")
+    table, page = made_up(lambda *_: rng.normal(), page=True, **OF_DRAWN)
+    assert max(shares(table).values()) < 0.04 and "chance" in page
 
 
 def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
@@ -836,92 +623,116 @@ def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
         x, y, z = speed, 2.0 * load - 1.0, length - 10.0
         return 3.0 * x + 2.0 * y + z + 3.0 * x * y
 
-    points, folder = made_up(known, **DRAWN_PAGE)
-    assert len(points) == 5 * 64
-    _, table = shares(points, folder)
-    found, whole = sobol_indices(table, table.quantities[0]), 3.0 + 4.0 / 3.0 + 1.0 / 3.0 + 1.0
-    assert found.first == pytest.approx(np.array([3.0, 4.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
-    assert found.total == pytest.approx(np.array([4.0, 7.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
-    assert sobol_indices(table, table.quantities[1]) is None  # it never changes
+    table, _ = made_up(known, **OF_DRAWN)
+    assert len(table.points) == 5 * 64
+    first, total = table.sobol_indices(table.quantities[0])
+    whole = 3.0 + 4.0 / 3.0 + 1.0 / 3.0 + 1.0
+    assert first == pytest.approx(np.array([3.0, 4.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert total == pytest.approx(np.array([4.0, 7.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert table.sobol_indices(table.quantities[1]) is None  # it never changes
 
 
 def cells(page):
     """Rows of all tables, each a list of texts."""
-    rows = re.findall(r"<tr>(.*?)</tr>", page.read_text(encoding="utf-8"), re.S)
-    return [re.findall(r"<t[dh]>(.*?)</t[dh]>", re.sub("</?span[^>]*>", "", row), re.S) for row in rows]
+    return [re.findall(r"<t[dh]>(.*?)</t[dh]>", row, re.S) for row in re.findall(r"<tr>(.*?)</tr>", page, re.S)]
 
 
 def test_the_page_of_a_grid_has_a_line_for_each_value_and_a_table_of_points(made_up):
-    points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID_PAGE)
-    write_page(points, folder, write_dataset(points, folder))
-    text = folder.page.read_text()
-    assert "Varied: speed, radial load, roller length; 23 of 24 points are complete" in text
-    assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
-    assert re.findall('<figure id="([^"]*)"', text) == ["lines"]
-    rows = cells(folder.page)
-    assert ["mean position of the hub, y, µm", "1", "1", "23", "-"] in rows
-    assert ["point", "speed, rpm", "radial load, N", "roller length, mm", "largest force on the inner raceway, N",
-            "mean position of the hub, y, µm"] in rows  # fmt: skip
-    assert ["0", "1", "10", "8", "11", "1"] in rows and ["5", "1", "20", "9", "-", "-"] in rows
-    assert "http" not in text.split("<pre>")[0].replace("http://www.w3.org", "")
+    _, page = made_up(lambda speed, load, length: speed + load, failed=(5,), page=True, **OF_GRID)
+    assert "Varied: speed, radial load, roller length; 23 of 24 points are complete" in page
+    assert "&lt;b&gt;it broke&lt;/b&gt;" in page and "point 5 (operation.speed_rpm = 1" in page
+    assert re.findall('<figure id="([^"]*)"', page) == ["lines"]
+    force, hub = "largest force on the inner raceway, N", "mean position of the hub, y, µm"
+    assert [hub, "1", "1", "23", "-"] in cells(page)
+    assert ["point", "speed, rpm", "radial load, N", "roller length, mm", force, hub] in cells(page)
+    assert ["0", "1", "10", "8", "11", "1"] in cells(page) and ["5", "1", "20", "9", "-", "-"] in cells(page)
+    assert "http" not in page.split("<pre>")[0].replace("http://www.w3.org", "")
 
 
 @pytest.mark.parametrize(("speed", "length"), [("[2]", "[8.0]"), ("[1, 2, 3]", "[8.0]"), ("[1, 2, 3]", "[8.0, 9.0]")])
-def test_lines_of_a_grid_go_through_every_point(made_up, speed, length):
+def test_lines_of_a_grid_go_through_every_point(made_up, speed, length, monkeypatch):
     """A mean over loads would be of no bearing."""
     from fem.study import figures
 
-    scene = GRID_PAGE | dict(speed=speed, load="[250, 500, 1000, 2000]", length=length)
-    points, folder = made_up(lambda speed, load, length: speed * load + length, **scene)
-    table = table_of(points, write_dataset(points, folder))
-    seen = []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "finished", lambda figure, *_: seen.append(figure))
-        figures.study_figures(table, [])
-    (figure,) = seen
-    drawn = np.concatenate([line.get_ydata() for axis in figure.axes for line in axis.lines])
-    assert sorted(drawn) == sorted(table.quantities[0].values)
+    scene, seen = OF_GRID | dict(speed=speed, load="[250, 500, 1000, 2000]", length=length), []
+    table, _ = made_up(lambda speed, load, length: speed * load + length, **scene)
+    monkeypatch.setattr(figures, "finished", lambda figure, *_: seen.append(figure))
+    figures.study_figures(table, [])
+    drawn = np.concatenate([line.get_ydata() for axis in seen[0].axes for line in axis.lines])
+    assert len(seen) == 1 and sorted(drawn) == sorted(table.quantities[0].values)
 
 
 def test_drawn_points_have_clouds_with_means_of_groups(made_up):
-    points, folder = made_up(lambda speed, load, length: speed + load, **DRAWN_PAGE)
-    write_page(points, folder, write_dataset(points, folder))
-    text = folder.page.read_text()
-    assert re.findall('<figure id="([^"]*)"', text) == ["main-effects", "heat-map", "scatter-matrix", "sobol-indices"]
-    assert ["largest force on the inner raceway", "radial load"] in [row[:2] for row in cells(folder.page)]
+    _, page = made_up(lambda speed, load, length: speed + load, page=True, **OF_DRAWN)
+    assert re.findall('<figure id="([^"]*)"', page) == ["main-effects", "heat-map", "scatter-matrix", "sobol-indices"]
+    assert ["largest force on the inner raceway", "radial load"] in [row[:2] for row in cells(page)]
 
 
 def test_one_parameter_has_no_shares_and_points_that_can_not_tell_are_left_out(made_up):
-    points, folder = made_up(lambda speed, *_: 100.0 * speed, **{**GRID_PAGE, "load": "[10]", "length": "[8.0]"})
-    write_page(points, folder, write_dataset(points, folder))
-    assert ["largest force on the inner raceway, N", "100", "300", "3"] in cells(folder.page)
-    assert "variance" not in folder.page.read_text(encoding="utf-8")
-    points, folder = made_up(lambda speed, *_: np.nan if speed < 3.0 else speed, **GRID_PAGE)
-    write_page(points, folder, write_dataset(points, folder))
-    assert ["largest force on the inner raceway, N", "3", "3", "8", "-"] in cells(folder.page)
+    one, force = OF_GRID | {"load": "[10]", "length": "[8.0]"}, "largest force on the inner raceway, N"
+    _, page = made_up(lambda speed, *_: 100.0 * speed, page=True, **one)
+    assert [force, "100", "300", "3"] in cells(page) and "variance" not in page
+    _, page = made_up(lambda speed, *_: np.nan if speed < 3.0 else speed, page=True, **OF_GRID)
+    assert [force, "3", "3", "8", "-"] in cells(page)
+    _, page = made_up(lambda *_: 1.0, failed=range(24), page=True, **OF_GRID)
+    assert "0 of 24 points are complete" in page and "Too few complete points" in page
 
 
-def test_a_study_without_a_complete_point_has_a_page_too(made_up):
-    points, folder = made_up(lambda *_: 1.0, failed=range(24), **GRID_PAGE)
-    write_page(points, folder, write_dataset(points, folder))
-    assert "0 of 24 points are complete" in folder.page.read_text()
-    assert "Too few complete points" in folder.page.read_text()
-
-
-def test_an_empty_cell_is_no_value_of_its_parameter(tmp_path, monkeypatch):
+def test_an_empty_cell_is_no_value_of_its_parameter(here):
     """A point without a spall has no width, and its body is a word of its own."""
-    monkeypatch.chdir(tmp_path)
     Path("points.csv").write_text(
         "operation.speed_rpm,spall.0.body,spall.0.width_mm\n1000,,\n1000,outer_ring,1.0\n1000,outer_ring,2.0\n"
     )
-    Path("study.toml").write_text('[sampling]\nmethod = "list"\nfile = "points.csv"\n')
-    study = read_study(Path("study.toml"))
-    points = checked_points(study, design_of(study))
+    points, folder = points_of('[sampling]\nmethod = "list"\nfile = "points.csv"\n'), Folder(path=Path("out"))
     assert not points.scene(0).spall and points.scene(2).spall[0].width_mm == 2.0
-    folder = Folder(path=Path("out"))
     folder.begin(points)
-    write_dataset(points, folder)
     body, width = table_of(points, write_dataset(points, folder)).parameters
     with xarray.open_dataset(folder.dataset, engine="netcdf4") as dataset:
         assert dataset.body.values.tolist() == ["", "outer_ring", "outer_ring"]
     assert body.words == ("-", "outer_ring") and np.isnan(width.values[0]) and width.values[2] == 2.0
+
+
+# The studies that the docs show: their files are studies, their programs run on a smaller one
+
+
+@pytest.fixture
+def documented(here):
+    for path in (DOCS / "studies").iterdir():
+        if path.is_file():
+            shutil.copy(path, here)
+
+
+def script(monkeypatch, name, *words):
+    monkeypatch.setattr(sys, "argv", [name, *words])
+    runpy.run_path(name, run_name="__main__")
+
+
+def test_the_studies_of_the_docs_are_studies(documented, monkeypatch):
+    (block,) = blocks(DOCS / "studies.md", "toml")
+    assert run_main(["--example", "NU206"]) == 0
+    found = points_of(block, "shown.toml")
+    assert found.design.shape == (2, 3, 2, 2) and found.study.name == "clearance"
+    # what is commented out can be taken in
+    drawn = block.replace('"grid"', '"sobol"').replace("# samples", "samples").replace("# seed", "seed")
+    drawn = drawn.replace("# indices", "indices").replace('# "material', '"material')
+    assert len(points_of(re.sub(r", count = \d+", "", drawn), "drawn.toml")) == 64 * (5 + 2)
+    assert [len(points_of(name=f"{name}.toml")) for name in ("clearance", "widths", "profiles")] == [42, 84, 28]
+    script(monkeypatch, "spalls.py", "8")
+    found = points_of(name="spalls.toml")
+    bodies = ["none" if not (spalls := found.scene(i).spall) else spalls[0].body for i in range(8)]
+    assert bodies == ["none", "outer_ring", "inner_ring", "roller"] * 2
+
+
+@pytest.mark.slow
+def test_the_programs_of_the_examples_run(documented, monkeypatch, capsys):
+    pytest.importorskip("sklearn")
+    script(monkeypatch, "spalls.py", "16")
+    Path("docs").mkdir()
+    shutil.move("clearance.py", "docs/clearance.py")
+    text = Path("clearance.toml").read_text().replace("count = 7", "count = 2").replace("count = 6", "count = 2")
+    Path("clearance.toml").write_text(text)
+    for name in ("clearance", "spalls"):
+        assert study_main([f"{name}.toml", "--quiet", "--workers", "1"]) == 0
+    script(monkeypatch, "docs/clearance.py")
+    script(monkeypatch, "spalls.py")
+    assert "of 8 right" in capsys.readouterr().out

@@ -10,11 +10,11 @@ from cyclopts import Parameter
 from fem.commands.start_up import Outcome, need, run_app_main, stop_signals
 from lagrange.commands import entry, new_app
 from lagrange.errors import UsageError
+from lagrange.messages import say, shown, telling
 
 if TYPE_CHECKING:
     from fem.study.folder import Folder
-    from fem.study.running import StudyOptions
-    from fem.study.solving import Points
+    from fem.study.solving import Points, StudyOptions
 
 STUDIES = Path("studies")
 MOST_WORKERS = 4096
@@ -73,16 +73,17 @@ def _study(
         raise UsageError("name a study file, or a study's folder with --collect")
     from fem.commands.progress import count_display
     from fem.study.folder import Folder
-    from fem.study.running import StudyOptions
-    from fem.study.sampling import design_of
-    from fem.study.solving import checked_points
-    from fem.study.study_file import read_study
+    from fem.study.solving import StudyOptions, checked_points, expected
+    from fem.study.study_file import design_of, read_study
 
     if collect is not None:
         if output is not None or dry_run or resume or scheduler is not None or workers is not None or keep_runs:
             raise UsageError("--collect solves nothing: only --quiet goes with it")
         folder = Folder(path=collect)
-        return _collect(folder.points(), folder, quiet)
+        code = _collect(folder.points(), folder, quiet)
+        if code and (other := folder.other_program()):
+            say(f"warning: {other}; points that this one can't read are missing; --resume solves all again")
+        return code
     read = read_study(Path(study or ""))
     design = design_of(read)
     with count_display("points checked", len(design.points), quiet) as count:
@@ -90,36 +91,25 @@ def _study(
     folder = Folder(path=output if output is not None else STUDIES / read.name)
     options = StudyOptions(workers=workers, scheduler=scheduler, resume=resume, keep_runs=keep_runs, quiet=quiet)
     if dry_run:
-        return _show(points, folder, options)
+        from fem.study.page import plan_lines
+
+        pending = folder.pending(points)
+        _print(plan_lines(points, pending, expected(points, pending) if pending else None, options))
+        return 0
     folder.refuse_foreign(points, resume)
     return _solve(points, folder, options)
 
 
-def _show(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
-    """What a study would take."""
-    from fem.study.running import expected, pending_points
-    from fem.study.summary import print_plan
-    from lagrange.messages import telling
-
-    pending = pending_points(points, folder)
-    found = expected(points, pending) if pending else None
-    with telling():
-        print_plan(points, pending, found, options)
-    return 0
-
-
 def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
-    from fem.study.running import expected, pending_points, solve_points
-    from lagrange.messages import say
+    from fem.study.solving import expected, solve_points
 
-    pending, lost = pending_points(points, folder), {}
-    total = 0.0
+    pending, lost = folder.pending(points), {}
     if pending:
         total = expected(points, pending, None if options.quiet else say).seconds * len(pending)
         with stop_signals() as stopped:
             lost = solve_points(points, pending, folder, options, total, lambda: bool(stopped))
         if stopped:
-            left = len(pending_points(points, folder))
+            left = len(folder.pending(points))
             done = len(pending) - left
             say(f"interrupted; {done} points are in {folder.path}; --resume goes on with the other {left}")
             return (Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED).code
@@ -133,23 +123,26 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
 def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     """Dataset and page of the points that are done."""
     from fem.commands.progress import count_display
-    from fem.study.dataset import write_dataset
-    from fem.study.page import write_page
+    from fem.study.folder import write_dataset
+    from fem.study.page import outcome_lines, write_page
     from fem.study.solving import COMPLETE
-    from fem.study.summary import outcome_lines, print_outcome
-    from lagrange.messages import say, telling
 
     with count_display("points collected", len(points), quiet) as count:
-        found = write_dataset(points, folder, count)
-    write_page(points, folder, found)
-    is_complete = bool((found.status == COMPLETE).all())
+        dataset = write_dataset(points, folder, count)
+    write_page(points, folder, dataset)
+    is_complete, lines = bool((dataset.status == COMPLETE).all()), outcome_lines(points, dataset)
     if not quiet:
-        with telling():
-            print_outcome(points, folder, found)
+        _print([*lines, f"Dataset: {folder.dataset}", f"Page: {folder.page}"])
     elif not is_complete:
-        for line in outcome_lines(points, found):
+        for line in lines:
             say(line)
     return 0 if is_complete else 1
+
+
+def _print(lines: list[str]) -> None:
+    with telling():
+        for line in lines:
+            print(shown(line))
 
 
 study_main = partial(run_app_main, study_app)

@@ -1,36 +1,45 @@
-"""A study's folder: what it is, a file for each point that is done, and what is made of them.
+"""A study's folder: what it is, a file for each point that is done, and the dataset that is made of them.
 
 study.json     the study, its scene and the digest of each point: enough for dataset and page without solving
 points/        a sealed file for each point, moved into place when it is whole
 runs/          result files, where they are kept
-study.nc, study.html
+study.nc       one NetCDF file with labelled dimensions, for xarray and whatever else reads NetCDF
+study.html
 """
 
 import io
 import json
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from math import prod
+from importlib.metadata import version
+from math import nan, prod
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import xarray
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from fem.quantities import UNITS, labels
 from fem.result.durable import alone_in
-from fem.study.sampling import Design
-from fem.study.solving import LOST, Points, Solved
-from fem.study.study_file import study_of
+from fem.result.layout import readable
+from fem.study.solving import COMPLETE, LIBRARIES, LOST, Points, Solved, program
+from fem.study.study_file import QUANTITIES, Design, study_of
 from lagrange.errors import UsageError
 from lagrange.files.input import read_plain
-from lagrange.files.output import read_sealed, write_sealed, write_whole
+from lagrange.files.output import read_sealed, replaced, write_sealed, write_whole
+from lagrange.messages import say
 from lagrange.scene.faults import printable
+from lagrange.scene.keys import unit_of
 from lagrange.scene.scene import parse_scene_text
+from lagrange.version import VERSION
 
 PROGRAM: Literal["run-study"] = "run-study"
+MISSING = "missing"  # the status of a point that has not been solved
 KEPT = "status", "text", "seconds", "quantities", "signal_interval"  # of a point beside its signals
+SAME = "study", "listed", "scene", "files"  # in a study that is only resumed
 Value = bool | int | Annotated[float, Field(allow_inf_nan=False)] | str
 
 
@@ -38,6 +47,7 @@ class StudyRecord(BaseModel, extra="forbid", strict=True):
     """A study, its scene and the values and digests of its points."""
 
     program: Literal["run-study"] = PROGRAM
+    version: str = "of an earlier version"
     name: str = Field(min_length=1)
     study: str
     listed: str | None
@@ -60,23 +70,11 @@ class StudyRecord(BaseModel, extra="forbid", strict=True):
 
 
 def _record_of(points: Points) -> StudyRecord:
-    study, design = points.study, points.design
+    study = points.study
     return StudyRecord(
-        name=study.name,
-        study=study.text,
-        listed=study.listed,
-        scene=study.scene.to_written_toml(),
-        files=study.scene.files,
-        keys=design.keys,
-        points=design.points,
-        axes=design.axes,
-        base=design.base,
-        digests=points.digests,
-        made_by=points.made_by,
-    )
-
-
-MISSING = "missing"  # the status of a point that has not been solved
+        version=VERSION, name=study.name, study=study.text, listed=study.listed, scene=study.scene.to_written_toml(),
+        files=study.scene.files, **vars(points.design), digests=points.digests, made_by=points.made_by,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +95,13 @@ class Folder:
     def _about(self) -> Path:
         return self.path / "study.json"
 
+    def run(self, digest: str) -> Path:
+        """A point's result file."""
+        return self.path / "runs" / f"{digest}.nc"
+
+    def _point(self, digest: str) -> Path:
+        return self.path / "points" / f"{digest}.point"
+
     def points(self) -> Points:
         """The study and its points, as they were when it was begun or last resumed.
 
@@ -110,12 +115,10 @@ class Folder:
         return Points(
             study=replace(study, name=facts.name, scene=scene),
             design=Design(keys=facts.keys, points=facts.points, axes=facts.axes, base=facts.base),
-            digests=facts.digests,
-            made_by=facts.made_by,
-        )
+            digests=facts.digests, made_by=facts.made_by,
+        )  # fmt: skip
 
     def _record(self) -> StudyRecord:
-        """What study.json says. UsageError: there is none, or it is damaged."""
         try:
             return StudyRecord.model_validate_json(read_plain(self._about))
         except OSError as error:
@@ -125,12 +128,18 @@ class Folder:
             fault = printable(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
             raise UsageError(f"{self._about}: damaged, or not of this version: {fault}") from None
 
-    def run(self, digest: str) -> Path:
-        """A point's result file."""
-        return self.path / "runs" / f"{digest}.nc"
+    def other_program(self) -> str:
+        """In words, which other program has begun the study or resumed it last; "" where it was this one."""
+        record = self._record()
+        if record.made_by == program():
+            return ""
+        begun, this = f"{record.version}, program {record.made_by}", f"{VERSION}, program {program()}"
+        return f"{self.path}: begun by {PROGRAM} {begun}; this is {PROGRAM} {this}"
 
-    def _point(self, digest: str) -> Path:
-        return self.path / "points" / f"{digest}.point"
+    def pending(self, points: Points) -> list[int]:
+        """Points that have not been solved, each digest once."""
+        first = {digest: i for i, digest in reversed(list(enumerate(points.digests)))}
+        return sorted(i for digest, i in first.items() if self.read(digest) is None)
 
     def refuse_foreign(self, points: Points, resume: bool) -> None:
         """Refuse a folder that holds something else, or a study that is not to go on: UsageError."""
@@ -146,7 +155,7 @@ class Folder:
         if not resume:
             raise UsageError(f"{self.path}: holds a study; --resume goes on with it, or choose another --output")
         earlier, now = self._record(), _record_of(points)
-        is_same = all(getattr(earlier, name) == getattr(now, name) for name in ("study", "listed", "scene", "files"))
+        is_same = all(getattr(earlier, name) == getattr(now, name) for name in SAME)
         if not is_same and (earlier.keys != now.keys or not set(earlier.digests) & set(now.digests)):
             raise UsageError(
                 f"{self.path}: holds another study, none of whose points is one of this study; choose another --output"
@@ -160,7 +169,7 @@ class Folder:
         ------
         OSError: it can't be written. UsageError: another run works in the folder, or has begun a study there.
         """
-        with self._named():
+        with self._naming():
             (place := self.path / "points").mkdir(parents=True, exist_ok=True)
         with ExitStack() as stack:
             try:
@@ -170,12 +179,14 @@ class Folder:
                     f"{self.path}: another run-study works there; wait for its end, or choose another --output"
                 ) from None
             self._refuse_begun(points, resume)
+            if self._about.exists() and (other := self.other_program()):
+                say(f"warning: {other}; all points are solved again")
             self.begin(points)
             yield
 
     def begin(self, points: Points) -> None:
         """Write what the study is. OSError: it can't be written."""
-        with self._named():
+        with self._naming():
             (self.path / "points").mkdir(parents=True, exist_ok=True)
             write_whole(self._about, _record_of(points).model_dump_json().encode())
 
@@ -183,9 +194,9 @@ class Folder:
         """What became of a point; None: not solved yet, or its file is damaged."""
         try:
             with np.load(io.BytesIO(read_sealed(self._point(digest)) or b"")) as arrays:
-                found = {name: arrays[name] for name in arrays.files}
-            facts = json.loads(found.pop("facts").tobytes())
-            return Solved(signals=found, **facts["solved"]) if facts["digest"] == digest else None
+                signals = {name: arrays[name] for name in arrays.files}
+            facts = json.loads(signals.pop("facts").tobytes())
+            return Solved(signals=signals, **facts["solved"]) if facts["digest"] == digest else None
         except (OSError, LookupError, TypeError, ValueError, EOFError, zipfile.BadZipFile):
             return None
 
@@ -202,18 +213,114 @@ class Folder:
         archive = io.BytesIO()
         arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
         np.savez(archive, **arrays)
-        with self._named():
+        with self._naming():
             if solved.run is not None:
                 self.run(digest).parent.mkdir(exist_ok=True)
                 write_whole(self.run(digest), solved.run)
             write_sealed(self._point(digest), archive.getvalue())
 
     @contextmanager
-    def _named(self) -> Iterator[None]:
+    def _naming(self) -> Iterator[None]:
         """Say what to do where the disk fails."""
         try:
             yield
         except OSError as error:
-            raise OSError(
-                error.errno, f"{error.strerror}; finished points are kept, --resume goes on", str(self.path)
-            ) from None
+            told = f"{error.strerror}; finished points are kept, --resume goes on"
+            raise OSError(error.errno, told, str(self.path)) from None
+
+
+def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> xarray.Dataset:
+    """The dataset of all points that are done, which is written too; `count`: after each point.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier dataset stays. UsageError: signals of several lengths.
+    """
+    collected = _collected(points, folder, count)
+    with replaced(folder.dataset) as part:
+        try:
+            collected.to_netcdf(part, engine="netcdf4")
+        except RuntimeError as error:  # the library's, of a disk that fails
+            raise OSError(f"can't be written: {error}") from None
+    return collected
+
+
+def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xarray.Dataset:
+    """Values of parameters, and all that the points tell."""
+    design, study, n = points.design, points.study, len(points)
+    numbers = {name: np.full(n, nan) for name in study.keep.quantities}
+    status, message, seconds = [MISSING] * n, [""] * n, np.full(n, nan)
+    marks = []
+    signals: dict[str, np.ndarray] = {}
+    interval, known = 0.0, readable(points.scene(0))
+    for i in range(n):
+        marks.append(labels(points.scene(i)))
+        if (solved := folder.read(points.digests[i])) is not None:
+            status[i], message[i], seconds[i] = solved.status, solved.text, solved.seconds
+            for name in numbers.keys() & solved.quantities.keys():
+                numbers[name][i] = solved.quantities[name]
+            for name in study.keep.signals if solved.status == COMPLETE else ():
+                values = solved.signals[name]
+                if name not in signals:
+                    signals[name] = np.full((n, *values.shape), nan)
+                if (room := signals[name]).shape[1:] != values.shape:
+                    raise UsageError(
+                        f"{design.describe(i)}: its signals have another length than those of other points; "
+                        f"remove points/{points.digests[i]}.point, and --resume solves it again"
+                    )
+                room[i], interval = values, solved.signal_interval
+        count()
+    variables: dict[str, tuple] = {}
+
+    def put(name: str, values, unit: str, meaning: str, further: tuple[str, ...] = ()) -> None:
+        """A variable of the points; a parameter of the study may tell it already."""
+        data = values if isinstance(values, np.ndarray) else _array(values)
+        data, about = data.reshape(*design.shape, *data.shape[1:]), {"units": unit, "long_name": meaning}
+        variables.setdefault(name, ((*design.dimensions, *further), data, about))
+
+    for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True)):
+        unit, meaning = unit_of(key) or "1", f"scene key {key}"
+        if design.axes is None:
+            put(name, [point[i] for point in design.points], unit, meaning)
+        else:
+            variables[name] = name, _array(list(design.axes[i])), {"units": unit, "long_name": meaning}
+    for name, values in numbers.items():
+        put(name, values, *QUANTITIES[name])
+    for name, unit in UNITS.items():
+        put(name, [mark[name] for mark in marks], unit, f"label: {name.replace('_', ' ')}")
+    put("status", status, "1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}")
+    put("message", message, "1", "reason if the point is not complete")
+    put("seconds", seconds, "s", "wall time of the point")
+    for name, values in signals.items():
+        put(name, values, known[name].unit, known[name].meaning, known[name].dimensions)
+    if signals:
+        time = interval * np.arange(next(iter(signals.values())).shape[1])
+        variables["time"] = "time", time, {"units": "s", "long_name": "time of the signals' samples"}
+    attributes = {
+        "title": study.name,
+        "program": PROGRAM,
+        "program_version": VERSION,
+        "program_digest": points.made_by,
+        "libraries": json.dumps({name: version(name) for name in LIBRARIES}),
+        "study": study.text,
+        "scene": study.scene.to_toml(),
+        "method": study.sampling.method,
+        "seed": study.sampling.seed,
+        "points": n,
+        "sobol_base": design.base,
+    }
+    return xarray.Dataset(variables, attrs=attributes)
+
+
+def _array(values: list) -> np.ndarray:
+    """Numbers, NaN for None; or words, "" for None."""
+    words = any(isinstance(value, str) for value in values)
+    data = np.array([("" if words else nan) if value is None else value for value in values])
+    return data.astype(object if words else "i1" if data.dtype.kind == "b" else data.dtype)
+
+
+def incomplete(dataset: xarray.Dataset) -> Iterator[tuple[int, str, str]]:
+    """Number, status and message of each point that is not complete."""
+    for i, (status, text) in enumerate(zip(dataset.status.values.flat, dataset.message.values.flat, strict=True)):
+        if status != COMPLETE:
+            yield i, status, text

@@ -1,32 +1,69 @@
-"""One point of a study: a pure function from a scene to numbers, run here or by a worker anywhere."""
+"""Points of a study, each a pure function from a scene to numbers, solved here, by processes or by a cluster's workers.
 
+A process of this machine takes one point at a time through a pipe, and no port is opened. One that dies loses its
+point, and one that hangs in compiled code is killed; another takes its place. Of a cluster few tasks are under way at a
+time, so that neither this process nor the scheduler of dask.distributed ever holds the study; a worker that dies is the
+scheduler's business, which gives its points to others.
+"""
+
+import asyncio
 import hashlib
 import json
+import os
+import signal
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
+from math import inf, nan
+from multiprocessing import connection, get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.commands.progress import count_display
 from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS, Quantity
+from fem.rating.answers import values_of
 from fem.recording import Result
 from fem.result.layout import readable
+from fem.solver.simulate import make_plan, programs_named
 from fem.solver.solver import sample_count
-from fem.study.sampling import Design
-from fem.study.study_file import KeepTable, Study, decimation
+from fem.study.study_file import Design, KeepTable, Study
 from lagrange.columns import PER_ROLLER
 from lagrange.errors import RunFailed, UsageError
+from lagrange.messages import say
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
+
+if TYPE_CHECKING:
+    from fem.study.folder import Folder
 
 FORMAT = 2  # of a point's file
 MOST_FAULTS = 10  # named at once
 LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
+WORTH_PROCESSES = 60.0  # s of work: below, starting them takes longer than they save
+POINT_FILE = 2500  # bytes, without signals
+GRACE = 60.0  # s, beyond a point's limit: planning a fine mesh, or compiling on a new node
+LOOK = 0.5  # s, between two looks at what has happened
+HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
+RESTART = 60.0  # s, that a worker of a cluster may take to come back
+AHEAD = 2  # tasks a thread of the cluster has in hand: one to solve, one to begin without waiting
+FIRST_WORKER = 60.0  # s, that the first one may take to come
+CONNECT = 20.0  # s
+COUNTING = 2.0  # s, between two looks at how many workers there are
+COMPLETE, FAILED, STOPPED, LOST = "complete", "failed", "stopped", "lost"
+RATED = {  # answers of rate-bearing, and what turns them into SI
+    "rating_life": ("L10r_Mrev", 1e6),
+    "rating_peak_pressure": ("peak_pressure_MPa", 1e6),
+    "rating_moment": ("tilting_moment_N_m", 1.0),
+    "rating_tilt_stiffness": ("tilt_stiffness_N_m_per_rad", 1.0),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +102,9 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
             if len(faults) == MOST_FAULTS:
                 break
             continue
-        digests.append(digest_of(scene, study.keep))
+        # the name of a point's file
+        facts = [FORMAT, scene.to_toml(), sorted(scene.files), study.keep.model_dump(), program()]
+        digests.append(hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32])
         count()
     if faults:
         raise UsageError("\n".join(faults))
@@ -87,7 +126,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
     interval, rate = scene.numerics.output_interval_us, keep.signal_rate_kHz
-    one_of = decimation(1e-6 * interval, None if rate is None else 1e3 * rate)
+    one_of = keep.one_of(1e-6 * interval)
     sizes: dict[str, object] = {
         "numerics.duration_ms": scene.numerics.duration_ms,
         "numerics.output_interval_us": round(one_of * interval, 6),
@@ -113,12 +152,6 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         )
 
 
-def digest_of(scene: Scene, keep: KeepTable) -> str:
-    """Name of a point's file: a digest of scene, kept quantities, the program's text and its libraries' versions."""
-    facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
-    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32]
-
-
 @cache
 def program() -> str:
     """Digest of the program's own code and of its libraries' versions."""
@@ -126,18 +159,18 @@ def program() -> str:
     return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]
 
 
-COMPLETE, FAILED, STOPPED, LOST = "complete", "failed", "stopped", "lost"
-
-
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
     """What is kept of each point."""
 
-    quantities: tuple[str, ...]
-    signals: tuple[str, ...]
-    signal_rate: float | None  # Hz; None: every sample
+    keep: KeepTable
     seconds: float  # the most that a point may take
-    runs: bool  # result files too
+    runs: bool = False  # result files too
+
+    @property
+    def needs_no_run(self) -> bool:
+        """Whether all that is kept are ratings of the scene."""
+        return set(self.keep.quantities) <= set(OF_RATING) and not self.keep.signals and not self.runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,87 +190,381 @@ def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False
     """Simulate a scene and keep what is wanted; a failure is kept with its reason. None: `stop` said so."""
     began = time.monotonic()
 
-    def over() -> bool:
-        return time.monotonic() - began > wanted.seconds
+    def spent() -> float:
+        return time.monotonic() - began
 
     try:
-        if needs_no_run(wanted.quantities, wanted.signals) and not wanted.runs:
-            quantities = rated(scene, wanted.quantities)
-            return Solved(status=COMPLETE, seconds=time.monotonic() - began, quantities=quantities)
-        result = simulate(scene, stop=lambda: stop() or over())
+        if wanted.needs_no_run:
+            quantities = rated(scene, wanted.keep.quantities)
+            return Solved(status=COMPLETE, seconds=spent(), quantities=quantities)
+        result = simulate(scene, stop=lambda: stop() or spent() > wanted.seconds)
         if result.status != COMPLETE and stop():
             return None
         if result.status != COMPLETE:
             reached = 1e3 * float(result.time[-1]) if len(result.time) else 0.0
-            return Solved(
-                status=STOPPED,
-                text=f"stopped at {reached:.4g} ms: limits.seconds_per_point = {wanted.seconds:g} s were over",
-                seconds=time.monotonic() - began,
-            )
-        interval, signals = _signals(result, wanted)
+            reason = f"stopped at {reached:.4g} ms: limits.seconds_per_point = {wanted.seconds:g} s were over"
+            return Solved(status=STOPPED, text=reason, seconds=spent())
+        interval, signals = _signals(result, wanted.keep)
         return Solved(
-            status=COMPLETE,
-            seconds=time.monotonic() - began,
-            quantities=_quantities(result, wanted.quantities),
-            signals=signals,
-            signal_interval=interval,
-            run=_file(result) if wanted.runs else None,
-        )
+            status=COMPLETE, seconds=spent(), quantities=_quantities(result, wanted.keep.quantities), signals=signals,
+            signal_interval=interval, run=_file(result) if wanted.runs else None,
+        )  # fmt: skip
     except (RunFailed, UsageError, SceneError) as error:
         reason = str(error)
     except MemoryError:
         reason = "not enough memory"
     except Exception as error:  # a study of thousands is not to end by one point; the text says what is wrong
         reason = f"{type(error).__name__}: {error}"
-    return Solved(status=FAILED, text=reason, seconds=time.monotonic() - began)
+    return Solved(status=FAILED, text=reason, seconds=spent())
 
 
-def _quantities(result: Result, names: tuple[str, ...]) -> dict[str, float]:
+def _quantities(result: Result, names: Collection[str]) -> dict[str, float]:
     found = dict(result.quantities)
     if any(name in OF_CHECK for name in names):
-        found |= {each.name: each for each in check_quantities(result.residual())}
+        found |= {quantity.name: quantity for quantity in check_quantities(result.residual())}
     if any(name in OF_STATICS for name in names):
         stiffness = statics(result.scene).stiffness
         found["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
     return {name: float(found[name].value) for name in names if name in found} | rated(result.scene, names)
 
 
-RATED = {  # answers of rate-bearing, and what turns them into SI
-    "rating_life": ("L10r_Mrev", 1e6),
-    "rating_peak_pressure": ("peak_pressure_MPa", 1e6),
-    "rating_moment": ("tilting_moment_N_m", 1.0),
-    "rating_tilt_stiffness": ("tilt_stiffness_N_m_per_rad", 1.0),
-}
-
-
-def needs_no_run(quantities: Collection[str], signals: Collection[str]) -> bool:
-    """Whether all that is kept are ratings of the scene."""
-    return set(quantities) <= set(OF_RATING) and not signals
-
-
 def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:
     """Those of OF_RATING; NaN of what can't be rated."""
-    from fem.rating.answers import values_of  # other studies start without it
-
     wanted = {name: RATED[name] for name in names if name in OF_RATING}
     answers = values_of(scene, {answer for answer, _ in wanted.values()})
     return {name: factor * answers[answer] for name, (answer, factor) in wanted.items()}
 
 
-def _signals(result: Result, wanted: Wanted) -> tuple[float, dict[str, np.ndarray]]:
+def _signals(result: Result, keep: KeepTable) -> tuple[float, dict[str, np.ndarray]]:
     """Interval, s, and signals; decimated by a whole number, after a filter without phase."""
-    if not wanted.signals:
-        return 0.0, {}
     interval = 1e-6 * result.scene.numerics.output_interval_us
-    factor = decimation(interval, wanted.signal_rate)
-    signals = {name: result[name] for name in wanted.signals}
-    if factor > 1:
+    one_of = keep.one_of(interval)
+    signals = {name: result[name] for name in keep.signals}
+    if one_of > 1:
         from scipy.signal import decimate
 
-        signals = {name: decimate(values, factor, ftype="fir", axis=0) for name, values in signals.items()}
-    return factor * interval, {name: np.ascontiguousarray(values) for name, values in signals.items()}
+        signals = {name: decimate(values, one_of, ftype="fir", axis=0) for name, values in signals.items()}
+    return one_of * interval, {name: np.ascontiguousarray(values) for name, values in signals.items()}
 
 
 def _file(result: Result) -> bytes:
     with TemporaryDirectory(prefix="run-study-") as folder:
         return result.save(Path(folder) / "run.nc").read_bytes()
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOptions:
+    """How a study is to be run."""
+
+    workers: int | None = None  # None: as many as pay
+    scheduler: str | None = None
+    resume: bool = False
+    keep_runs: bool = False
+    quiet: bool = False
+
+    def processes(self, total: float) -> int:
+        """How many to start for so many seconds of work; 0: it is done in this one."""
+        if self.workers is not None:
+            return 0 if self.workers == 1 else self.workers
+        processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return processors if processors > 1 and total > WORTH_PROCESSES else 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """What a study will take."""
+
+    seconds: float  # of one processor, of a point, mean
+    memory: float  # bytes, of one process; nan on systems that do not tell
+    disk: float  # bytes, of a point: its file and its share of the dataset
+
+
+def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
+    """Expected cost of the points from the plans of three of them; compiles their kernels first.
+
+    Errors
+    ------
+    UsageError: no plan can be made of any of the three.
+    """
+    seconds, refused, keep = [], "", points.study.keep
+    for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
+        try:
+            scene, run = points.scene(i), 0.0
+            if Wanted(keep=keep, seconds=inf).needs_no_run:
+                began = time.process_time()
+                rated(scene, keep.quantities)
+            else:
+                programs_named(partial(make_plan, scene)).prepare(tell)
+                began = time.process_time()
+                run = make_plan(scene).expected_seconds
+            seconds.append(time.process_time() - began + run)
+        except (RunFailed, UsageError) as error:
+            refused = refused or f"{points.design.describe(i)}: {error}"
+    if not seconds:
+        raise UsageError(refused)
+    memory = nan
+    with suppress(ImportError):
+        import resource
+
+        memory = 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    scene = points.scene(0)
+    variables, rate = readable(scene), keep.signal_rate_kHz or 1e3 / scene.numerics.output_interval_us
+    rollers = scene.bearing.present
+    columns = sum(rollers if variables[name].dimensions == PER_ROLLER else 1 for name in keep.signals)
+    disk = POINT_FILE + 2.0 * 8.0 * columns * scene.numerics.duration_ms * rate
+    return Expected(seconds=sum(seconds) / len(seconds), memory=memory, disk=disk)
+
+
+def solve_points(
+    points: Points, pending: list[int], folder: "Folder", options: StudyOptions, total: float, stop: Callable[[], bool]
+) -> dict[int, Solved]:
+    """Solve points, of so many seconds in all, and keep them in the folder, until `stop` says so; those lost.
+
+    Errors
+    ------
+    OSError: a point can't be kept; those before it are. UsageError: no scheduler, before anything is written; another
+    study in the folder.
+    """
+    lost = {}
+    wanted = Wanted(keep=points.study.keep, seconds=points.study.limits.seconds_per_point, runs=options.keep_runs)
+    count_of = options.processes(total)
+    with (
+        scheduler_client(options.scheduler) if options.scheduler is not None else nullcontext() as client,
+        folder.held(points, options.resume),
+        count_display("points", len(pending), options.quiet) as count,
+    ):
+
+        def add(i: int, solved: Solved) -> None:
+            folder.add(points.digests[i], solved)
+            if solved.status == LOST:
+                lost[i] = solved
+            count()
+
+        solver = Cluster(client, wanted) if client else Processes(count_of, wanted) if count_of else Here(wanted, stop)
+        solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
+    for i, solved in lost.items():
+        say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
+    return lost
+
+
+def solve_all(
+    solver: "Here | Processes | Cluster", scenes: Iterator[tuple[int, Scene]], add: Callable[[int, Solved], None],
+    stop: Callable[[], bool],
+) -> None:  # fmt: skip
+    """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
+
+    Errors
+    ------
+    OSError: `add`'s, or no process can be started.
+    """
+    ended: list[tuple[int, Solved]] = []
+    following = next(scenes, None)
+    try:
+        while True:
+            stopped = stop()
+            while not stopped and following is not None and solver.has_room():
+                solver.begin(*following)
+                following = next(scenes, None)
+            for point, solved in ended:
+                add(point, solved)
+            if stopped or not solver.busy:
+                return
+            ended = list(solver.ended())
+    finally:
+        solver.close()
+
+
+class Here:
+    """This process, a point at a time."""
+
+    def __init__(self, wanted: Wanted, stop: Callable[[], bool]):
+        self._wanted, self._stop, self.busy = wanted, stop, dict[int, Scene]()
+
+    def has_room(self) -> bool:
+        return not self.busy
+
+    def begin(self, point: int, scene: Scene) -> None:
+        self.busy[point] = scene
+
+    def ended(self) -> Iterator[tuple[int, Solved]]:
+        point, scene = self.busy.popitem()
+        solved = solve(scene, self._wanted, self._stop)
+        if solved is not None:
+            yield point, solved
+
+    def close(self) -> None:
+        pass
+
+
+class Worker:
+    """A process, and the point that it solves."""
+
+    def __init__(self) -> None:
+        context = get_context("spawn")  # a fork would inherit the locks of threads that it lacks
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+        self.point, self.began = -1, inf
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
+
+
+def serve(pipe: connection.Connection) -> None:
+    """Solve what comes, until the study has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the study hears it and decides
+    with suppress(EOFError, OSError):
+        while True:
+            pipe.send(solve(*pipe.recv()))
+
+
+class Processes:
+    """Processes of this machine, started when they are needed."""
+
+    def __init__(self, count: int, wanted: Wanted):
+        self._count, self._wanted, self._idle = count, wanted, list[Worker]()
+        self.busy: dict[Any, Worker] = {}  # by pipe
+
+    def has_room(self) -> bool:
+        return len(self.busy) < self._count
+
+    def begin(self, point: int, scene: Scene) -> None:
+        worker = self._idle.pop() if self._idle else Worker()
+        self.busy[worker.pipe] = worker
+        worker.point, worker.began = point, time.monotonic()
+        with suppress(OSError):  # it has died, which its pipe tells
+            worker.pipe.send((scene, self._wanted))
+
+    def ended(self) -> Iterator[tuple[int, Solved]]:
+        for pipe in connection.wait(list(self.busy), LOOK):
+            worker = self.busy.pop(pipe)
+            try:
+                yield worker.point, worker.pipe.recv()
+                self._idle.append(worker)
+            except (EOFError, OSError):
+                worker.kill()
+                text = f"its process died (exit code {worker.process.exitcode}), as where memory is short"
+                yield worker.point, Solved(status=LOST, text=text)
+        for worker in list(self.busy.values()):
+            if time.monotonic() - worker.began > self._wanted.seconds + GRACE:
+                del self.busy[worker.pipe]
+                worker.kill()
+                yield worker.point, _hung(self._wanted)
+
+    def close(self) -> None:
+        for worker in (*self._idle, *self.busy.values()):
+            worker.kill()
+
+
+def _hung(wanted: Wanted) -> Solved:
+    return Solved(status=STOPPED, seconds=wanted.seconds, text=HUNG.format(wanted.seconds))
+
+
+def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:
+    """What a worker of a cluster does for one point."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    worker.log_event(topic, {"point": point, "worker": worker.address})  # for the client's watch
+    if program() != expected_program:
+        return Solved(status=LOST, text="the worker has another version of the program or of its libraries")
+    return solve(scene, wanted)
+
+
+class Cluster:
+    """Workers of a scheduler, and how long their points have taken.
+
+    A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
+    compiled code. A worker that hangs there answers nobody, so that it is watched from outside: each point tells when
+    it begins, and long after its limit the worker's process is killed.
+    """
+
+    def __init__(self, client: Any, wanted: Wanted):
+        self._client, self._wanted, self._topic = client, wanted, f"run-study {client.id}"
+        self.busy: dict[Any, int] = {}  # points by task
+        self._begun: dict[int, tuple[str, float]] = {}  # by point: its worker's address, and when
+        self._room, self._counted = 0, -inf
+        client.subscribe_topic(self._topic, self._note)
+
+    def _note(self, event: tuple[float, dict[str, Any]]) -> None:
+        self._begun[event[1]["point"]] = event[1]["worker"], time.monotonic()
+
+    def has_room(self) -> bool:
+        now = time.monotonic()
+        if now - self._counted > COUNTING:
+            self._room, self._counted = AHEAD * max(1, sum(self._client.nthreads().values())), now
+        return len(self.busy) < self._room
+
+    def begin(self, point: int, scene: Scene) -> None:
+        future = self._client.submit(task, point, scene, self._wanted, program(), self._topic, pure=False)
+        self.busy[future] = point
+
+    def ended(self) -> Iterator[tuple[int, Solved]]:
+        from distributed import wait
+
+        with suppress(TimeoutError):
+            for future in wait(list(self.busy), timeout=LOOK, return_when="FIRST_COMPLETED").done:
+                point = self.busy.pop(future)
+                self._begun.pop(point, None)
+                yield point, _outcome(future)
+        latest = time.monotonic() - self._wanted.seconds - GRACE
+        for future, point in list(self.busy.items()):
+            worker, began = self._begun.get(point, ("", inf))
+            if began < latest and not future.done():
+                del self.busy[future], self._begun[point]
+                future.cancel()  # or it would be restarted elsewhere
+                self._restart(worker)
+                yield point, _hung(self._wanted)
+
+    def _restart(self, worker: str) -> None:
+        """Kill a worker's process; its nanny starts another, and what waited there is solved elsewhere.
+
+        One without a nanny is given up: nobody here can kill it.
+        """
+        with suppress(OSError, TimeoutError):  # it may have gone by itself
+            try:
+                self._client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
+            except ValueError:
+                self._client.retire_workers([worker])
+
+    def close(self) -> None:
+        pass
+
+
+def _outcome(future: Any) -> Solved:
+    """What became of a task; of one whose worker has died again and again, that it is lost."""
+    if future.status == "finished":
+        return future.result() or Solved(status=LOST, text="the worker was stopped")
+    reason = future.exception() if future.status == "error" else future.status
+    return Solved(status=LOST, text=f"its worker was lost: {type(reason).__name__}: {reason}")
+
+
+@contextmanager
+def scheduler_client(where: str) -> Iterator[Any]:
+    """A client of the scheduler at an address. UsageError: it does not answer or has no workers."""
+    from distributed import Client
+    from distributed.comm import connect
+
+    async def knock() -> None:
+        """Greet what is there, and leave: a client would wait for its answer without end."""
+        await (await connect(where, timeout=CONNECT)).close()
+
+    try:
+        with ThreadPoolExecutor(1) as apart:  # here a loop may be running: a notebook's
+            apart.submit(lambda: asyncio.run(asyncio.wait_for(knock(), CONNECT))).result()
+        client = Client(where, timeout=CONNECT)
+    except Exception as error:  # whatever dask says of addresses and of what it finds there
+        reason = str(error) or "nothing was said in time"
+        raise UsageError(f"--scheduler {where}: does not answer: {reason}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=FIRST_WORKER)
+        except TimeoutError:
+            raise UsageError(
+                f"--scheduler {where}: no worker came in {FIRST_WORKER:g} s; start some: "
+                f"dask worker {where} --nthreads 1"
+            ) from None
+        yield client

@@ -1,9 +1,14 @@
-"""The study's file: TOML, validated; its faults are reported like those of a scene."""
+"""The study's file: TOML, validated; what it varies, and the points that follow. Faults are named as a scene's are."""
 
-from collections.abc import Iterator, Mapping
+import csv
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import product
+from math import isfinite, nan, prod
 from pathlib import Path
+from sys import float_info
 from typing import Any, Literal
 
 import numpy as np
@@ -11,18 +16,24 @@ from pydantic import Field, ValidationError
 
 from fem.interface import OF_CHECK
 from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
-from fem.study.parameters import Parameter, read_parameter
-from fem.study.sampling import design_of
 from lagrange.errors import UsageError
 from lagrange.files.input import plain_text
-from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable
+from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable, quoted
 from lagrange.scene.files import load
 from lagrange.scene.scene import Scene, SceneError, read_scene
 
 LARGEST_FILE = 2**24  # bytes of a list of points
 MOST_NAMES = 1000  # quantities, signals, keys of the scene
+MOST_VALUES = 100_000  # of one parameter
+MOST_POINTS = 1_000_000
+MOST_NUMBERS = 10 * MOST_POINTS  # in all points: some hundred bytes of memory each
 QUANTITIES = OF_RUN | OF_STATICS | OF_RATING | OF_CHECK  # unit and meaning by name
 USUAL = ("hub_mean_x", "hub_mean_y", "largest_force", "mean_largest_force", "load_zone")
+RANGE_KEYS = ("from", "to", "count", "scale")
+SPECS = "a list, { from = …, to = …, count = … } or a distribution, { normal = [210.0, 5.0] }"
+SHORTHAND = {"normal": "norm", "log_normal": "lognorm", "triangular": "triang", "exponential": "expon"}
+POINT = "point"  # the dimension of points that are no grid
+Value = float | int | str | bool
 
 
 class SamplingTable(Table):
@@ -32,31 +43,27 @@ class SamplingTable(Table):
     indices: bool = False
     file: str | None = Field(None, min_length=1)
 
+    @property
+    def is_drawn(self) -> bool:
+        """Whether points are drawn from distributions."""
+        return self.method in ("lhs", "sobol")
+
     def checks(self) -> tuple[Check, ...]:
-        return self._count, self._power, self._points
+        return (self._faults,)
 
-    def _count(self) -> Iterator[str]:
-        drawn = self.method in ("lhs", "sobol")
-        if drawn and self.samples is None:
-            yield f'samples: missing; method = "{self.method}" needs a number of samples'
-        if not drawn and self.samples is not None:
-            yield f'samples = {self.samples}: only for "lhs" and "sobol", not for "{self.method}"; leave it out'
-
-    def _power(self) -> Iterator[str]:
-        if self.indices and self.method != "sobol":
-            yield f'indices = true: only for method = "sobol", not for "{self.method}"; leave it out'
-        if self.method == "sobol" and self.samples is not None and self.samples & (self.samples - 1):
-            near = 2 ** self.samples.bit_length()
-            yield f"samples = {self.samples}: a Sobol sequence is uniform at powers of two; use {near // 2} or {near}"
-
-    def _points(self) -> Iterator[str]:
-        if (self.method == "list") != (self.file is not None):
+    def _faults(self) -> Iterator[str]:
+        method, samples = self.method, self.samples
+        if self.is_drawn and samples is None:
+            yield f'samples: missing; method = "{method}" needs a number of samples'
+        if not self.is_drawn and samples is not None:
+            yield f'samples = {samples}: only for "lhs" and "sobol", not for "{method}"; leave it out'
+        if self.indices and method != "sobol":
+            yield f'indices = true: only for method = "sobol", not for "{method}"; leave it out'
+        if method == "sobol" and samples is not None and samples & (samples - 1):
+            near = 2 ** samples.bit_length()
+            yield f"samples = {samples}: a Sobol sequence is uniform at powers of two; use {near // 2} or {near}"
+        if (method == "list") != (self.file is not None):
             yield 'file: a CSV table of points goes with method = "list", and with no other'
-
-
-def decimation(interval: float, rate: float | None) -> int:
-    """One of so many samples, an interval apart, s, is kept at a rate, Hz, or at the next higher one; None: every."""
-    return 1 if rate is None else max(1, int(1.0 / (rate * interval) + 1e-9))
 
 
 class KeepTable(Table):
@@ -65,24 +72,24 @@ class KeepTable(Table):
     signal_rate_kHz: float | None = Field(None, ge=1e-6, le=1e6)
 
     def checks(self) -> tuple[Check, ...]:
-        return self._known, self._twice, self._rate
+        return (self._faults,)
 
-    def _known(self) -> Iterator[str]:
+    def _faults(self) -> Iterator[str]:
         for name in self.quantities:
             if name not in QUANTITIES:
                 hint = likely_of(name, QUANTITIES)
-                yield f"quantities: {name!r} is unknown; " + (
-                    f"did you mean {hint}?" if hint else f"known are {', '.join(QUANTITIES)}"
-                )
-
-    def _twice(self) -> Iterator[str]:
+                meant = f"did you mean {hint}?" if hint else f"known are {', '.join(QUANTITIES)}"
+                yield f"quantities: {name!r} is unknown; {meant}"
         for key, names in (("quantities", self.quantities), ("signals", self.signals)):
             for name in sorted({name for name in names if names.count(name) > 1}):
                 yield f"{key}: {name!r} is there twice"
-
-    def _rate(self) -> Iterator[str]:
         if self.signal_rate_kHz is not None and not self.signals:
             yield f"signal_rate_kHz = {self.signal_rate_kHz:g}: there are no signals; add some or leave it out"
+
+    def one_of(self, interval: float) -> int:
+        """One of so many samples, an interval apart, s, is kept: at the rate wanted, or at the next higher one."""
+        rate = self.signal_rate_kHz
+        return 1 if rate is None else max(1, int(1.0 / (1e3 * rate * interval) + 1e-9))
 
 
 class LimitsTable(Table):
@@ -102,6 +109,27 @@ class StudyTable(Table):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One key of the scene: a list of values, a range, or a distribution of scipy.stats."""
+
+    key: str
+    values: tuple[Value, ...] | None = None  # one after the other; None: of no known number
+    quantiles: Callable[[np.ndarray], list[Value]] | None = None  # at shares 0 … 1; None: of a range with a count
+
+    def axis(self, method: str) -> tuple[Value, ...]:
+        """Its values, one after the other. UsageError: it has none of a known number."""
+        if self.values is None:
+            raise UsageError(f'parameters."{self.key}": method = "{method}" needs a list or a range with a count')
+        return self.values
+
+    def drawn(self, shares: np.ndarray) -> list[Value]:
+        """Its values at shares of its distribution, (n,), 0 … 1. UsageError: a range with a count."""
+        if self.quantiles is None:
+            raise UsageError(f'parameters."{self.key}": count is only for a grid; give samples for a drawn range')
+        return self.quantiles(shares)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study:
     """A study: what is varied, from which scene on, and what is kept of each point."""
 
@@ -115,6 +143,42 @@ class Study:
     listed: str | None = None  # text of the CSV table of points
 
 
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """The points of a study in a fixed order: on a grid the last parameter changes fastest."""
+
+    keys: tuple[str, ...]  # dotted keys of the scene
+    points: list[tuple[Value | None, ...]]  # values by key
+    axes: tuple[tuple[Value, ...], ...] | None = None  # of a grid, by key; None: the points are no grid
+    base: int = 0  # points of each of the matrices A, B and AB of Sobol indices; 0: there are none
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters: the last part of each key where that is a name and theirs alone, else the whole key."""
+        last = [key.rpartition(".")[2] for key in self.keys]
+        return tuple(
+            name if last.count(name) == 1 and name != POINT and not name.isdecimal() else key.replace(".", "_")
+            for name, key in zip(last, self.keys, strict=True)
+        )
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        return (POINT,) if self.axes is None else self.names
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return (len(self.points),) if self.axes is None else tuple(len(axis) for axis in self.axes)
+
+    def changes(self, i: int) -> dict[str, Value]:
+        """What point i changes of the scene: keys of cells left empty stay as they are."""
+        return {key: value for key, value in zip(self.keys, self.points[i], strict=True) if value is not None}
+
+    def describe(self, i: int) -> str:
+        """Point i in words."""
+        words = (f"{k} = {f'{v:.8g}' if isinstance(v, float) else repr(v)}" for k, v in self.changes(i).items())
+        return f"point {i} ({', '.join(words)})"
+
+
 def read_study(path: Path) -> Study:
     """The study of a TOML file; paths in it are from its own folder. Its scene may need keys that all points give.
 
@@ -124,15 +188,17 @@ def read_study(path: Path) -> Study:
     """
     text = _text(path)
     table = _validated(path, text)
-    found = study_of(path, text, None)
+    study = study_of(path, text, None)
     listed = None if table.sampling.file is None else _text(path.parent / table.sampling.file)
-    found, base = replace(found, listed=listed), None if table.scene is None else path.parent / table.scene
+    study, base = replace(study, listed=listed), None if table.scene is None else path.parent / table.scene
     try:
         scene = read_scene(base)
     except SceneError:  # it may lack what all points have
-        scene = read_scene(base, changes=table.fixed | design_of(found).always)
+        design = design_of(study)
+        given = [key for k, key in enumerate(design.keys) if all(point[k] is not None for point in design.points)]
+        scene = read_scene(base, changes=table.fixed | {key: design.changes(0)[key] for key in given})
     try:
-        return replace(found, scene=scene.varied(table.fixed))
+        return replace(study, scene=scene.varied(table.fixed))
     except SceneError as error:
         raise UsageError(f"{path}: [fixed]: {error}") from None
 
@@ -147,24 +213,28 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
 
     Errors
     ------
-    UsageError.
+    UsageError: also of parameters that the method can't take.
     """
     table = _validated(path, text)
-    with _named(path):
+    method = table.sampling.method
+    with _naming(path):
         parameters = {key: read_parameter(key, value) for key, value in table.parameters.items()}
-    _check_methods(path, table, parameters)
+    if method == "list" and parameters:
+        raise UsageError(f'{path}: [parameters]: with method = "list" they are the columns of its file; leave them out')
+    if method != "list" and not parameters:
+        raise UsageError(f'{path}: [parameters]: empty; name a key of the scene and its values, "operation.speed_rpm"')
+    with _naming(path):
+        for parameter in parameters.values():
+            if table.sampling.is_drawn:
+                parameter.drawn(np.array([0.5]))
+            else:
+                parameter.axis(method)
     for key in parameters.keys() & table.fixed.keys():
         raise UsageError(f'{path}: "{key}" stands in [fixed] and in [parameters]; leave it in one of them')
     return Study(
-        name=table.name or path.stem,
-        scene=read_scene(),
-        sampling=table.sampling,
-        parameters=parameters,
-        keep=table.keep,
-        limits=table.limits,
-        text=text,
-        listed=listed,
-    )
+        name=table.name or path.stem, scene=read_scene(), sampling=table.sampling, parameters=parameters,
+        keep=table.keep, limits=table.limits, text=text, listed=listed,
+    )  # fmt: skip
 
 
 def _text(path: Path) -> str:
@@ -183,7 +253,7 @@ def _validated(path: Path, text: str) -> StudyTable:
 
 
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
+def _naming(path: Path) -> Iterator[None]:
     """Name the file where a value of it can't be used."""
     try:
         yield
@@ -191,16 +261,192 @@ def _named(path: Path) -> Iterator[None]:
         raise UsageError(f"{path}: {printable(str(error))}") from None
 
 
-def _check_methods(path: Path, table: StudyTable, parameters: Mapping[str, Parameter]) -> None:
-    """Refuse parameters that the method can't take, before a scene is read."""
-    method = table.sampling.method
-    if method == "list" and parameters:
-        raise UsageError(f'{path}: [parameters]: with method = "list" they are the columns of its file; leave them out')
-    if method != "list" and not parameters:
-        raise UsageError(f'{path}: [parameters]: empty; name a key of the scene and its values, "operation.speed_rpm"')
-    with _named(path):
-        for parameter in parameters.values():
-            if method in ("grid", "zip"):
-                parameter.axis(method)
-            elif method != "list":
-                parameter.drawn(np.array([0.5]))
+def _is_number(value: Any) -> bool:
+    """Whether a value of TOML, whose whole numbers have no limit, is a number that a float can hold."""
+    return isinstance(value, float | int) and not isinstance(value, bool) and abs(value) <= float_info.max
+
+
+def is_value(value: Any) -> bool:
+    """Whether a value of TOML may be one of a scene."""
+    return isinstance(value, str | bool) or _is_number(value)
+
+
+def read_parameter(key: str, spec: Any) -> Parameter:
+    """The parameter that a study's file states. UsageError: it is none, or no values follow from it."""
+    place = f'parameters."{key}"'
+    if isinstance(spec, list):
+        return _choice(key, place, spec)
+    if not isinstance(spec, dict):
+        raise UsageError(f"{place} = {quoted(spec)}: must be {SPECS}")
+    if "from" in spec or "to" in spec:
+        return _range(key, place, spec)
+    if len(spec) != 1:
+        raise UsageError(f"{place}: must be {SPECS}")
+    ((name, arguments),) = spec.items()
+    if isinstance(arguments, dict) or key == key.partition(".")[0]:
+        raise UsageError(f'parameters.{key}: dotted keys of the scene are quoted, "{key}.{name}" = …')
+    return _distribution(key, place, name, arguments)
+
+
+def _choice(key: str, place: str, given: list[Any]) -> Parameter:
+    """Values given one by one; drawn with equal shares."""
+    n = len(given)
+    if not 1 <= n <= MOST_VALUES:
+        raise UsageError(f"{place}: holds {n} values; 1 to {MOST_VALUES} are allowed")
+    for value in given:
+        if not is_value(value):
+            raise UsageError(f"{place}: {quoted(value)} is no value of a scene")
+    if len(set(given)) < n:
+        twice = next(value for i, value in enumerate(given) if value in given[:i])
+        raise UsageError(f"{place}: {quoted(twice)} is there twice")
+    at = lambda shares: [given[i] for i in np.minimum((shares * n).astype(int), n - 1)]  # noqa: E731
+    return Parameter(key=key, values=tuple(given), quantiles=at)
+
+
+def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
+    """From one value to another, both included, evenly or by equal factors; without a count drawn in between."""
+    for name in spec:
+        if name not in RANGE_KEYS:
+            raise UsageError(f"{place}.{name}: unknown key; known here: {', '.join(RANGE_KEYS)}")
+    for name in ("from", "to"):
+        if not _is_number(spec.get(name)):
+            raise UsageError(f"{place}.{name} = {quoted(spec.get(name))}: must be a number")
+    low, high, count, scale = spec["from"], spec["to"], spec.get("count"), spec.get("scale", "linear")
+    if not low < high:
+        raise UsageError(f"{place}: from = {low:g} must be below to = {high:g}")
+    if count is not None and (isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES):
+        raise UsageError(f"{place}.count = {quoted(count)}: must be a whole number from 2 to {MOST_VALUES}")
+    if scale not in ("linear", "log"):
+        raise UsageError(f'{place}.scale = {quoted(scale)}: must be "linear" or "log"')
+    if scale == "log" and low <= 0.0:
+        raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
+    whole = isinstance(low, int) and isinstance(high, int)
+
+    def at(shares: np.ndarray) -> np.ndarray:
+        return low * (high / low) ** shares if scale == "log" else low + (high - low) * shares
+
+    def drawn(shares: np.ndarray) -> list[Value]:
+        if whole:  # each whole number has the same share
+            return [min(int(low + s * (high - low + 1)), high) for s in shares]
+        return at(shares).tolist()
+
+    if count is None:
+        return Parameter(key=key, quantiles=drawn)
+    values = [low, *at(np.linspace(0.0, 1.0, count))[1:-1].tolist(), high]  # round-off may leave the scene's range
+    kind = round if whole and scale == "linear" and all(value == round(value) for value in values) else float
+    return Parameter(key=key, values=tuple(map(kind, values)))
+
+
+def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
+    """A continuous distribution of scipy.stats with its arguments in their order: shapes, location, scale."""
+    from scipy import stats
+
+    if name == "uniform":
+        raise UsageError(f"{place}.uniform: write {{ from = …, to = … }}")
+    law = getattr(stats, SHORTHAND.get(name, name), None)
+    if not isinstance(law, stats.rv_continuous):
+        raise UsageError(f"{place}.{name}: no range and no continuous distribution of scipy.stats; must be {SPECS}")
+    if not isinstance(arguments, list) or not all(map(_is_number, arguments)):
+        raise UsageError(f"{place}.{name} = {quoted(arguments)}: must be a list of numbers: shapes, location, scale")
+
+    def quantiles(shares: np.ndarray) -> list[Value]:
+        with warnings.catch_warnings(action="ignore"):  # of what is no number, which is refused
+            return law(*map(float, arguments)).ppf(shares).tolist()
+
+    try:
+        middle = float(quantiles(np.array([0.5]))[0])
+    except TypeError:
+        wanted = f"give shapes ({law.shapes or 'none'}), then location and scale"
+        raise UsageError(f"{place}.{name}: {len(arguments)} arguments; {wanted}") from None
+    except (ArithmeticError, ValueError, RuntimeError):  # of a search for what has no closed form
+        middle = nan
+    if not isfinite(middle):
+        raise UsageError(f"{place}.{name} = {quoted(arguments)}: outside the distribution's domain")
+    return Parameter(key=key, quantiles=quantiles)
+
+
+def design_of(study: Study) -> Design:
+    """The points of a study; the same study gives the same points.
+
+    Errors
+    ------
+    UsageError: lengths that differ, too many points, a list that is none.
+    """
+    method, parameters = study.sampling.method, study.parameters
+    keys = tuple(parameters)
+    if method == "list":
+        return _listed(study.sampling.file or "", study.listed or "")
+    if study.sampling.is_drawn:
+        return _drawn(study.sampling, parameters)
+    axes = tuple(parameter.axis(method) for parameter in parameters.values())
+    if method == "zip":
+        if len({len(axis) for axis in axes}) > 1:
+            counts = ", ".join(f'"{key}" {len(axis)}' for key, axis in zip(keys, axes, strict=True))
+            raise UsageError(f'parameters: method = "zip" needs as many values of each, here {counts}')
+        return Design(keys=keys, points=list(zip(*axes, strict=True)))
+    _check_count(prod(len(axis) for axis in axes), len(axes), "parameters")
+    return Design(keys=keys, points=list(product(*axes)), axes=axes)
+
+
+def _check_count(count: int, parameters: int, what: str) -> None:
+    if count > MOST_POINTS:
+        raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are allowed")
+    if count * parameters > MOST_NUMBERS:
+        raise UsageError(
+            f"{what}: {count:,} points of {parameters:,} parameters; points times parameters may be {MOST_NUMBERS:,}"
+        )
+
+
+def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Design:
+    """Points of a Latin hypercube or of a scrambled Sobol sequence.
+
+    With indices A, B, and for each parameter A with its column of B, one below the other, ((d + 2) n, d).
+    Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them.
+    """
+    from scipy.stats import qmc
+
+    d, n = len(parameters), sampling.samples or 0
+    _check_count(n * (d + 2) if sampling.indices else n, d, "sampling.samples")
+    rng = np.random.default_rng(sampling.seed)
+    if sampling.method == "lhs":
+        shares = qmc.LatinHypercube(d=d, rng=rng).random(n)
+    else:
+        shares = qmc.Sobol(d=2 * d if sampling.indices else d, rng=rng).random_base2(n.bit_length() - 1)
+    if sampling.indices:
+        A, B = shares[:, :d], shares[:, d:]
+        shares = np.concatenate([A, B, *(np.where(np.arange(d) == i, B, A) for i in range(d))])
+    columns = [parameter.drawn(shares[:, i]) for i, parameter in enumerate(parameters.values())]
+    base = n if sampling.indices else 0
+    return Design(keys=tuple(parameters), points=list(zip(*columns, strict=True)), base=base)
+
+
+def _listed(name: str, text: str) -> Design:
+    """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
+    try:
+        rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise UsageError(f"{name}: a row can't be read: {error}") from None
+    if len(rows) < 2:
+        raise UsageError(f"{name}: holds no points; a header of scene keys and a row for each point are needed")
+    keys = tuple(cell.strip() for cell in rows[0])
+    if not all(keys) or len(set(keys)) < len(keys):
+        raise UsageError(f"{name}: its header must name a key of the scene in each column, none twice")
+    _check_count(len(rows) - 1, len(keys), name)
+
+    def value(number: int, key: str, cell: str) -> Value | None:
+        if not cell:
+            return None
+        try:
+            read = load(f"value = {cell}", "")["value"]
+        except SceneError:
+            read = cell
+        if not is_value(read):
+            raise UsageError(f"{name}: row {number}, {key} = {quoted(cell)}: is no value of a scene")
+        return read
+
+    points = []
+    for number, row in enumerate(rows[1:], start=2):
+        if len(row) != len(keys):
+            raise UsageError(f"{name}: row {number} has {len(row)} values, its header {len(keys)}")
+        points.append(tuple(value(number, key, cell.strip()) for key, cell in zip(keys, row, strict=True)))
+    return Design(keys=keys, points=points)

@@ -109,9 +109,8 @@ def _records(kind: str) -> list[bytes]:
 def _study_facts(place: Path, text: str) -> bytes:
     """What run-study writes of a study before it solves the first point."""
     from fem.study.folder import Folder
-    from fem.study.sampling import design_of
     from fem.study.solving import checked_points
-    from fem.study.study_file import read_study
+    from fem.study.study_file import design_of, read_study
 
     (place / "study.toml").write_text(text, encoding="utf-8")
     study = read_study(place / "study.toml")

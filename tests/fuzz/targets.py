@@ -59,8 +59,7 @@ class Targets:
     def study(self, data: bytes) -> bool:
         """Run-study's plan, of large studies the reader alone."""
         from fem.commands.run_study import study_main
-        from fem.study.sampling import design_of
-        from fem.study.study_file import read_study
+        from fem.study.study_file import design_of, read_study
         from lagrange.errors import UsageError
         from lagrange.scene.scene import SceneError
 

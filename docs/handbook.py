@@ -62,7 +62,7 @@ def examples_page() -> str:
 
 def result_page() -> str:
     """Variables and attributes of a result file."""
-    from fem.result.layout import ATTRIBUTES
+    from fem.result.store import ATTRIBUTES
     from lagrange.columns import COLUMNS, columns_of
 
     rows = [

@@ -1,16 +1,17 @@
-"""A run from a scene to a result file, whichever solver it asks for: checkpoints, signals that end it, how it went."""
+"""A run from a scene to a result file by whichever solver: checkpoints, signals, how it went, what is printed."""
 
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem.commands.progress import progress_display
-from fem.commands.start_up import Outcome, stop_signals
-from fem.commands.summary import print_estimates, print_plan, print_run, size_warning
+import numpy as np
+
+from fem.commands.start_up import Outcome, progress_display, stop_signals
+from fem.quantities import run_summary
 from fem.result.checkpoint import (
     checkpoint_path,
     load_checkpoint,
@@ -18,18 +19,25 @@ from fem.result.checkpoint import (
     refuse_nothing_to_resume,
     save_checkpoint,
 )
-from fem.result.later_columns import read_columns, write_estimates
-from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
-from fem.run_summary import summary_columns
-from fem.solver.compiling import remember
+from fem.result.run_file import RunFile
+from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
+from fem.solver.compiling import CompiledPlan, remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
+from lagrange import Bearing
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
-from lagrange.messages import said_if_long, say, telling
+from lagrange.kinematics import kinematics, mean_kinematics
+from lagrange.messages import engineering, said_if_long, say, shown, telling
+from lagrange.mounting import from_outer_ring
+from lagrange.scene.cage import default_cage
+from lagrange.scene.operation import RPM
 from lagrange.scene.scene import Scene
+from lagrange.section import is_plain, section_words
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from fem.solver.errors import ErrorEstimate
 
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
@@ -37,6 +45,8 @@ CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless given: a slow disk 
 PATIENCE = 5.0  # s, of planning without a word
 PLANNING = "planning: meshes, matrices, static equilibrium and critical step (a million nodes: one minute, 1.2 GB)"
 GO_ON = "to continue: the same command with --resume"
+LARGE_RESULT = 200.0  # MB, of which a run warns
+LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +62,7 @@ class RunOptions:
 def show_plan(scene: Scene, name: str) -> Outcome:
     """Plan a scene and print the plan of a run of that name. UsageError: a solver can't take the scene."""
     try:
-        print_plan(_planned(scene, say), name)
+        _print_plan(_planned(scene, say), name)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     return Outcome.COMPLETE
@@ -66,7 +76,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     UsageError: a solver can't take the scene or estimate its error; there is no place for a checkpoint, or none to
     resume from; see also `simulate`.
     """
-    began = time.perf_counter()
+    began, tell = time.perf_counter(), None if options.quiet else say
     refuse_no_place(path)
     if options.resume:
         refuse_nothing_to_resume(path)
@@ -74,12 +84,10 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
         from fem.solver.errors import coarser_scene
 
         coarser_scene(scene)
-    plan = _planned(scene, None if options.quiet else say)
+    plan = _planned(scene, tell)
     estimate = programs_named(plan.error_estimate) if options.estimate_error else None
-    plan.prepare(None if options.quiet else say)
-    large = size_warning(plan)
-    further = () if options.quiet else (*plan.warnings, *(() if large is None else (large,)))
-    for sentence in (*plan.notices, *further):
+    plan.prepare(tell)
+    for sentence in (*plan.notices, *(() if options.quiet else (*plan.warnings, *size_warning(plan)))):
         say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
@@ -134,17 +142,16 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
                 outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
         except RunFailed as error:
             outcome, reason = Outcome.FAILED, error
-        store.finish(outcome.status(reason), **state.outcome_attributes)
+        store.finish(outcome.status.format(reason=reason), **state.outcome_attributes)
     for sentence in state.notices:
         say(f"warning: {sentence}")
-    seen = state.progress
     if outcome is Outcome.COMPLETE and not options.resume:
         remember(plan.scene.model, plan.expected_seconds, state.processor)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*summary_columns(plan.scene), *plan.scene.mounting().places)
-            print_run(state, read_columns(path, names), path)
-    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
+            _print_run(state, path)
+    reached = 1e3 * state.progress.simulated
+    return _ended(outcome, reason=reason, path=path, time=reached, left=_left(path, store, True))
 
 
 class Checkpoints:
@@ -160,19 +167,19 @@ class Checkpoints:
         if time.monotonic() - self._saved > often:
             self.save()
 
-    def save(self) -> bool:
-        """Whether the state is on the disk; if not, the last one that is stays and the run goes on."""
+    def save(self) -> None:
+        """Bring the state to the disk; where that fails, the last one that is there stays and the run goes on."""
         began = time.monotonic()
         self._store.commit()
         try:
-            return self._write(self._store.stored)
+            self._write(self._store.stored)
         finally:
             self._saved = time.monotonic()
             self._cost = self._saved - began
 
     def restart(self) -> None:
         """Save the state of a run that restarts, before its file does; what can't be gone on from is removed."""
-        if not self._write(nothing_stored(self._state.plan)):
+        if not self._write(Stored()):
             checkpoint_path(self._path).unlink(missing_ok=True)
 
     def _write(self, stored: Stored) -> bool:
@@ -186,12 +193,10 @@ class Checkpoints:
 
 def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     """Run the coarser plan beside a finished run and write what its result may be off by."""
-    from fem.solver.errors import NEEDED
-
     with stop_signals() as stopped:
         try:
             with progress_display(estimate.coarse, quiet) as show:
-                found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
+                found = estimate.find(RunFile(path), show, lambda: bool(stopped))
         except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
             return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
     if stopped:
@@ -199,8 +204,14 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
     write_estimates(path, found, estimate.mesh_size)
     if not quiet:
+        rows = []
+        for each in found:
+            scale, unit = engineering(each.quantity.unit)
+            relative = f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-"
+            value, error = f"{scale * each.quantity.value:.5g} {unit}", f"{scale * each.error:.2g} {unit}"
+            rows.append((each.quantity.meaning, value, error, relative))
         with telling():
-            print_estimates(found, estimate.title)
+            _print_table(_console(), estimate.title, ("quantity", "value", "may be off by", "relative"), rows)
     return Outcome.COMPLETE
 
 
@@ -210,9 +221,8 @@ def _explained(path: Path, store: ResultFile) -> Iterator[None]:
     try:
         yield
     except WriteFailed as error:
-        raise OSError(
-            error.errno, f"{error.strerror}; {_left(path, store, store.is_in_place)}", error.filename
-        ) from None
+        left = _left(path, store, store.is_in_place)
+        raise OSError(error.errno, f"{error.strerror}; {left}", error.filename) from None
 
 
 def _left(path: Path, store: ResultFile, in_place: bool) -> str:
@@ -224,6 +234,191 @@ def _left(path: Path, store: ResultFile, in_place: bool) -> str:
 
 
 def _ended(outcome: Outcome, **facts: object) -> Outcome:
-    if text := outcome.sentence(**facts):
-        say(text)
+    if outcome.sentence:
+        say(outcome.sentence.format(**facts))
     return outcome
+
+
+def _console() -> "Console":
+    from rich.console import Console  # quiet runs do without
+
+    return Console(highlight=False)
+
+
+def _print_table(
+    console: "Console", title: str, headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)
+) -> None:
+    """A table; columns of these numbers stand at the left."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title=escape(shown(title)), title_justify="left")
+    for k, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if k in left else "right")
+    for row in rows:
+        table.add_row(*(escape(shown(cell)) for cell in row))
+    console.print(table)
+
+
+def _print_plan(plan: Plan, name: str) -> None:
+    """What is decided for a run of that name, and its cost. RunFailed: there is no equilibrium to tell of."""
+    from fem.solver.trial import is_compiled, seconds_by_trial  # only a dry run needs what it imports
+
+    console, table, rows, scene = _console(), plan.table(), plan.rows(), plan.scene
+    seconds = seconds_by_trial(plan)
+    if seconds is not None:
+        rows["expected time"] = f"about {seconds:.2g} s (measured on a short piece)"
+    rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
+    if isinstance(plan, CompiledPlan):
+        rows["compilation"] = "none, already cached" if is_compiled(plan) else plan.compiling
+    console.print(f"Plan of {shown(name)}, {plan.model_name}", style="italic", markup=False)
+    if table is not None:
+        console.print(table)
+    if (build_up := scene.operating_clearance()) is not None:
+        _print_table(console, "Diametral clearance", ("part", "µm", ""), build_up.rows(), left=(0, 2))
+    for name, value in (_of_the_bearing(scene) | rows).items():
+        console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+    _print_choices(console, plan, seconds)
+    _print_warnings(console, (*plan.notices, *plan.warnings, *size_warning(plan)))
+
+
+def result_megabytes(plan: Plan) -> float:
+    """Size of a plan's samples in the result file, without stored fields."""
+    return 1e-6 * plan.n_samples * bytes_of_a_sample(plan.scene)
+
+
+def size_warning(plan: Plan) -> tuple[str, ...]:
+    """A warning of a large result file, or none."""
+    size, numerics = result_megabytes(plan), plan.scene.numerics
+    if size <= LARGE_RESULT:
+        return ()
+    return (
+        f"the result file takes {size:.3g} MB; to make it smaller, lower numerics.duration_ms = "
+        f"{numerics.duration_ms:g}, or raise numerics.output_interval_us = {numerics.output_interval_us:g} if fast "
+        "vibration does not matter",
+    )
+
+
+def show_meshes(scene: Scene, name: str) -> None:
+    """Print statics on meshes, Richardson's values and those of the exact series."""
+    from fem.solver.errors import mesh_table
+
+    found = mesh_table(scene)
+    quantities = found.meshes[0].quantities
+    units = [engineering(quantity.unit) for quantity in quantities]
+
+    def row(values: Iterable[float | None]) -> list[str]:
+        pairs = zip(values, units, strict=True)
+        return ["" if value is None else f"{factor * value:.6g} {unit}" for value, (factor, unit) in pairs]
+
+    rows = [(f"{m.size:.3g}", str(m.nodes), *row(q.value for q in m.quantities)) for m in found.meshes]
+    rows.append(("Richardson", "", *row(found.extrapolated)))
+    if any(value is not None for value in found.exact):
+        rows.append(("exact series", "", *row(found.exact)))
+    headings = "mesh, mm", "nodes", *(quantity.meaning for quantity in quantities)
+    with telling():
+        _print_table(_console(), f"Statics of {name} by mesh", headings, rows, left=())
+
+
+def _of_the_bearing(scene: Scene) -> dict[str, str]:
+    """What the scene alone decides and its file does not say."""
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    clearance = round(2e6 * bearing.radial_clearance / bearing.cosine + 1e-9, 3) + 0.0
+    rows = {} if scene.fit else {"diametral clearance": f"{clearance:.3f} µm"}
+    if not is_plain(bearing):
+        rows["plane section"] = section_words(bearing)
+    if scene.assumed:
+        rows["defaults"] = scene.assumed
+    if operation.history is not None:
+        rows["largest load"] = f"at most {operation.heaviest:.5g} N"
+    if operation.varies_speed:
+        inner, outer = operation.ring_speeds_met
+        for name, speeds in (("shaft speed", inner), ("outer ring speed", outer)):
+            if speeds.any():
+                rows[name] = f"{speeds.min() / RPM:.6g} to {speeds.max() / RPM:.6g} rpm"
+        at = [np.argmin(inner), np.argmax(inner)] if np.ptp(inner) else [np.argmin(outer), np.argmax(outer)]
+        for speed, ring in {(float(inner[k]), float(outer[k])): None for k in at}:
+            beside = f", outer ring {ring / RPM:.6g} rpm" if outer.any() else ""
+            rows[f"frequencies at {speed / RPM:.6g} rpm{beside}"] = _frequencies(bearing, speed, ring)
+    elif operation.fastest:
+        rows["frequencies, without slip"] = _frequencies(bearing, *operation.ring_speeds)
+    if scene.cage is not None:
+        rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; the default")
+    elif scene.model != "lagrange" or scene.lagrange.angles == "free":
+        why = default_cage(scene)
+        rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: unloaded rollers coast"
+    return rows
+
+
+def _frequencies(bearing: Bearing, *speeds: float) -> str:
+    """Kinematic lines at speeds of the inner and of the outer ring, rad/s, in words."""
+    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, *speeds).frequencies.items())
+
+
+def _print_choices(console: "Console", plan: Plan, seconds: float | None) -> None:
+    """What each model takes for the scene, what it errs by and leaves out; what to begin with.
+
+    `seconds` : that the plan's own takes, as far as it has been tried
+    """
+    from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
+
+    choices = [
+        each if seconds is None or each.model != plan.scene.model else replace(each, seconds=seconds)
+        for each in model_choices(plan)
+    ]
+    if (begin := suggestion(choices)) is None:
+        return
+    rows = []
+    for each in choices:
+        error = "-" if each.hub_error is None else f"below {100 * LEAST_ERROR:g} %"
+        if each.hub_error is not None and each.hub_error > LEAST_ERROR:
+            error = f"{100 * each.hub_error:.2g} %"
+        rows.append((each.model, "-" if each.seconds is None else f"{each.seconds:.2g} s", error, each.lacks))
+    headings = "model", "expected time", "static error of hub", "leaves out"
+    _print_table(console, "Models for this scene", headings, rows, left=(0, 3))
+    console.print(begin, soft_wrap=True, markup=False)
+
+
+def _print_run(state: RunState, path: Path) -> None:
+    """Print the bearing's quantities from a run's file, and the file's place."""
+    console, plan, progress, samples = _console(), state.plan, state.progress, RunFile(path)
+    bearing = plan.scene.ideal_bearing()
+    if plan.n_samples == 1:
+        lines = _static_lines(plan.scene, samples)
+    else:
+        ideal = mean_kinematics(bearing, plan.scene.ideal_operation(), progress.simulated)
+        found = run_summary(bearing, ideal, samples, tilts=plan.scene.axial is not None)
+        lines = [f"{name + ':':14s} {value}" for name, value in found.items()]
+        lines.append(
+            f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
+            f"{progress.imbalance:+.1e} of the exchanged energy"
+        )
+    if words := section_words(bearing):
+        lines.insert(0, f"plane section: {words}")
+    if plan.scene.assumed:
+        lines.append(f"{'defaults:':14s} {plan.scene.assumed}")
+    for line in lines:
+        console.print(line, soft_wrap=True)
+    _print_warnings(console, state.warnings)  # the plan's stand at the start
+    console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
+
+
+def _static_lines(scene: Scene, samples: Mapping[str, np.ndarray]) -> list[str]:
+    """Places and forces of an equilibrium, and the speed at which rollers' centrifugal force acts in it."""
+    inner, outer = (speed / RPM for speed in scene.ideal_operation().ring_speeds)
+    speed = f" at {inner:g} rpm" + (f", outer ring {outer:g} rpm" if outer else "") + ", with centrifugal force"
+    x, y = (round(1e6 * place[0], 4) + 0.0 for place in from_outer_ring(samples, "inner"))
+    hub = f"Static equilibrium{speed if inner or outer else ' at rest'}: hub x {x:.4f} µm, y {y:.4f} µm"
+    moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in samples]
+    hub += ", from the outer ring's centre" if moved else ""
+    for body in moved:
+        place = ", ".join(f"{axis} {1e6 * samples[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
+        hub += f"; {body.replace('_', ' ')} {place}"
+    force = samples["inner_force"][0]
+    forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
+    return [hub, f"Loaded rollers: {forces or 'none'} N"]
+
+
+def _print_warnings(console: "Console", warnings: tuple[str, ...]) -> None:
+    for sentence in warnings:
+        console.print(f"Warning: {sentence}", soft_wrap=True, markup=False)

@@ -5,7 +5,7 @@ import pytest
 from scipy.io import wavfile
 
 from fem.commands.render_fem import render_main
-from fem.result.acceleration import G, accelerations, channels
+from fem.result.run_file import G, accelerations, channels
 from lagrange.errors import UsageError
 from lagrange.scene.scene import parse_scene
 from tests.reference.synthetic_run import make_run, run_variables, write_result
@@ -20,7 +20,7 @@ def tone(frequency: float, interval: float = 1e-5, n: int = 20_000) -> np.ndarra
 
 
 def recorded(values: np.ndarray, **output) -> np.ndarray:
-    return accelerations(scene(**output), lambda name: values).values["inner_ay"]
+    return accelerations(scene(**output), lambda name: values)["inner_ay"]
 
 
 @pytest.mark.parametrize("frequency", [10.0, 381.5, 5000.0, 9990.0])

@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from fem.result.checkpoint import load_checkpoint, save_checkpoint
-from fem.result.layout import variables_of
-from fem.result.store import Stored
+from fem.result.store import Stored, variables_of
 from fem.solver.elements import plan as elements
 from fem.solver.rigid import reduced
 from fem.statics.equilibrium import static_equilibrium

@@ -12,8 +12,7 @@ import pytest
 
 from fem.commands.rate_bearing import rate_app, rate_main
 from fem.commands.render_fem import render_app, render_main
-from fem.commands.run_fem import run_app, run_main
-from fem.commands.run_live import live_app
+from fem.commands.run_fem import live_app, run_app, run_main
 from fem.commands.run_study import study_app
 from lagrange.scene.keys import key_tables
 from lagrange.scene.scene import parse_scene_text

@@ -17,7 +17,6 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
-from fem.result.layout import MARK, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
 from lagrange.columns import PER_TIME, columns_of
@@ -100,10 +99,10 @@ def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(
 
 def test_the_counter_is_not_torn(plan, tmp_path):
     """Eight aligned bytes: within one sector, and one page."""
-    places = create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
-    assert places.committed % 8 == 0
+    with ResultFile(tmp_path / "run.nc", plan, 0.0) as store:
+        assert store._places.committed % 8 == 0
     with h5py.File(tmp_path / "run.nc") as file:
-        assert file.attrs["committed_samples"] == MARK and np.all(np.isnan(file["time"]))
+        assert file.attrs["committed_samples"] == 0 and np.all(np.isnan(file["time"]))
 
 
 @pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
@@ -132,7 +131,7 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
     assert set(left) <= {earlier, *ENDS, "ended"} and len(set(left)) > 4
 
 
-def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(tmp_path, monkeypatch):
+def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(plan, tmp_path, monkeypatch):
     put, count = HeldBack.put, [0, math.inf]
 
     def failing(file, data):
@@ -142,11 +141,11 @@ def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(
         return put(file, data)
 
     monkeypatch.setattr(HeldBack, "put", failing)
-    create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
+    ResultFile(tmp_path / "run.nc", plan, 0.0).close()
     for fail_at in range(1, count[0] + 1):
         count[:] = 0, fail_at
         with pytest.raises(OSError, match="No space left"):
-            create(tmp_path / "run.nc", range(ROLLERS), 41, {}, columns_of(""))
+            ResultFile(tmp_path / "run.nc", plan, 0.0)
     gc.collect()  # where HDF5 would crash on what it could not write
 
 

@@ -13,7 +13,7 @@ from fem.contacts.points import patch
 from fem.elastic.bodies import turned
 from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
-from fem.result.fields import GROUP
+from fem.result.run_file import GROUP
 from fem.result.store import ResultFile
 from fem.solver.elements.start import rolling_motion
 from fem.solver.frames import frame_of, rotated

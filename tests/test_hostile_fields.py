@@ -8,7 +8,7 @@ import pytest
 
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
-from fem.result.fields import GROUP
+from fem.result.run_file import GROUP
 from lagrange.files.hdf5 import CHECKSUM
 
 OPTIONS = ["--mesh-size", "2", "--quiet", "--set", "output.fields_every_ms=0.1", "--duration"]

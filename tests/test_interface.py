@@ -23,7 +23,7 @@ from fem.interface import (
     statics,
 )
 from fem.quantities import OF_RUN, Quantity
-from fem.result.layout import variables_of
+from fem.result.store import variables_of
 from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 

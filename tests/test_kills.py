@@ -13,7 +13,7 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
-from fem.result.fields import GROUP, stored_samples
+from fem.result.run_file import GROUP, stored_samples
 from fem.solver import simulate
 from lagrange.columns import columns_of
 

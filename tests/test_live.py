@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fem.commands.run_live import live_main
+from fem.commands.run_fem import live_main
 from fem.live import player as player_module
 from fem.live import server as server_module
 from fem.live.controls import changed, controls, values_of

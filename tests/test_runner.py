@@ -135,7 +135,7 @@ def test_a_complete_run_can_be_extended(case, tmp_path):
 
 @each_model
 def test_a_run_shows_its_progress_and_its_end(case, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("fem.commands.progress.PLAIN_SECONDS", 0.0)
+    monkeypatch.setattr("fem.commands.start_up.PLAIN_SECONDS", 0.0)
     path = tmp_path / "run.nc"
     assert run(case, path) == 0
     out, error = capsys.readouterr()

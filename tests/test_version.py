@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 
 from fem.commands.run_fem import run_main
-from fem.result.layout import ATTRIBUTES
+from fem.result.store import ATTRIBUTES
 from lagrange import version
 
 ROOT = Path(__file__).resolve().parents[1]

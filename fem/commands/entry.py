@@ -11,8 +11,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from lagrange.commands import entry
 
-run_fem = entry("fem.commands.run_fem:run_main")
+run_fem, run_live = entry("fem.commands.run_fem:run_main"), entry("fem.commands.run_fem:live_main")
 render_fem = entry("fem.commands.render_fem:render_main")
-run_live = entry("fem.commands.run_live:live_main")
 run_study = entry("fem.commands.run_study:study_main")
 rate_bearing = entry("fem.commands.rate_bearing:rate_main")

@@ -8,13 +8,13 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from fem.commands.run_fem import RUNS
-from fem.commands.start_up import run_app_main
+from fem.commands.start_up import count_display, run_app_main
 from lagrange.commands import entry, new_app
 from lagrange.errors import UsageError
 from lagrange.messages import shown, telling
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
-SIGNALS = (".csv", ".wav")  # of `fem.result.acceleration`
+SIGNALS, SERIES = (".csv", ".wav"), ".vtkhdf"  # endings of --export: accelerations, fields of many instants
 WIDTH, FILM_WIDTH = 1600, 960
 
 render_app = new_app(
@@ -71,16 +71,15 @@ def _render(
     force: Annotated[bool, Parameter(negative="", help="replace a file that this program did not write")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="show no progress")] = False,
 ) -> int:
-    _check("--width", width, 200, 8000, "pixels")
-    _check("--magnification", magnification, 0.0, 1e9)
-    _check("--frames", frames, 2, 100_000)
-    _check("--fps", fps, 0.1, 200.0)
-    for option, path in (("--output", output), ("--animation", animation), ("--export", export)):
-        if path is not None and path.is_dir():
-            raise UsageError(f"{option} {path}: is a folder; name a file in it")
-    if sum(path is not None for path in (output, animation, export)) > 1:
-        raise UsageError("--output, --animation, --export: give only one of them")
-    _check_kind(output, animation, export)
+    for option, value, low, high, unit in (
+        ("--width", width, 200, 8000, " pixels"),
+        ("--magnification", magnification, 0.0, 1e9, ""),
+        ("--frames", frames, 2, 100_000, ""),
+        ("--fps", fps, 0.1, 200.0, ""),
+    ):
+        if value is not None and not low <= value <= high:
+            raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g}{unit}")
+    _check_targets(output, animation, export)
 
     from lagrange.files.pages import load_matplotlib
 
@@ -91,72 +90,69 @@ def _render(
     stored = StoredRun(run if run is not None else _newest())
     target = output or animation or export or stored.path.with_suffix(".png")
     refuse_foreign(target, force)
-    if export is not None and export.suffix.lower() in SIGNALS:
-        if any(given is not None for given in (time, start, stop, frames)):
-            raise UsageError("--time, --start, --stop, --frames: accelerations cover the whole run; leave them out")
-        return _signals(stored, export)
-    many = animation is not None or (export is not None and _holds_series(export))
+    kind = "" if export is None else export.suffix.lower()
+    many = animation is not None or kind == SERIES
+    if kind in SIGNALS and any(given is not None for given in (time, start, stop, frames)):
+        raise UsageError("--time, --start, --stop, --frames: accelerations cover the whole run; leave them out")
     if many and time is not None:
         raise UsageError("--time: not for a film or a series; give --start and --stop")
     if not many and (start is not None or stop is not None or frames is not None):
         raise UsageError("--start, --stop, --frames: only for a film or a series; give --time")
-    samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
-    if export is not None:
-        return _export(stored, export, samples, quiet)
-    if view == "axial":
-        return _axial(stored, target, animation, samples[0])
-    from fem.pictures.drawing_process import check_rendering
-    from fem.pictures.look import Request
+    if kind in SIGNALS:
+        done = _signals(stored, target)
+    else:
+        samples = [stored.nearest(None if time is None else 1e-3 * time)]
+        if many:
+            samples = _samples(stored, start, stop, frames)
+        if export is not None:
+            done = _export(stored, target, samples, quiet)
+        elif view == "axial":
+            if animation is not None:
+                raise UsageError("--view axial: draws one instant; leave --animation out")
+            from fem.pictures.axial import draw_axial
 
-    check_rendering()
+            draw_axial(stored, target, samples[0])
+            done = f"Picture: {target}"
+        else:
+            from fem.pictures.drawing_process import check_rendering
+            from fem.pictures.look import Request
 
-    request = Request(
-        view=view,
-        field=field,
-        magnification=magnification,
-        roller=roller,
-        width=width or (WIDTH if animation is None else FILM_WIDTH),
-    )
-    if animation is not None:
-        return _film(stored, animation, request, samples, fps, quiet)
-    from fem.pictures.render import draw
+            check_rendering()
+            width = width or (WIDTH if animation is None else FILM_WIDTH)
+            request = Request(view=view, field=field, magnification=magnification, roller=roller, width=width)
+            if animation is not None:
+                done = _film(stored, target, request, samples, fps, quiet)
+            else:
+                from fem.pictures.render import draw
 
-    draw(stored, target, request, samples[0])
-    return _done(f"Picture: {target}")
-
-
-def _axial(stored, target: Path, animation: Path | None, sample: int) -> int:
-    if animation is not None:
-        raise UsageError("--view axial: draws one instant; leave --animation out")
-    from fem.pictures.axial import draw_axial
-
-    draw_axial(stored, target, sample)
-    return _done(f"Picture: {target}")
-
-
-def _check(option: str, value: float | None, low: float, high: float, unit: str = "") -> None:
-    if value is not None and not low <= value <= high:
-        raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g} {unit}".rstrip())
+                draw(stored, target, request, samples[0])
+                done = f"Picture: {target}"
+    with telling():
+        print(shown(done))
+    return 0
 
 
-def _check_kind(output: Path | None, animation: Path | None, export: Path | None) -> None:
+def _check_targets(output: Path | None, animation: Path | None, export: Path | None) -> None:
     """Whether what a file's name ends in can be written, before anything is computed; a run is never drawn over."""
+    given = [(f"--{name} {path}", path) for name, path in
+             (("output", output), ("animation", animation), ("export", export)) if path is not None]  # fmt: skip
+    for option, path in given:
+        if path.is_dir():
+            raise UsageError(f"{option}: is a folder; name a file in it")
+    if len(given) > 1:
+        raise UsageError("--output, --animation, --export: give only one of them")
     if output is not None and output.suffix.lower() != ".png":
         raise UsageError(f"--output {output}: must end in .png")
     if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
         raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
-    if export is not None and not _holds_series(export) and export.suffix.lower() not in SIGNALS:
+    if export is not None and export.suffix.lower() not in (SERIES, *SIGNALS):
         from meshes.export import FORMATS
 
         if export.suffix.lower() not in FORMATS:
             raise UsageError(
-                f"--export {export}: must end in .vtkhdf, {', '.join(SIGNALS)} or a format of meshio: "
+                f"--export {export}: must end in {SERIES}, {', '.join(SIGNALS)} or a format of meshio: "
                 f"{', '.join(FORMATS)}"
             )
-
-
-def _holds_series(export: Path) -> bool:
-    return export.suffix.lower() == ".vtkhdf"
 
 
 def _newest() -> Path:
@@ -183,13 +179,12 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
     return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
 
 
-def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
-    from fem.commands.progress import count_display
+def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> str:
     from fem.pictures.film import write_film
     from fem.pictures.render import Renderer
 
-    shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
-    slower = 1.0 / (fps * shown) if shown > 0.0 else inf
+    lasts = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
+    slower = 1.0 / (fps * lasts) if lasts > 0.0 else inf
     renderer = Renderer(stored, request, samples, f"{slower:.3g} × slower")
     with count_display("frames", len(samples), quiet) as count:
 
@@ -199,37 +194,29 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
                 count()
 
         write_film(target, images(), fps, renderer.palette)
-    return _done(f"Film: {target} ({len(samples)} frames)")
+    return f"Film: {target} ({len(samples)} frames)"
 
 
-def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
-    from fem.commands.progress import count_display
+def _export(stored, target: Path, samples: list[int], quiet: bool) -> str:
     from fem.pictures.export import write_instant, write_series
 
     with count_display("instants", len(samples), quiet) as count:
-        if _holds_series(target):
+        if target.suffix.lower() == SERIES:
             write_series(stored, target, samples, count)
         else:
             write_instant(stored, target, samples[0])
-    return _done(f"Fields: {target}")
+    return f"Fields: {target}"
 
 
-def _signals(stored, target: Path) -> int:
-    from fem.result.acceleration import accelerations, write_accelerations
+def _signals(stored, target: Path) -> str:
+    from fem.result.run_file import accelerations, write_accelerations
 
-    found = accelerations(stored.scene, stored.column)
+    found, rate = accelerations(stored.scene, stored.column), stored.scene.output.acceleration_Hz
     try:
-        write_accelerations(target, found)
+        write_accelerations(target, rate, found)
     except OSError as error:
         raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
-    return _done(f"Accelerations: {target} ({', '.join(found.values)} at {found.rate} Hz)")
-
-
-def _done(text: str) -> int:
-    """Say what has been written; the exit code."""
-    with telling():
-        print(shown(text))
-    return 0
+    return f"Accelerations: {target} ({', '.join(found)} at {rate} Hz)"
 
 
 render_main = partial(run_app_main, render_app)

@@ -1,4 +1,4 @@
-"""The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
+"""The commands `run-fem` and `run-live`. Little is imported: everything heavy waits until a scene has been read."""
 
 import json
 import re
@@ -15,10 +15,13 @@ from fem.solver.simulate import SOLVERS
 from lagrange.commands import entry, new_app
 from lagrange.errors import UsageError
 
+Scene = Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")]
+Designation = Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")]
+Settings = Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")]
+Quiet = Annotated[bool, Parameter(negative="", help="show no progress and no summary")]
 RUNS = Path("runs")
 EXAMPLES = ("paper", "NU206", "spindle", "faults", "table", "all")  # of fem.examples, which imports much for --help
 LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
-
 
 run_app = new_app(
     "run-fem",
@@ -40,7 +43,7 @@ Exit codes: 0 done; 1 the run failed numerically; 2 unusable input; 130 interrup
 
 @run_app.default
 def _run(
-    scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
+    scene: Scene = None,
     /,
     *,
     output: Annotated[
@@ -49,8 +52,8 @@ def _run(
     model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="solver; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="distance of surface nodes, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
-    bearing: Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")] = None,
-    set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
+    bearing: Designation = None,
+    set: Settings = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check the scene and show the plan, without running")] = False,
     converge: Annotated[
         bool,
@@ -70,47 +73,37 @@ def _run(
         Parameter(help="write a commented scene (all: with every key) here or to --output, without running"),
     ] = None,
     schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="show no progress and no summary")] = False,
+    quiet: Quiet = False,
 ) -> int:
     if example is not None:
         return _write_example(example, output, force)
-    from lagrange.scene.scene import Scene, read_scene
+    from lagrange.scene import scene as scenes
 
     if schema:
-        print(json.dumps(Scene.model_json_schema(), indent=1, ensure_ascii=False))
+        print(json.dumps(scenes.Scene.model_json_schema(), indent=1, ensure_ascii=False))
         return 0
 
     settings = set or []
     keys = {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
     given = (f"{key}={value}" for key, value in keys.items() if value is not None)
-    chosen = read_scene(scene, (*standard_bearing(bearing), *settings, *given))
+    chosen = scenes.read_scene(scene, (*standard_bearing(bearing), *settings, *given))
     path = output if output is not None else RUNS / f"{result_name(chosen.name, settings)}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
-    if converge:
-        return _show_meshes(chosen, path.stem)
-    from fem.result.earlier import refuse_another_run
-    from fem.runner import RunOptions, run_scene, show_plan
+    from fem.result.checkpoint import refuse_another_run
+    from fem.runner import RunOptions, run_scene, show_meshes, show_plan
 
+    if converge:
+        show_meshes(chosen, path.stem)
+        return 0
     if dry_run:
         return show_plan(chosen, path.stem).code
     if not (force or resume):
         refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
-
-
-def _show_meshes(scene, name: str) -> int:
-    from fem.commands.summary import print_meshes
-    from fem.solver.errors import mesh_table
-    from lagrange.messages import telling
-
-    found = mesh_table(scene)
-    with telling():
-        print_meshes(name, found)
-    return 0
 
 
 def _write_example(name: str, path: Path | None, force: bool) -> int:
@@ -142,8 +135,47 @@ def result_name(scene_name: str, settings: Sequence[str]) -> str:
     return whole if len(whole) <= LONGEST_NAME else f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
 
 
-run_main = partial(run_app_main, run_app)
-run_fem = entry(run_main)
+live_app = new_app(
+    "run-live",
+    """Play a bearing in the browser while it is computed, by the reduced model, in slow motion or in real time.
+
+Prints an address to open on this machine; it holds until the command ends. Speed, load, clearance, friction and
+spalls can be changed as it runs. No result file is written: the page saves its scene, for run-fem.
+
+Example: run-live my-bearing.toml --set operation.speed_rpm=3000
+
+Exit codes: 1 the run has no start; 2 unusable input; 130 ended by Ctrl-C.
+""",
+)
+
+
+@live_app.default
+def _live(
+    scene: Scene = None,
+    /,
+    *,
+    bearing: Designation = None,
+    set: Settings = None,
+) -> int:
+    from lagrange.messages import say, telling
+    from lagrange.scene.scene import read_scene
+
+    chosen = read_scene(scene, (*standard_bearing(bearing), *(set or ()), "model=reduced"))
+    import asyncio
+
+    from fem.live.player import Player
+    from fem.live.server import LiveServer
+
+    def announce(address: str) -> None:
+        with telling():
+            print(f"Live: {address}\nCtrl-C ends it.")
+
+    asyncio.run(LiveServer(Player(chosen, say)).run(announce))
+    return 0
+
+
+run_main, live_main = partial(run_app_main, run_app), partial(run_app_main, live_app)
+run_fem, run_live = entry(run_main), entry(live_main)
 
 if __name__ == "__main__":
     run_fem()

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.start_up import Outcome, need, run_app_main, stop_signals
+from fem.commands.run_fem import Quiet
+from fem.commands.start_up import Outcome, count_display, need, run_app_main, stop_signals
 from lagrange.commands import entry, new_app
 from lagrange.errors import UsageError
 from lagrange.messages import say, shown, telling
@@ -56,7 +57,7 @@ def _study(
         Path | None, Parameter(help="write dataset and page of this folder again, without solving", name="--collect")
     ] = None,
     export: Annotated[str | None, Parameter(show=False)] = None,
-    quiet: Annotated[bool, Parameter(negative="", help="show no progress and no summary")] = False,
+    quiet: Quiet = False,
 ) -> int:
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
@@ -71,7 +72,6 @@ def _study(
         need("distributed", "--scheduler")
     if (study is None) == (collect is None):
         raise UsageError("name a study file, or a study's folder with --collect")
-    from fem.commands.progress import count_display
     from fem.study.folder import Folder
     from fem.study.solving import StudyOptions, checked_points, expected
     from fem.study.study_file import design_of, read_study
@@ -122,7 +122,6 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
 
 def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     """Dataset and page of the points that are done."""
-    from fem.commands.progress import count_display
     from fem.study.folder import write_dataset
     from fem.study.page import outcome_lines, write_page
     from fem.study.solving import COMPLETE

@@ -1,18 +1,25 @@
-"""What the commands of this package share beside `lagrange.commands`: signals in a run, outcomes, packages."""
+"""What the commands share beside `lagrange.commands`: signals in a run, outcomes, packages, progress."""
 
 import os
 import signal
-from collections.abc import Iterator
+import sys
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
 from functools import partial
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from lagrange.commands import HELD
 from lagrange.commands import run_app_main as run_any_main
 from lagrange.errors import UsageError
 
+if TYPE_CHECKING:
+    from fem.solver.solver import Plan, Progress
+
 MOST_THREADS = 4096
+PLAIN_SECONDS = 10.0  # between lines of progress where there is no terminal
 
 
 def need(package: str, user: str) -> None:
@@ -48,26 +55,18 @@ class Outcome(Enum):
 
     COMPLETE = 0, "", "complete"
     FAILED = 1, "error: failed: {reason}\nsamples up to then are in {path}", "failed: {reason}"
-    FAILED_AT_START = 1, "error: {reason}\nnothing was written", None
+    FAILED_AT_START = 1, "error: {reason}\nnothing was written", ""
     INTERRUPTED = 130, "interrupted at {time:.3f} ms; {left}", "interrupted"
     TERMINATED = 143, "interrupted at {time:.3f} ms; {left}", "interrupted"
     # of a complete run whose error was to be estimated
     ESTIMATE_FAILED = (
-        1, "error: the run on the coarser mesh failed: {reason}\n{path} is complete, without an estimate", None,
+        1, "error: the run on the coarser mesh failed: {reason}\n{path} is complete, without an estimate", "",
     )  # fmt: skip
-    ESTIMATE_INTERRUPTED = 130, "interrupted; {path} is complete, without an estimate", None
-    ESTIMATE_TERMINATED = 143, "interrupted; {path} is complete, without an estimate", None
+    ESTIMATE_INTERRUPTED = 130, "interrupted; {path} is complete, without an estimate", ""
+    ESTIMATE_TERMINATED = 143, "interrupted; {path} is complete, without an estimate", ""
 
-    def __init__(self, code: int, text: str, status: str | None):
-        self.code, self._text, self._status = code, text, status
-
-    def sentence(self, **facts: object) -> str:
-        """What to tell the user."""
-        return self._text.format(**facts)
-
-    def status(self, reason: object = "") -> str:
-        """What the result file says of it."""
-        return self._status.format(reason=reason)
+    def __init__(self, code: int, sentence: str, status: str):
+        self.code, self.sentence, self.status = code, sentence, status
 
 
 def _check_environment() -> None:
@@ -85,3 +84,59 @@ run_app_main = partial(run_any_main, before=_check_environment)
 def standard_bearing(designation: str | None) -> tuple[str, ...]:
     """The setting that --bearing stands for."""
     return () if designation is None else (f'bearing={{designation="{designation}"}}',)
+
+
+@contextmanager
+def progress_display(plan: "Plan", quiet: bool) -> "Iterator[Callable[[Progress], None]]":
+    """Gives the function to call with every `Progress`."""
+    total = 1e3 * (plan.n_samples - 1) * plan.interval
+    with _display(plan.n_samples, quiet or plan.n_samples == 1) as show:
+
+        def report(progress: "Progress") -> None:
+            pace = f"{progress.speed:,.0f} steps/s, energy imbalance {progress.imbalance:+.1e}"
+            show(progress.samples, f"{1e3 * progress.simulated:.2f} of {total:.2f} ms, {pace}")
+
+        yield report
+
+
+@contextmanager
+def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
+    """Gives the function to call after each of `total` things."""
+    done = 0
+    with _display(total, quiet) as show:
+
+        def count() -> None:
+            nonlocal done
+            done += 1
+            show(done, f"{what}: {done} of {total}")
+
+        yield count
+
+
+@contextmanager
+def _display(total: int, quiet: bool) -> Iterator[Callable[[int, str], None]]:
+    """Gives what to call with how many of `total` steps are done, and words on them: a live bar on a terminal, a plain
+    line now and then elsewhere."""
+    if quiet:
+        yield lambda done, words: None
+    elif sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+        with Progress(*columns, console=Console(stderr=True), transient=True) as display:
+            task = display.add_task("", total=total)
+            yield lambda done, words: display.update(task, completed=done, description=words)
+    else:
+        began, first = time.monotonic(), None  # a resumed run begins with samples
+        last = began
+
+        def show(done: int, words: str) -> None:
+            nonlocal last, first
+            first = done if first is None else min(first, done)
+            if (now := time.monotonic()) - last > PLAIN_SECONDS:
+                last = now
+                left = (total - done) * (now - began) / max(done - first, 1)
+                print(f"{words}, {left:.0f} s left", file=sys.stderr, flush=True)
+
+        yield show

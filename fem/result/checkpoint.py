@@ -5,23 +5,59 @@ Plain arrays and a line of JSON, which the solver's state gives and takes back; 
 """
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
+import h5py
 import numpy as np
 
-from fem.result.earlier import differences, scene_keys
-from fem.result.layout import variables_of
-from fem.result.store import Stored
+from fem.result.store import Stored, variables_of
 from fem.solver.solver import Plan, RunState
 from lagrange.errors import UsageError
+from lagrange.files.hdf5 import Damaged, read_scene_text
 from lagrange.files.input import read_plain
 from lagrange.files.output import real_path, replaced
-from lagrange.scene.scene import SceneError, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text, parse_stored_scene
 from lagrange.version import VERSION
 
 FORMAT = 17
 FIRST = b"meta.npy"  # in the archive
 LONGEST_START = 30 + len(FIRST)  # bytes of an archive up to the end of its first file's name
+MOST_CHANGES = 3  # named of another scene
+
+
+def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
+    """A phrase for each key whose values differ."""
+    changed = [key for key in sorted(before | now) if before.get(key) != now.get(key)]
+    return [f"{key} was {before.get(key)!r}, now {now.get(key)!r}" for key in changed]
+
+
+def _keys(tables: dict, prefix: str = "") -> dict[str, object]:
+    """Values of a scene by their dotted keys."""
+    flat = {}
+    for key, value in tables.items():
+        flat |= _keys(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+    return flat
+
+
+def refuse_another_run(path: Path, scene: Scene) -> None:
+    """UsageError: a complete run of another scene would be replaced; a damaged file and one without a run may go."""
+    if not path.is_file():  # a pipe would be waited for
+        return
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("status") != "complete":
+                return
+            before = parse_stored_scene(read_scene_text(file), str(path))
+    except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
+        return
+    if changed := differences(_keys(before.model_dump()), _keys(scene.model_dump())):
+        more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
+        longer = len(changed) == 1 and before.numerics.duration_ms < scene.numerics.duration_ms
+        raise UsageError(
+            f"{path}: holds a complete run of another scene ({'; '.join([*changed[:MOST_CHANGES], *more])}); "
+            f"{'--resume extends it, ' if longer else ''}--force replaces it, --output names another file"
+        )
 
 
 def checkpoint_path(result: Path) -> Path:
@@ -35,7 +71,8 @@ def refuse_no_place(result: Path) -> None:
     path = checkpoint_path(result)
     if path.is_symlink() or (path.exists() and not path.is_file()):
         raise UsageError(f"{path}: is not a plain file, but the checkpoint goes there; name another --output")
-    if path.exists() and not _is_ours(read_plain(path, LONGEST_START)):
+    start = read_plain(path, LONGEST_START) if path.exists() else b""  # an empty one may go
+    if start and not (start.startswith(b"PK\x03\x04") and start.endswith(FIRST)):
         raise UsageError(
             f"{path}: is no checkpoint of this program and is not replaced; move it, or name another --output"
         )
@@ -46,11 +83,6 @@ def refuse_nothing_to_resume(result: Path) -> None:
     path = checkpoint_path(result)
     if not path.is_file():
         raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
-
-
-def _is_ours(start: bytes) -> bool:
-    """Whether a file begins as a checkpoint does, whatever has become of the rest; an empty one may go."""
-    return not start or (start.startswith(b"PK\x03\x04") and start.endswith(FIRST))
 
 
 def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
@@ -87,12 +119,11 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     named), or a duration that is behind already.
     """
     refuse_nothing_to_resume(result)
-    path = checkpoint_path(result)
-    state = plan.first_state()
+    path, state = checkpoint_path(result), plan.first_state()
     try:
         with np.load(path) as archive:  # its members' checksums are verified
             meta = json.loads(archive["meta"].tobytes())
-            _check(path, meta, plan)
+            _check(meta, plan)
             samples, checksums = int(meta["samples"]), meta["checksums"]
             state.done, state.void_steps = samples, int(meta["void_steps"])
             state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
@@ -100,37 +131,37 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             arrays = {name: archive[name] for name in expected}
         if any((arrays[name].dtype, arrays[name].shape) != (a.dtype, a.shape) for name, a in expected.items()):
             raise ValueError("arrays of another plan")
-        stored = Stored(samples=samples, checksums={name: int(checksums[name]) for name in variables_of(plan.scene)})
+        names = variables_of(plan.scene) if samples else ()
+        stored = Stored(samples=samples, checksums={name: int(checksums[name]) for name in names})
         state.take_back(arrays, meta["numbers"])
     except UsageError as error:
-        text = str(error)
-        raise UsageError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+        raise UsageError(f"{path}: {error}") from None
     except Exception as error:  # an archive can be damaged in more ways than there are errors to name here
         raise UsageError(f"{path}: damaged ({type(error).__name__}); start again without --resume") from None
-    if stored.samples > plan.n_samples:
+    if samples > plan.n_samples:
         raise UsageError(
             f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
-            f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume needs at least that"
+            f"{1e3 * (samples - 1) * plan.interval:.6g} ms already; --resume needs at least that"
         )
     return state, stored
 
 
-def _check(path: Path, meta: dict, plan: Plan) -> None:
+def _check(meta: dict, plan: Plan) -> None:
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
-        raise UsageError(f"{path}: of format {meta['format']!r}, this program has {FORMAT}; start again")
+        raise UsageError(f"of format {meta['format']!r}, this program has {FORMAT}; start again")
+    longer = {"numerics.duration_ms": None}
     try:
-        before = parse_scene_text(meta["scene"], str(path))
+        before = _keys(parse_scene_text(meta["scene"], "").model_dump()) | longer
     except SceneError:
         before = None
-    longer = {"numerics.duration_ms": None}
-    if before and (changed := differences(*(scene_keys(scene) | longer for scene in (before, plan.scene)))):
-        raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
+    if before and (changed := differences(before, _keys(plan.scene.model_dump()) | longer)):
+        raise UsageError(f"the scene has changed ({'; '.join(changed)}); give the same scene or start again")
     now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
     if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):
         raise UsageError(
-            f"{path}: written by another version of the program, or on another processor, whose results differ in the "
-            f"last bits ({'; '.join(changed)}); resume with that one, or start again without --resume"
+            "written by another version of the program, or on another processor, whose results differ in the last bits "
+            f"({'; '.join(changed)}); resume with that one, or start again without --resume"
         )
     if before is None:
-        raise UsageError(f"{path}: its scene can't be read; start again without --resume")
+        raise UsageError("its scene can't be read; start again without --resume")

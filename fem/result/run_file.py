@@ -1,17 +1,41 @@
-"""A result file as it is read: scene, columns by name, frames of fields; refused where it is foreign or damaged."""
+"""A result file as it is read: scene, columns by name, frames of fields, accelerations as a measuring card has them.
 
+Frames are fields at chosen instants in the file's group `fields`. Stored are nodal displacements from the bodies' rigid
+motion, in the fixed axes, and the mesh's nodal stresses, both in single precision: 1e-7 of a micrometre's displacement
+is far below any wave. Room for all frames is made with the file; `store` writes them to their places.
+"""
+
+import io
+import struct
+import zlib
 from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import h5py
 import numpy as np
 
-from fem.result.fields import read_frame, stored_samples
-from fem.result.layout import variables_of
+from fem.result.store import new_block, variables_of
 from lagrange.errors import UsageError
-from lagrange.files.hdf5 import Damaged, check_array, has, read_numbers, read_scene_files, read_scene_text
+from lagrange.files.hdf5 import (
+    CHECKSUM,
+    Damaged,
+    check_array,
+    has,
+    label,
+    read_numbers,
+    read_scene_files,
+    read_scene_text,
+    variable,
+)
+from lagrange.files.output import replaced, write_whole
+from lagrange.messages import G
 from lagrange.scene.scene import Scene, parse_stored_scene
+
+if TYPE_CHECKING:
+    from fem.contacts.model import Model
+    from fem.solver.frames import Frame
 
 NEEDED = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force")
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y", "cage_x", "cage_y")
@@ -71,7 +95,7 @@ class RunFile(Mapping[str, np.ndarray]):
         moved = f"housing_{name[-1]}"
         return (self[name].T - self[moved]).T if name in PLACES and moved in self else self[name]
 
-    def frame(self, index: int, model, turns: tuple[float, float]):
+    def frame(self, index: int, model: "Model", turns: tuple[float, float]) -> "Frame":
         """The fields of one instant, of rings turned so far, rad."""
         return self._read(lambda file: read_frame(file, model, index, turns))
 
@@ -91,3 +115,202 @@ def _opened(file: h5py.File) -> tuple[int, str, dict[str, str], dict[str, Any]]:
     if count < 1:
         raise Damaged("it holds no sample yet")
     return count, read_scene_text(file), read_scene_files(file), dict(file.attrs)
+
+
+GROUP = "fields"
+BODIES = ("roller", "inner_ring", "outer_ring")
+ROLLER = "/roller"  # the dimension of the whole file
+NO_SAMPLE = 2**63 - 1  # of a frame that has not been written
+
+
+class FrameVariable(NamedTuple):
+    """What a frame writes."""
+
+    dimensions: tuple[str, ...]  # after time
+    dtype: str
+    unit: str
+    meaning: str
+    fill: float | None = None
+
+
+FRAME = {
+    "time": FrameVariable((), "<f8", "s", "time of the frame", np.nan),
+    "sample": FrameVariable((), "<i8", "1", "number of the frame's sample", NO_SAMPLE),
+    CHECKSUM: FrameVariable(
+        (), "<i8", "1", "CRC-32 of the frame's other variables, one after the other by name, little-endian"
+    ),
+    "roller_turn": FrameVariable((ROLLER,), "<f8", "rad", "turn of the roller's mesh"),
+    **{
+        f"{body}_{field}": FrameVariable(
+            (*((ROLLER,) if body == "roller" else ()), f"{body}_node", component),
+            "<f4", unit, f"{field} of the {body.replace('_', ' ')}",
+        )
+        for body in BODIES
+        for field, component, unit in (("displacement", "component", "m"), ("stress", "stress_component", "Pa"))
+    },
+}  # fmt: skip
+
+
+def _sizes(model: "Model") -> dict[str, int]:
+    nodes = {f"{body}_node": len(getattr(model, body).points) for body in BODIES}
+    return {"component": 2, "stress_component": 3, ROLLER: model.bearing.n_rollers, **nodes}
+
+
+def lay_out(file: h5py.File, model: "Model", capacity: int) -> list[str]:
+    """Make the group `fields` with room for so many frames; the names of what a frame writes, see `stored_values`."""
+    group, sizes = file.create_group(GROUP), _sizes(model)
+    group.attrs["long_name"] = "displacement from the rigid motion and stress of the meshes, fixed axes"
+    for name, meaning in (("component", "x, y"), ("stress_component", "xx, yy, xy")):
+        variable(group, name, np.arange(sizes[name]), (name,), "1", meaning)
+    for name in BODIES:
+        body, words = getattr(model, name), name.replace("_", " ")
+        node, cell, corner = (f"{name}_{what}" for what in ("node", "cell", "corner"))
+        variable(group, node, np.arange(sizes[node]), (node,), "1", f"node of the {words}'s mesh")
+        variable(group, cell, np.arange(len(body.cells)), (cell,), "1", f"cell of the {words}'s mesh")
+        variable(group, corner, np.arange(body.cells.shape[1]), (corner,), "1", "corner of a cell")
+        nodes = f"nodes of the {words}'s mesh, undeformed, turn 0"
+        variable(group, f"{name}_points", body.points, (node, "component"), "m", nodes)
+        variable(group, f"{name}_cells", body.cells, (cell, corner), "1", f"corner nodes of the {words}'s cells")
+    for name, about in FRAME.items():
+        new_block(group, name, (capacity, *(sizes[each] for each in about.dimensions)), about.dtype, about.fill)
+        label(group, name, ("time", *about.dimensions), about.unit, about.meaning)
+    return [f"{GROUP}/{name}" for name in FRAME]
+
+
+def stored_values(model: "Model", frame: "Frame") -> dict[str, bytes]:
+    """Bytes of a frame under the names of `lay_out`."""
+    from fem.solver.frames import global_fields
+
+    found = {"time": frame.time, "sample": frame.sample, "roller_turn": frame.roller_turn}
+    for name, (displacement, stress) in global_fields(model, frame).items():
+        found |= {f"{name}_displacement": displacement, f"{name}_stress": stress}
+    values = {name: np.asarray(value, dtype=FRAME[name].dtype) for name, value in found.items()}
+    values[CHECKSUM] = np.array(_checksum(values), dtype=FRAME[CHECKSUM].dtype)
+    return {f"{GROUP}/{name}": value.tobytes() for name, value in values.items()}
+
+
+def _checksum(values: dict[str, np.ndarray]) -> int:
+    found = 0
+    for name in sorted(values):
+        found = zlib.crc32(values[name].tobytes(), found)
+    return found
+
+
+def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
+    """Samples whose fields the file holds, (n_frames,). Damaged: the group is not what a run writes."""
+    if not has(file, GROUP):
+        return np.zeros(0, dtype=int)
+    check_array(file, GROUP, None)
+    name = f"{GROUP}/sample"
+    check_array(file, name, 0, kinds="i", dimensions=(1,))
+    most = min(committed, len(file[name]))
+    check_array(file, name, most, kinds="i", dimensions=(1,))
+    samples = file[name][:most]
+    there = (samples >= 0) & (samples < committed)
+    count = int(np.argmin(there)) if not there.all() else len(there)
+    if np.any(np.diff(samples[:count]) <= 0):
+        raise Damaged(f"{name} does not rise")
+    for field, about in FRAME.items():
+        check_array(file, f"{GROUP}/{field}", count, kinds=about.dtype[1], dimensions=(1 + len(about.dimensions),))
+    return samples[:count]
+
+
+def read_frame(file: h5py.File, model: "Model", index: int, turns: tuple[float, float]) -> "Frame":
+    """A stored frame; `turns` : of both rings, rad.
+
+    Errors
+    ------
+    Damaged, KeyError, ValueError: the group is damaged or of another mesh.
+    """
+    from fem.solver.frames import Frame, rotated
+
+    values, sizes = {}, _sizes(model)
+    for name, about in FRAME.items():
+        found, wanted = file[f"{GROUP}/{name}"], tuple(sizes[dimension] for dimension in about.dimensions)
+        if found.shape[1:] != wanted:
+            raise Damaged(f"{GROUP}/{name} has {found.shape[1:]} numbers in a frame, its mesh has {wanted}")
+        values[name] = np.asarray(found[index])
+    written, sample, turn = int(values.pop(CHECKSUM)), int(values["sample"]), values["roller_turn"]
+    if written != _checksum(values):
+        raise Damaged(f"the fields of sample {sample} are not what was written: their checksum differs")
+    vectors = {name: values[f"{name}_displacement"].astype(float) for name in BODIES}
+    return Frame(
+        sample=sample,
+        time=float(values["time"]),
+        roller_turn=turn,
+        ring_turn=turns[0],
+        outer_turn=turns[1],
+        rollers=rotated(vectors["roller"], -turn[:, None]),
+        inner_ring=model.inner_ring.polar(vectors["inner_ring"], turns[0]),
+        outer_ring=model.outer_ring.polar(vectors["outer_ring"], turns[1]),
+    )
+
+
+WAV_REMARK = b"render-fem\0\0"  # of even length
+OVER_BAND = 2.56  # rate over the band that is kept, the custom of analysers
+STOPPED = 80.0  # dB, by which what would fold into the band is lowered
+MOST_TAPS = 2_000_000  # of the filter
+MOST_PARTS = 10_000  # of the ratio of rates
+
+
+def channels(scene: Scene) -> tuple[str, ...]:
+    """Accelerations of hub, housing and sensor that a run of a scene has."""
+    return "inner_ax", "inner_ay", *(name for name in scene.mounting().columns if name.endswith(("_ax", "_ay")))
+
+
+def accelerations(scene: Scene, column: Callable[[str], np.ndarray]) -> dict[str, np.ndarray]:
+    """Accelerations, (n,), m/s², by name, as a measuring card records them at the scene's [output] acceleration_Hz.
+
+    A linear-phase filter, its delay taken off, keeps all below the rate over OVER_BAND within 0.01 %, and lowers by
+    STOPPED what would fold into that band. Beyond its ends the record counts as 0, for half the filter's length.
+
+    `column` : gives a variable by its name
+
+    Errors
+    ------
+    UsageError: the rate is not below that of the samples, or no ratio of small whole numbers to it. What lies above
+    half the rate of the samples has folded already as they were taken.
+    """
+    rate, interval = scene.output.acceleration_Hz, scene.numerics.output_interval_us
+    ratio = Fraction(rate * interval * 1e-6).limit_denominator(MOST_PARTS)
+    if ratio >= 1:
+        raise UsageError(
+            f"output.acceleration_Hz = {rate}: samples every {interval:g} µs are too coarse; store more often, "
+            f"numerics.output_interval_us below {1e6 / rate:.4g}, or use a lower rate"
+        )
+    if ratio == 0 or abs(float(ratio) / (rate * interval * 1e-6) - 1.0) > 1e-9:
+        raise UsageError(
+            f"output.acceleration_Hz = {rate}: no ratio of small whole numbers to one sample every {interval:g} µs; "
+            "change one of them"
+        )
+    from scipy import signal
+
+    up, down = ratio.numerator, ratio.denominator
+    width = 2.0 * (1.0 - 2.0 / OVER_BAND)  # from the band to what folds into its end, over half the new rate
+    taps, beta = signal.kaiserord(STOPPED, width / down)
+    if taps > MOST_TAPS:
+        raise UsageError(f"output.acceleration_Hz = {rate}: too low for samples every {interval:g} µs")
+    window = signal.firwin(taps | 1, 1.0 / down, window=("kaiser", beta))
+    return {name: signal.resample_poly(column(name), up, down, window=window) for name in channels(scene)}
+
+
+def write_accelerations(target: Path, rate: int, found: Mapping[str, np.ndarray]) -> None:
+    """Write them as a file's name asks: CSV in m/s² and in g, WAV in m/s² (32-bit floating point).
+
+    A WAV file has a list of remarks at its end, which names the program.
+
+    Source: Microsoft and IBM, Multimedia Programming Interface and Data Specifications 1.0 (1991), RIFF, INFO list.
+    """
+    values = np.column_stack(list(found.values()))
+    if target.suffix.lower() == ".wav":
+        from scipy.io import wavfile
+
+        wavfile.write(file := io.BytesIO(), rate, values.astype(np.float32))
+        remark = b"INFOISFT" + struct.pack("<I", len(WAV_REMARK)) + WAV_REMARK
+        data = file.getvalue() + b"LIST" + struct.pack("<I", len(remark)) + remark
+        write_whole(target, data[:4] + struct.pack("<I", len(data) - 8) + data[8:])
+        return
+    table = np.column_stack([np.arange(len(values)) / rate, *(x for each in found.values() for x in (each, each / G))])
+    header = ",".join(["time_s", *(f"{name}_{unit}" for name in found for unit in ("m_s2", "g"))])
+    with replaced(target) as part:
+        np.savetxt(part, table, "%.9g", ",", header=header, comments="")

@@ -23,8 +23,7 @@ import xarray
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from fem.quantities import UNITS, labels
-from fem.result.durable import alone_in
-from fem.result.layout import readable
+from fem.result.store import alone_in, readable
 from fem.study.solving import COMPLETE, LIBRARIES, LOST, Points, Solved, program
 from fem.study.study_file import QUANTITIES, Design, study_of
 from lagrange.errors import UsageError

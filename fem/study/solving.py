@@ -26,12 +26,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.commands.progress import count_display
-from fem.interface import OF_CHECK, check_quantities, simulate, statics
+from fem.commands.start_up import count_display
+from fem.interface import OF_CHECK, Result, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS, Quantity
 from fem.rating.answers import values_of
-from fem.recording import Result
-from fem.result.layout import readable
+from fem.result.store import readable
 from fem.solver.simulate import make_plan, programs_named
 from fem.solver.solver import sample_count
 from fem.study.study_file import Design, KeepTable, Study

@@ -14,7 +14,7 @@ from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.kernels import time_loop
-from fem.run_summary import largest_loads
+from fem.quantities import largest_loads
 from fem.solver.compiling import CompiledPlan, in_words, pace
 from fem.solver.elements.arrays import Arrays, hub_mass, make_arrays, with_cage, with_damping
 from fem.solver.elements.start import Start, Tilting, equilibrium_start, rest_start

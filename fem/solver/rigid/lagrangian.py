@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.run_summary import largest_loads
+from fem.quantities import largest_loads
 from fem.solver.compiling import in_words, pace
 from fem.solver.guards import ASTRAY, EnergyAccount, largest_forces, run_warnings
 from fem.solver.rigid.plan import RigidPlan, sections_of

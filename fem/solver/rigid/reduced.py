@@ -12,7 +12,7 @@ import numpy as np
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.tilted import rounded_range, too_narrow
 from fem.kernels.lanes import WIDTH
-from fem.run_summary import largest_loads
+from fem.quantities import largest_loads
 from fem.solver.compiling import in_words, pace
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.parts import cage_seat, critical_with_cage, time_along_a_knot

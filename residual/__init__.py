@@ -2,14 +2,14 @@
 
 record, sources, table_source   `Record`, the arrays all else works on: from a result file, from a table
 sampling                        soundness of a record: its interval, its positions, its beginning
-differentiate, budget           accelerations; error forces of equations (22) and (23), their terms, laws ranked by them
-fitted_laws, load_zone          laws fitted to a run; passages through the load zone, static equilibria
+laws, budget, differentiate     laws, fitted ones too; error forces of equations (22) and (23), their terms, their ranking
+load_zone                       passages through the load zone, static equilibria, pressures along rollers
 spectrum, lines, orders         spectra over time and over the shaft's angle, levels of kinematic lines
 vibration                       vibration of sensor, housing or hub as bearing engineers read it
 fault_finding                   spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
-tables, interpretation, formatting      tables and sentences of the numbers
-summary, store, report, figures         summary.json, the report's folder, the terminal and the page, the figures
+findings, formatting            tables and sentences of the numbers
+report, figures, store          summary.json, the page and the terminal; figures; folders that appear whole or not at all
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
@@ -26,7 +26,7 @@ _HOME = {
     "read_table": "table_source",
     "Evaluation": "evaluation",
     "evaluate": "evaluation",
-    "write_report": "store",
+    "write_report": "report",
 }
 
 __all__ = ["Evaluation", "InputError", "Record", "evaluate", "read_result", "read_table", "write_report"]

@@ -21,16 +21,21 @@ and the momentum balance, the run's own forces in place of the law, is different
 """
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
-from lagrange.contact.laws import law_names
+from lagrange.contact.laws import contact_laws, law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.load_history import load_share
-from residual.fitted_laws import Identification, Law, inner_law, spring_and_damper
-from residual.record import CageMotion, Record
+from lagrange.motion import State
+from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
+from residual.differentiate import derivative
+from residual.laws import Identification, Law, Pushes, inner_law, misaligned, moment_resultant, sliced
+from residual.record import Record
 from residual.spectrum import Statistics, rms
-from residual.tilt import SlicedLaw, moment_resultant
+
+Pair = tuple[np.ndarray, np.ndarray]  # along x and y
 
 # terms that the run's own forces account for: without them the error is the momentum balance
 ACCOUNTED = ("contact_law", "damping", "friction", "cage", "load_and_weight")
@@ -94,44 +99,29 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
     contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
-    spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
-    force = spring + damper
-    if isinstance(law, SlicedLaw):
-        contacts = contacts.at_contact(law.falls(contacts.inner))
-    else:
-        contacts = contacts.at_force(spring)  # the spring alone deforms an edge, whose compliance is in series with it
+    push = law.pushes(contacts.inner, closing_speed, contacts.inner_compliance)
+    contacts = push.turned(contacts)
     if shaft is not None:
-        x, y = (shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
-        held = x, y
-    pushed = resultant_by(law, record, contacts, force)
-    errors = error_forces(record.acting, *accelerations.whole, *pushed, held)
-    if record.inner_force is None:
-        x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
-        loaded = contacts.inner > 0.0
-    else:
-        inertia = (_inertia_terms(record, accelerations, i) for i in range(2))
-        forces = _force_terms(record, contacts, spring, damper)
-        if isinstance(law, SlicedLaw) and record.inner_moment is not None:  # that of tilted contacts' moments too
-            aside = moment_resultant(record, contacts, record.inner_moment - law.moment(contacts.inner))
-            forces["contact_law"] = tuple(a + b for a, b in zip(forces["contact_law"], aside, strict=True))
-        rest = "ring_flexibility" if record.attributes else "other_forces"
-        x, y = (
-            _split(error, known | {name: pair[i] for name, pair in forces.items()}, rest)
-            for i, (error, known) in enumerate(zip(errors, inertia, strict=True))
-        )
-        loaded = record.inner_force > 0.0
+        held = tuple(shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
+    resultant, own = push.on_hub(record, contacts), record.inner_force
+    errors = error_forces(record.acting, *accelerations.whole, *resultant, held)
+    forces = {} if own is None else _force_terms(record, contacts, push)
+    rest = "ring_flexibility" if record.attributes else "other_forces"
+    split = []
+    for i, error in enumerate(errors):
+        if own is None:
+            split.append(DirectionBudget(error=error, terms={}, momentum=None))
+            continue
+        terms = _inertia_terms(record, accelerations, i) | {name: pair[i] for name, pair in forces.items()}
+        momentum = error
+        for name in ACCOUNTED:
+            momentum = momentum - terms[name] if name in terms else momentum
+        terms[rest] = error - sum(terms.values())
+        split.append(DirectionBudget(error=error, terms=terms, momentum=momentum))
     return Budget(
-        x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded, law_resultant=pushed
-    )
-
-
-def resultant_by(law: Law, record: Record, contacts: Overlaps, force) -> tuple[np.ndarray, np.ndarray]:
-    """Sum of a law's forces, N, (n_times, n_rollers), on the hub, with the force of tilted contacts' moments."""
-    x, y = contact_resultant(contacts, force)
-    if not isinstance(law, SlicedLaw):
-        return x, y
-    aside_x, aside_y = moment_resultant(record, contacts, law.moment(contacts.inner))
-    return x + aside_x, y + aside_y
+        x=split[0], y=split[1], law_force=push.force, law_resultant=resultant, contacts=contacts,
+        closing_speed=closing_speed, loaded=contacts.inner > 0.0 if own is None else own > 0.0,
+    )  # fmt: skip
 
 
 def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict[str, np.ndarray]:
@@ -149,23 +139,40 @@ def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict
     return found
 
 
-def _force_terms(record: Record, contacts: Overlaps, spring, damper) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Terms of forces along x and y, N; without those of which the source holds no data."""
-    run_spring, run_damper = record.inner_force, record.inner_damping_force
-    if run_damper is not None:
-        run_spring = run_spring - run_damper
-    found = {"contact_law": contact_resultant(contacts, run_spring - spring)}
-    if run_damper is not None or isinstance(damper, np.ndarray):
-        found["damping"] = contact_resultant(contacts, (0.0 if run_damper is None else run_damper) - damper)
+def _force_terms(record: Record, contacts: Overlaps, push: Pushes) -> dict[str, Pair]:
+    """Terms of forces along x and y, N; without those of which the source holds no data.
+
+    Of a run with a cage a roller's equations of motion along the pitch circle and about its centre give its two
+    tractions from its inertia, the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
+    """
+    run_damper, cage = record.inner_damping_force, record.cage
+    run_spring = record.inner_force if run_damper is None else record.inner_force - run_damper
+    found = {"contact_law": contact_resultant(contacts, run_spring - push.spring)}
+    if push.moment is not None and record.inner_moment is not None:  # that of tilted contacts' moments too
+        aside = moment_resultant(record, contacts, record.inner_moment - push.moment)
+        found["contact_law"] = _added(found["contact_law"], aside)
+    if run_damper is not None or isinstance(push.damper, np.ndarray):
+        found["damping"] = contact_resultant(contacts, (0.0 if run_damper is None else run_damper) - push.damper)
     if record.inner_traction is not None:
         circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
         found["friction"] = traction_resultant(circles, record.inner_traction)
-        if record.cage is not None:
-            found |= _cage_terms(record, record.cage, circles, found["friction"])
+        if cage is not None:
+            facts, still = record.scene.ideal_cage(), np.zeros_like(cage.x)
+            guided = facts is not None and facts.guidance == "inner_ring"
+            found["cage"] = (-cage.guidance_x, -cage.guidance_y) if guided else (still, still)
+            if record.scene.model != "lagrange":  # whose raceways do not rub, and pockets' forces move rollers alone
+                moved = cage.force - cage.moment / record.bearing.roller_radius
+                against = traction_resultant(circles, -0.5 * moved)
+                found["friction"] = _added(found["friction"], against, -1.0)
+                found["cage"] = _added(against, found["cage"])
     numerics, acting = record.scene.numerics, record.acting
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
     missing = 1.0 - load_share(record.time, ramp)
     return found | {"load_and_weight": (-acting.side_load * missing, acting.radial_load * missing)}
+
+
+def _added(pair: Pair, other: Pair, times: float = 1.0) -> Pair:
+    return pair[0] + times * other[0], pair[1] + times * other[1]
 
 
 def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
@@ -178,39 +185,11 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     return np.sum(traction * outward_y, axis=1), np.sum(-traction * outward_x, axis=1)
 
 
-def _cage_terms(record: Record, cage: CageMotion, circles: Overlaps, tractions) -> dict:
-    """Terms of friction and of the cage from the resultant of all tractions, x and y, N.
-
-    A roller's equations of motion along the pitch circle and about its centre give its two tractions from its inertia,
-    the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
-    """
-    facts, still = record.scene.ideal_cage(), np.zeros_like(cage.x)
-    guided = facts is not None and facts.guidance == "inner_ring"
-    push = (-cage.guidance_x, -cage.guidance_y) if guided else (still, still)
-    if record.scene.model == "lagrange":  # its raceways do not rub, and pockets' forces move rollers alone
-        return {"cage": push}
-    against = traction_resultant(circles, -0.5 * (cage.force - cage.moment / record.bearing.roller_radius))
-    return {
-        "friction": tuple(whole - part for whole, part in zip(tractions, against, strict=True)),
-        "cage": tuple(part + force for part, force in zip(against, push, strict=True)),
-    }
-
-
-def _split(error, terms: dict[str, np.ndarray], rest: str) -> DirectionBudget:
-    """Budget of one direction; its term `rest` is the error less all others."""
-    momentum = error
-    for name in ACCOUNTED:
-        if name in terms:
-            momentum = momentum - terms[name]
-    return DirectionBudget(error=error, terms={**terms, rest: error - sum(terms.values())}, momentum=momentum)
-
-
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
     """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
     change = np.zeros(loaded.shape[0], dtype=bool)
     change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
-    kernel = np.ones(2 * reach + 1)
-    return np.convolve(change, kernel, mode="same") > 0.5
+    return np.convolve(change, np.ones(2 * reach + 1), mode="same") > 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,16 +216,78 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     laws = {name: inner_law(name, record) for name in law_names(record.bearing)}
     laws |= {name: found.law for name, found in identified.items()}
     late = slice(max((found.samples for found in identified.values()), default=0), None)
-    contacts = budget.contacts
-    resultant = budget.law_resultant
-    inertia_and_load = [d.error + push for d, push in zip((budget.x, budget.y), resultant, strict=True)]
+    contacts, scores = budget.contacts, []
+    inertia_and_load = _added((budget.x.error, budget.y.error), budget.law_resultant)
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
-    closed, scores = run_force > 0.0, []
+    closed = run_force > 0.0
     for name, law in laws.items():
-        spring, damper = spring_and_damper(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
-        force = spring + damper
-        pushes = resultant_by(law, record, contacts, force)
-        contact_rms = rms((run_force - force[late])[closed]) if closed.any() else None
-        error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))
-        scores.append(LawScore(name=name, errors=(error_x, error_y), contact_rms=contact_rms))
+        push = law.pushes(contacts.inner, budget.closing_speed, contacts.inner_compliance)
+        contact_rms = rms((run_force - push.force[late])[closed]) if closed.any() else None
+        left = _added(inertia_and_load, push.on_hub(record, contacts), -1.0)
+        x, y = (Statistics.of(each[late]) for each in left)
+        scores.append(LawScore(name=name, errors=(x, y), contact_rms=contact_rms))
     return sorted(scores, key=lambda score: score.rms)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltErrors:
+    """Error moments of the equation of tilt, N m, (n_times, n_rollers), their terms, and what the hub's slope needs."""
+
+    error: np.ndarray  # by the law
+    contact_law: np.ndarray  # moments of the law less the run's, with the sign that they have in the error
+    balance: np.ndarray  # the error with the run's own moments, those of tractions and guides included
+    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else must give the hub's slope
+    largest_tilt: float  # rad
+
+
+def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
+    """Put a record's slopes into the equations of τ and the hub's slope; `law` : by name; `order` : of stencils."""
+    bearing, contacts, axial = record.bearing, record.contacts, record.scene.ideal_axial()
+    laws = contact_laws(law, bearing)
+    if axial is None:
+        raise ValueError("the record has no rollers that tilt")
+    inner = sliced(record, laws.inner).pushes(contacts.inner).moment
+    outer = sliced(record, laws.outer, outer=True).pushes(contacts.outer).moment
+    theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+
+    def rate(values, times: int = 1) -> np.ndarray:
+        return derivative(values, record.interval, times, order)
+
+    names = {"tilt": record.roller_tilt, "slope_x": record.inner_slope_x, "slope_y": record.inner_slope_y}
+    columns = {name: np.asarray(values) for name, values in names.items()}
+    gains = {name: rate(values, 2) for name, values in columns.items()}
+    given, turning = np.zeros_like(theta), rate(theta, 2)
+    state = State(
+        x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
+        x_rate=0.0, y_rate=0.0, rho_rate=given, theta_rate=rate(theta),
+        tilts=Tilts(**columns, **{f"{name}_rate": rate(values) for name, values in columns.items()}),
+    )  # fmt: skip
+    cos, sin = np.cos(theta), np.sin(theta)
+    nx, ny = contacts.normal
+    at = Misalignments(misaligned(record, contacts)[0], given, given)
+
+    def left(*moments):
+        more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at,
+                              normal=(nx * cos + ny * sin, ny * cos - nx * sin))  # fmt: skip
+        touch, hub = SimpleNamespace(tilted=more), hub_tilt(record.operation, axial)
+        slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])
+        return tilt_equations(bearing, record.acting, state, touch, gains["tilt"], turning)[0], slopes
+
+    runs = zip((record.inner_moment, record.outer_moment), (inner, outer), strict=True)
+    (error, hub), (balance, _) = left(inner, outer), left(*(law if run is None else run for run, law in runs))
+    largest = float(np.abs(columns["tilt"]).max())
+    return TiltErrors(error=error, contact_law=error - balance, balance=balance, hub=hub, largest_tilt=largest)
+
+
+def tilt_summary(found: TiltErrors) -> dict:
+    """Numbers of error moments, N m, as JSON has them."""
+
+    def numbers(values: np.ndarray) -> dict[str, float]:
+        return {f"{name}_N_m": value for name, value in vars(Statistics.of(values)).items()}
+
+    return {
+        "error_moment": numbers(found.error),
+        "budget": {"contact_law": numbers(found.contact_law), "balance": numbers(found.balance)},
+        **{f"hub_moment_{axis}": numbers(values) for axis, values in zip("xy", found.hub, strict=True)},
+        "largest_tilt_rad": found.largest_tilt,
+    }

@@ -76,9 +76,8 @@ def _command(
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
     from residual.fault_finding import find_faults
-    from residual.report import print_summary
-    from residual.store import check_replaceable, write_report
-    from residual.summary import ReportOptions
+    from residual.report import PROGRAM, ReportOptions, print_summary, write_report
+    from residual.store import check_replaceable
 
     for kind in export:
         if kind != "csv":
@@ -95,7 +94,7 @@ def _command(
     record = _read(path, scene, resample, kinematic_rollers)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
     _check_law(law, record.bearing)
-    check_replaceable(folder)
+    check_replaceable(folder, PROGRAM)
     other, compared = None, None
     if against is not None:
         compared, its_law = _compared(against, record, law, (scene, resample, kinematic_rollers))
@@ -136,7 +135,7 @@ def _band(given: str) -> tuple[float, float]:
 def _laws(bearing) -> tuple[list[str], tuple[str, ...]]:
     """Names of the laws for a bearing's rolling elements, and others that they have."""
     from lagrange.contact.laws import law_names
-    from residual.fitted_laws import ALIASES, FITTED
+    from residual.laws import ALIASES, FITTED
 
     return [*law_names(bearing), *FITTED], ALIASES
 

@@ -13,16 +13,18 @@ from residual.budget import (
     Budget,
     DirectionBudget,
     LawScore,
+    TiltErrors,
     error_budget,
     near_contact_change,
     rank_laws,
-)
+    tilt_errors,
+)  # fmt: skip
 from residual.differentiate import Floor, derivative, floor
 from residual.errors import InputError
-from residual.fitted_laws import FITTED, Identification, Law, identify, inner_law
 from residual.formatting import NOISE
+from residual.laws import FITTED, Identification, Law, has_tilts, identify, inner_law
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
-from residual.load_zone import chatter_gap
+from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
@@ -47,7 +49,6 @@ from residual.spectrum import (
     kinematic_lines,
     power_spectrum,
 )
-from residual.tilt import TiltErrors, has_tilts, tilt_errors
 from residual.vibration import Vibration, measured, vibration
 
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
@@ -94,7 +95,7 @@ class Evaluation:
     identified: dict[str, Identification]  # laws fitted to the run's own forces, as far as they are asked for, by name
     unfitted: dict[str, str]  # why the others of these could not be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
-    reference: tuple[float, str]  # N, what errors are compared with, and its name, see `reference_force`
+    reference: tuple[float, str]  # N, what errors are compared with, and its name
     too_coarse: TooCoarse | None  # of a run of ours that vibrates beyond its samples
     position_noise: PositionNoise | None  # of a table
     tilt: TiltErrors | None  # of rollers that tilt
@@ -170,11 +171,15 @@ class Evaluation:
             return str(error)
 
     @cached_property
-    def contradictions(self) -> tuple[str, ...]:
-        """What a table from elsewhere has otherwise than its scene."""
-        from residual.interpretation import contradictions
+    def statics(self) -> QuasiStatic | None:
+        """Equilibria of the Lagrangian model; None where there are none."""
+        return quasi_static(self.record, self.law.name)
 
-        return contradictions(self)
+    @property
+    def floors(self) -> tuple[float, float]:
+        """Estimated error of the inertia forces that differentiation makes, in x and y, N."""
+        mass = self.record.operation.inner_mass
+        return mass * self.x.floor.total, mass * self.y.floor.total
 
     @property
     def loaded_count(self) -> np.ndarray:
@@ -194,7 +199,7 @@ class Evaluation:
 
 def evaluate(
     record: Record,
-    law: str | Law | None = None,
+    law: str | None = None,
     start: float | None = None,
     order: int = 6,
     watch: tuple[str, ...] = (),
@@ -205,17 +210,13 @@ def evaluate(
 
     Parameters
     ----------
-    law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a
-        law; None: the scene's, [lagrange] law
+    law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; None: the
+        scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation
     watch : lines to look at, by name ("BPFO", "BPFO-shaft") or in Hz ("22"); warned of when the record is too short
     band : Hz, whose envelope is taken of the vibration; None: see `vibration`
     fit : whether laws are fitted to be compared, as far as the source allows
-
-    Returns
-    -------
-    Evaluation
 
     Errors
     ------
@@ -223,37 +224,32 @@ def evaluate(
     law to be fitted where the source holds no forces.
     ValueError: unknown law or order.
     """
-    law = record.scene.lagrange.law if law is None else law
-    notes = list(record.notes)
-    if isinstance(law, str) and law not in FITTED:
-        notes += filter(None, [warning(law, record.bearing)])
-    interval = record.interval
-    first, why = first_sample(record, start)
-    notes += why
-    hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
-    ring_x, ring_y = (
-        None if place is None else derivative(place, interval, order=order)[first:]
-        for place in (record.outer_ring_x, record.outer_ring_y)
-    )
-    speed_x, speed_y = (derivative(place, interval, 1, order)[first:] for place in record.hub)
-    accelerations = Accelerations(hub=(hub_x, hub_y), outer_ring=(ring_x, ring_y), velocity=(speed_x, speed_y))
+    name = record.scene.lagrange.law if law is None else law
+    interval, (first, why) = record.interval, first_sample(record, start)
+    notes = [*record.notes, *([] if name in FITTED else filter(None, [warning(name, record.bearing)])), *why]
+
+    def rates(places, times: int = 2) -> tuple:
+        x, y = (None if p is None else derivative(p, interval, times, order)[first:] for p in places)
+        return x, y
+
+    accelerations = Accelerations(
+        hub=rates((record.inner_x, record.inner_y)), outer_ring=rates((record.outer_ring_x, record.outer_ring_y)),
+        velocity=rates(record.hub, 1),
+    )  # fmt: skip
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
-    if isinstance(law, str) and law not in FITTED:
-        law = inner_law(law, used)
     chatter = chatter_gap(used)
     identified, unfitted = {}, {}
-    for name in FITTED if fit else (law,) if isinstance(law, str) else ():
+    for fitted in FITTED if fit else {name} & {*FITTED}:
         try:
-            identified[name] = identify(used, approach[first:], closing_speed, chatter, name)
+            identified[fitted] = identify(used, approach[first:], closing_speed, chatter, fitted)
         except InputError as error:
-            if law == name:
+            if fitted == name:
                 raise
-            unfitted[name] = str(error)
-    if isinstance(law, str):
-        law = identified[law].law
-    budget = error_budget(used, law, accelerations, closing_speed)
+            unfitted[fitted] = str(error)
+    by = identified[name].law if name in FITTED else inner_law(name, used)
+    budget = error_budget(used, by, accelerations, closing_speed)
     ideal = kinematics(record.bearing, *used.mean_speeds)
     creeps = ideal.cage * used.cage_speed > 0.0  # by the run's own cage: creep moves BPFO beyond a long record's bin
     seen = replace(ideal, cage=used.cage_speed) if creeps else ideal
@@ -262,7 +258,7 @@ def evaluate(
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
-    resonances = _resonances(used, law, budget)
+    resonances = _resonances(used, by, budget)
     noise = NOISE * max(used.load, float(budget.law_force.max()))
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
     bodies = measured(used, accelerations)
@@ -272,9 +268,7 @@ def evaluate(
         body, acceleration = bodies[i]
         spectrum = power_spectrum(part.error, interval, slowest)
         return Direction(
-            name="xy"[i],
-            budget=part,
-            error=Statistics.of(part.error),
+            name="xy"[i], budget=part, error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             balance=None if part.momentum is None else Statistics.of(part.momentum[central]),
             floor=floor(motion, interval, order, record.precision),
@@ -286,41 +280,34 @@ def evaluate(
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines, body, band),
             orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
-        )
+        )  # fmt: skip
 
     x, y = map(direction, range(2))
-    watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
+    watched = [(watched_level(x.spectrum, line, lines), watched_level(y.spectrum, line, lines)) for line in watch]
     notes += [level.unresolved_note(x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += rate_notes(max(resonances), interval, order)
     settled = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     tables = record.scene.operation
     if settled is not None and settled.note is not None and not (tables.load_table or tables.speed_table):
         notes.append(settled.note)  # what changes with the load or the speed is no transient
-    floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
-    reference = reference_force(used.load, budget.law_force if used.inner_force is None else used.inner_force)
-    least = max(noise, FOLDED_SHARE * reference[0])
-    coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, least, SOUND * reference[0])
-    notes += [coarse.note] if coarse is not None and coarse.seldom else []
+    # errors are compared with the load, or with the largest contact force beside a small load; 0 where nothing pushes
+    contact = float((budget.law_force if used.inner_force is None else used.inner_force).max(initial=0.0))
+    reference = (used.load, "load") if used.load > SMALL_LOAD * contact else (contact, "largest contact force")
     found = Evaluation(
-        record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
+        record=used, law=by, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
-        identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=coarse,
-        reference=reference, position_noise=position_noise(used, law, budget, order),
-        tilt=tilt_errors(used, law.name, order) if has_tilts(used) else None, notes=(),
+        identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=None,
+        reference=reference, position_noise=position_noise(used, by, budget, order),
+        tilt=tilt_errors(used, by.name, order) if has_tilts(used) else None, notes=(),
     )  # fmt: skip
+    sound = SOUND * reference[0]
+    least = max(noise, FOLDED_SHARE * reference[0])
+    coarse = too_coarse(used, by, budget, (x.balance, y.balance), found.floors, least, sound)
+    notes += [coarse.note] if coarse is not None and coarse.seldom else []
     errs = found.position_noise
-    if errs is not None and hypot(*errs.error) > max(SOUND * reference[0], found.noise):
+    if errs is not None and hypot(*errs.error) > max(sound, noise):
         notes.insert(0, errs.note)
-    return replace(found, notes=tuple(dict.fromkeys(notes)))
-
-
-def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
-    """Force that errors are compared with, N, and its name: the load, or the largest contact force beside a small load.
-
-    0 where nothing pushes.
-    """
-    contact = float(force.max(initial=0.0))
-    return (load, "load") if load > SMALL_LOAD * contact else (contact, "largest contact force")
+    return replace(found, too_coarse=coarse, notes=tuple(dict.fromkeys(notes)))
 
 
 def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:

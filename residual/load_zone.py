@@ -1,17 +1,55 @@
-"""The load zone: passages of rollers through it, and the equilibria of the Lagrangian model beside which they stand."""
+"""The load zone: passages through it, equilibria of the Lagrangian model beside it, pressures along rollers in it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
+from lagrange.axial.pressure import SHARP, Ends, borne, pressures_under, profile_ends
+from lagrange.axial.slices import Slices
+from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.contact.laws import law_names
 from lagrange.kinematics import kinematics, roller_angles
+from lagrange.rating.sources import Unavailable
 from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
 PHASES = 24  # of one roller pitch; where rollers are missing, of each pitch of a turn
+FLAT = 1e-10  # m: less have contacts not sunk
+FAINT = 0.01  # of the largest force: contacts taken as open
+INSIDE = 0.99  # of the largest moment that a force has: beyond, a roller stands on an end
+BINS, ROLLERS = 120, 3  # of angles; shown from their side
+CANDIDATES = 64  # contacts of which one has the largest pressure
+
+
+def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
+    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    at = np.flatnonzero(loaded)
+    if at.size == 0:
+        return []
+    ends = np.flatnonzero(np.diff(at) > bridge + 1)
+    first, last = at[np.append(0, ends + 1)], at[np.append(ends, at.size - 1)]
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def chatter_gap(record: Record) -> int:
+    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
+    cage = float(np.mean(np.abs(kinematics(record.bearing, *record.acting.ring_speeds).cage))) / (2.0 * pi)
+    samples = record.time.size // 50
+    return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
+
+
+def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
+    """The roller that passes through the load zone most often, whole passes first."""
+
+    def merit(j):
+        zones = load_zones(loaded[:, j], bridge)
+        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
+        return len(zones), whole, int(loaded[:, j].sum())
+
+    return max(range(loaded.shape[1]), key=merit)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,40 +82,109 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
             return None
         start = found[-1].x, found[-1].y
     away = np.concatenate([angle_from_load(each.theta) for each in found])
-    order = np.argsort(away)
-    return QuasiStatic(
-        law=name,
-        x=np.array([each.x for each in found]),
-        y=np.array([each.y for each in found]),
-        angle=away[order],
-        force=np.concatenate([each.inner_force for each in found])[order],
-    )
+    force, order = np.concatenate([each.inner_force for each in found]), np.argsort(away)
+    x, y = np.array([(each.x, each.y) for each in found]).T
+    return QuasiStatic(law=name, x=x, y=y, angle=away[order], force=force[order])
 
 
-def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
-    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
-    at = np.flatnonzero(loaded)
-    if at.size == 0:
+@dataclass(frozen=True, kw_only=True)
+class AlongRollers:
+    """Pressures along rollers of a run; of contacts (2, n, n_slices), Pa, inner and outer raceway."""
+
+    place: np.ndarray  # (n_slices,), m, along the axis from the middle
+    angle: np.ndarray  # (BINS,), rad from the load's direction
+    around: np.ndarray  # at these angles the contact with the largest force; 0 of open ones
+    time: float  # s, of the largest moment of an inner contact
+    rollers: np.ndarray  # (n,), the most loaded ones at that instant, of which there is
+    along: np.ndarray
+    edges: bool  # whether a loaded end has an edge, where pressure has no limit
+
+
+class _Side(NamedTuple):
+    """Contacts with one raceway, (n_times, n_rollers)."""
+
+    slices: Slices
+    pair: Pair
+    ends: Ends
+    force: np.ndarray
+    moment: np.ndarray
+    sunk: np.ndarray  # m, of the part of the length that spalls take
+
+    def pressures(self, at: np.ndarray) -> np.ndarray:
+        """Along the rollers of contacts by their places among all, (n, n_slices), Pa; 0 of open ones."""
+        force, moment, sunk = (each.ravel()[at] for each in (self.force, self.moment, self.sunk))
+        closed = (force > FAINT * self.force.max()) & (np.abs(moment) < INSIDE * self.slices.place[-1] * force)
+        try:
+            return pressures_under(self.slices, self.pair, force, moment, sunk, closed)[0]
+        except (RuntimeError, ValueError) as error:
+            raise Unavailable(str(error)) from None
+
+    def has_loaded_edge(self, pressure: np.ndarray) -> bool:
+        """Whether one of contacts with such pressures, (n, n_slices), Pa, has."""
+        return bool(self.ends.are_loaded(self.slices, borne(self.pair, pressure)).any())
+
+
+def _sides(record: Record) -> list[_Side]:
+    """Inner and outer one; none where the source does not hold what pressures follow from."""
+    axial, slices, bearing = record.scene.ideal_axial(), record.slices, record.scene.perfect_bearing()
+    forces, moments = (record.inner_force, record.outer_force), (record.inner_moment, record.outer_moment)
+    if axial is None or slices is None or any(each is None for each in (*forces, *moments)):
         return []
-    ends = np.flatnonzero(np.diff(at) > bridge + 1)
-    first = at[np.concatenate([[0], ends + 1])]
-    last = at[np.concatenate([ends, [at.size - 1]])]
-    return list(zip(first.tolist(), last.tolist(), strict=True))
+    each = zip(
+        slices, contact_pairs(bearing), profile_ends(bearing, axial), forces, moments, axial.parts(record.bearing),
+        record.contacts.surfaces, strict=False,
+    )  # fmt: skip
+    return [
+        _Side(replace(own, part=part), pair, end, np.asarray(force), np.asarray(moment),
+              np.broadcast_to(0.0 if surface is None else surface.part_sinkage, np.shape(force)))
+        for own, pair, end, force, moment, part, surface in each
+    ]  # fmt: skip
 
 
-def chatter_gap(record: Record) -> int:
-    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    cage = float(np.mean(np.abs(kinematics(record.bearing, *record.acting.ring_speeds).cage))) / (2.0 * pi)
-    samples = record.time.size // 50
-    return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
+def along_rollers(record: Record) -> AlongRollers | None:
+    """None where the source does not hold what pressures follow from.
+
+    Errors
+    ------
+    Unavailable: its forces and moments are not those of its slices.
+    """
+    sides = _sides(record)
+    if not sides:
+        return None
+    shape = sides[0].force.shape
+    sample = int(np.unravel_index(np.abs(sides[0].moment).argmax(), shape)[0])
+    rollers = np.sort(np.argsort(sides[0].force[sample])[-ROLLERS:])
+    shown = np.ravel_multi_index((np.full(rollers.size, sample), rollers), shape)
+    bins = np.floor((record.from_load / (2.0 * pi) + 0.5) * BINS).astype(int).ravel() % BINS
+    around = np.zeros((len(sides), BINS, sides[0].slices.count))
+    for found, side in zip(around, sides, strict=True):
+        order = np.argsort(side.force, axis=None)
+        largest = np.full(BINS, -1)
+        largest[bins[order]] = order  # the last one of each bin
+        found[largest >= 0] = side.pressures(largest[largest >= 0])
+    return AlongRollers(
+        place=sides[0].slices.place, angle=2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5), around=around,
+        time=float(record.time[sample]), rollers=rollers, along=np.array([side.pressures(shown) for side in sides]),
+        edges=any(side.has_loaded_edge(found) for side, found in zip(sides, around, strict=True)),
+    )  # fmt: skip
 
 
-def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
-    """The roller that passes through the load zone most often, whole passes first."""
+def largest_pressures(record: Record) -> tuple[float, ...]:
+    """Of inner and outer raceway, Pa: of the contacts whose ends a straight line of pressure would press most.
 
-    def merit(j):
-        zones = load_zones(loaded[:, j], bridge)
-        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
-        return len(zones), whole, int(loaded[:, j].sum())
-
-    return max(range(loaded.shape[1]), key=merit)
+    Errors
+    ------
+    Unavailable: a loaded end has an edge, the source does not hold what pressures follow from; as of `along_rollers`.
+    """
+    found, half = [], 0.5 * record.bearing.roller_length
+    for side in _sides(record):
+        most = np.argsort(side.force + 3.0 * np.abs(side.moment) / half, axis=None)[-CANDIDATES:]
+        pressure = side.pressures(most)
+        if side.has_loaded_edge(pressure):
+            raise Unavailable(SHARP)
+        if np.any(side.sunk.ravel()[most] > FLAT):
+            raise Unavailable("a spall of part of the rollers' length ends with an edge, where pressure has no limit")
+        found.append(float(pressure.max()))
+    if not found:
+        raise Unavailable("rollers tilt, and the source does not say how pressure changes along them")
+    return tuple(found)

@@ -1,28 +1,45 @@
-"""A check on the terminal, and as one self-contained HTML page: figures inside, nothing fetched from elsewhere."""
+"""A check's report: summary.json, residual.nc, one self-contained page with its figures inside, and the terminal.
 
-import base64
+    write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
+"""
+
 import json
+import re
+from base64 import b64encode
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import degrees
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
+from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.pages import as_it_is
-from lagrange.findings import Section, print_section
+from lagrange.findings import print_section
 from lagrange.kinematics import turned
 from lagrange.messages import shown
-from residual import interpretation as words
-from residual import tables
+from lagrange.section import load_factor
+from lagrange.version import VERSION
+from residual import findings
+from residual.budget import LawScore, tilt_summary
 from residual.evaluation import Evaluation
-from residual.figures.saved import LINE_COLOURS, family
-from residual.formatting import hertz, text
-from residual.load_zone import QuasiStatic
-from residual.spectrum import Spectrum, power_spectrum
-from residual.summary import ReportOptions
+from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
+from residual.formatting import LINE_COLOURS, family, hertz, term_label, text
+from residual.laws import CONFIDENCE, Identification, Interval
+from residual.lines import LineLevel
+from residual.sampling import PositionNoise, Stationarity
+from residual.spectrum import Level, Peak, Spectrum, Statistics, power_spectrum, rms
+from residual.store import Page, write_folder
+from residual.vibration import FaultLine, Vibration
 
+if TYPE_CHECKING:
+    from residual.figures import Saved
+
+PROGRAM = "check-residual"
 TEMPLATES = Path(__file__).parent / "templates"
 TEMPLATE = TEMPLATES / "report.html.j2"
 LARGEST = 2_000_000  # bytes  # of a picture of the run
@@ -33,79 +50,107 @@ MOST_FRAMES = 400
 MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
 FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame to frame
 PATH_POINTS = 1500  # of the hub's path
+BOTH = np.array([-1.0, 1.0])
 
 
-def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """Content of a report."""
+
+    tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
+    search: FaultSearch | None = None  # for spalls; None: none was made
+    figures: bool = True  # most of a report's time
+    equations: bool = True  # False: of the run alone, without the error forces of (22) and (23)
+    signals: bool = False  # as CSV, too
+    other: Evaluation | None = None  # what the run is compared with
+
+
+WHOLE = ReportOptions()
+
+
+def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
+    """Write the report folder and return the summary; errors as of `write_folder`."""
+
+    def draw(fresh: Path) -> "dict[str, list[Saved]]":
+        from residual.figures.run import draw_figures
+
+        return draw_figures(e, options, fresh)
+
+    def more(fresh: Path) -> None:
+        _write_arrays(e, fresh / "residual.nc")
+        if options.signals:
+            _write_signals(e, fresh / "signals.csv")
+
+    page = Page("report.html", TEMPLATE, page_of(e, options))
+    return write_folder(folder, PROGRAM, summarise(e, options), page, draw if options.figures else None, more)
+
+
+def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
     """Print the findings on the terminal, and where the report is."""
     from rich.console import Console
 
-    other, said = options.other, Console(highlight=False)
+    other, console = options.other, Console(highlight=False)
 
     def say(*sentences: str) -> None:
         for sentence in filter(None, sentences):
-            said.print(sentence, soft_wrap=True, markup=False)
+            console.print(sentence, soft_wrap=True, markup=False)
 
-    say(words.contradiction_sentence(evaluation))
+    say(findings.contradiction_sentence(e))
     if options.equations:
-        print_section(tables.error_table(evaluation))
-        say("Loaded rollers: {} to {}".format(*evaluation.loaded_range))
-        for direction in evaluation.directions:
-            found = []
-            for peak in direction.peaks[:4]:
-                name = tables.peak_name(peak)
+        print_section(findings.error_table(e))
+        say("Loaded rollers: {} to {}".format(*e.loaded_range))
+        for d in e.directions:
+            peaks = []
+            for peak in d.peaks[:4]:
+                name = findings.peak_name(peak)
                 label = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
-                found.append(f"{hertz(peak.frequency)} ({label})")
-            say(f"Peaks of error_{direction.name}: {'; '.join(found) or 'none stands out'}")
-        for name, rms_x, rms_y, background, resolved in tables.watched_table(evaluation).rows:
+                peaks.append(f"{hertz(peak.frequency)} ({label})")
+            say(f"Peaks of error_{d.name}: {'; '.join(peaks) or 'none stands out'}")
+        for name, x, y, background, resolved in findings.watched_table(e).rows:
             note = "" if resolved == "yes" else ", not resolved"
-            say(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){note}")
-        say(*words.fit_sentences(evaluation))
+            say(f"{name}: {x} N rms in x, {y} in y (background {background}){note}")
+        say(*findings.fit_sentences(e))
     if options.search is not None:
-        say(*words.search_sentences(options.search))
+        say(*findings.search_sentences(options.search))
     if compare_laws:
-        print_section(tables.law_table(evaluation))
+        print_section(findings.law_table(e))
     if other is not None:
-        print_section(tables.difference_table(evaluation, other, options.equations))
-        if not tables.same_run(evaluation, other):
-            print_section(tables.line_differences(evaluation, other))
-    said.print(words.verdict(evaluation, options.tolerance, options.equations), soft_wrap=True)
-    say(f"Report: {shown(folder / 'report.html')}")
+        print_section(findings.difference_table(e, other, options.equations))
+        if not findings.same_run(e, other):
+            print_section(findings.line_differences(e, other))
+    say(findings.verdict(e, options.tolerance, options.equations), f"Report: {shown(folder / 'report.html')}")
 
 
-def page_of(evaluation: Evaluation, options: ReportOptions, statics: QuasiStatic | None = None) -> dict[str, Any]:
+def page_of(e: Evaluation, options: ReportOptions) -> dict[str, Any]:
     """What the page's template shows beside figures."""
-    e, t, other, equations = evaluation, evaluation.record, options.other, options.equations
-    clearance = t.scene.operating_clearance()
-    found = {
-        "facts": tables.fact_table(e), "quarters": tables.quarter_table(e, equations),
-        "stated_errors": tables.stated_error_table(e), "vibration": tables.vibration_table(e),
-        "envelope": tables.envelope_table(e), "errors": tables.error_table(e), "budget": tables.budget_table(e),
-        "laws": tables.law_table(e), "watched": tables.watched_table(e), "levels": tables.level_table(e),
-        "ratings": tables.rating_table(e),
-        "clearance": Section(
-            columns=("part, diametral", "µm", ""), rows=clearance.rows() if clearance else [], sum="in operation"
-        ),
+    t, other, equations = e.record, options.other, options.equations
+    tables = {
+        "facts": findings.fact_table(e), "quarters": findings.quarter_table(e, equations),
+        "stated_errors": findings.stated_error_table(e), "vibration": findings.vibration_table(e),
+        "envelope": findings.envelope_table(e), "errors": findings.error_table(e), "budget": findings.budget_table(e),
+        "laws": findings.law_table(e), "watched": findings.watched_table(e), "levels": findings.level_table(e),
+        "ratings": findings.rating_table(e), "clearance": findings.clearance_table(e),
     }  # fmt: skip
     if other is not None:
-        found["against"] = tables.difference_table(e, other, equations)
-        if not tables.same_run(e, other):
-            found["against_lines"] = tables.line_differences(e, other)
+        tables["against"] = findings.difference_table(e, other, equations)
+        if not findings.same_run(e, other):
+            tables["against_lines"] = findings.line_differences(e, other)
     return dict(
         name=t.name,
-        contradiction=words.contradiction_sentence(e),
-        verdict=words.verdict(e, options.tolerance, equations),
-        outcome=None if options.tolerance is None else ("fails" if e.fails(options.tolerance) else "passes"),
-        tables=found,
-        peaks=[(direction.name, tables.peak_table(direction.peaks)) for direction in e.directions],
-        compared=() if other is None else tables.named(e, other),
-        fit=words.fit_sentences(e),
+        contradiction=findings.contradiction_sentence(e),
+        verdict=findings.verdict(e, options.tolerance, equations),
+        outcome=outcome(e, options.tolerance),
+        tables=tables,
+        peaks=[(d.name, findings.peak_table(d.peaks)) for d in e.directions],
+        compared=() if other is None else findings.named(e, other),
+        fit=findings.fit_sentences(e),
         unfitted=e.unfitted.items(),
         lines=[(name, text(f)) for name, f in e.lines.items() if "×" not in name],
         body=e.y.vibration.body,
-        vibration_sentences=words.vibration_sentences(e),
-        search_sentences=[] if options.search is None else words.search_sentences(options.search),
-        notes=words.honest_notes(e),
-        meaning=words.interpretation(e, statics),
+        vibration_sentences=findings.vibration_sentences(e),
+        search_sentences=[] if options.search is None else findings.search_sentences(options.search),
+        notes=findings.honest_notes(e),
+        meaning=findings.interpretation(e),
         picture=picture_of(t.source) if t.attributes else None,
         resolution=text(e.x.spectrum.resolution),
         spectra=Markup(spectra_json(e, equations)),
@@ -119,16 +164,13 @@ def page_of(evaluation: Evaluation, options: ReportOptions, statics: QuasiStatic
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Picture:
-    """A PNG as a data address."""
-
-    address: str
-    caption: str
+def outcome(e: Evaluation, tolerance: float | None) -> str | None:
+    """Whether the errors exceed a tolerance, N rms; None without one."""
+    return None if tolerance is None else ("fails" if e.fails(tolerance) else "passes")
 
 
-def picture_of(run: Path) -> Picture | None:
-    """Read `<run>.png` beside a result file, if it is of that run, as its text says, and not older."""
+def picture_of(run: Path) -> dict[str, str] | None:
+    """Data address and caption of `<run>.png` beside a result file, if of that run, as its text says, and not older."""
     path = run.with_suffix(".png")
     try:
         if path.stat().st_mtime < run.stat().st_mtime or path.stat().st_size > LARGEST:
@@ -137,34 +179,34 @@ def picture_of(run: Path) -> Picture | None:
             about = dict(getattr(image, "text", {}))
         if about.get("Source") != run.name:
             return None
-        data = base64.b64encode(path.read_bytes()).decode("ascii")
+        address = f"data:image/png;base64,{b64encode(path.read_bytes()).decode('ascii')}"
     except (OSError, UnidentifiedImageError):
         return None
-    return Picture(address=f"data:image/png;base64,{data}", caption=about.get("Description", ""))
+    return {"address": address, "caption": about.get("Description", "")}
 
 
-def spectra_json(evaluation: Evaluation, equations: bool = True) -> str:
+def spectra_json(e: Evaluation, equations: bool = True) -> str:
     """Write frequencies, Hz, densities and kinematic lines as JSON that may stand inside a script element.
 
     Densities are of the error forces, N²/Hz, or without the equations of the hub's acceleration, m²/s⁴/Hz.
     """
-    found = [direction.spectrum for direction in evaluation.directions]
+    x, y = (d.spectrum for d in e.directions)
     if not equations:
-        slowest, interval = min(evaluation.lines.values(), default=0.0), evaluation.record.interval
-        found = [power_spectrum(signal, interval, slowest) for signal in evaluation.hub_acceleration]
-    kept = _kept(*found)
-    spectra = {direction.name: each.psd[kept] for direction, each in zip(evaluation.directions, found, strict=True)}
-    top = max(float(psd.max()) for psd in spectra.values())
+        slowest, interval = min(e.lines.values(), default=0.0), e.record.interval
+        x, y = (power_spectrum(signal, interval, slowest) for signal in e.hub_acceleration)
+    kept = _kept(x, y)
+    least = 1e-16 * max(float(each.psd[kept].max()) for each in (x, y))
     data = {
-        "frequency": _rounded(found[0].frequency[kept], 7),
-        **{axis: _rounded(np.maximum(psd, 1e-16 * top), DIGITS) for axis, psd in spectra.items()},
+        "frequency": _rounded(x.frequency[kept], 7),
+        "x": _rounded(np.maximum(x.psd[kept], least), DIGITS),
+        "y": _rounded(np.maximum(y.psd[kept], least), DIGITS),
         "lines": [
             {"name": name, "frequency": float(f"{frequency:.7g}"), "colour": LINE_COLOURS[family(name)]}
-            for name, frequency in sorted(evaluation.lines.items(), key=lambda line: ("×" in line[0], line[1]))
+            for name, frequency in sorted(e.lines.items(), key=lambda line: ("×" in line[0], line[1]))
         ],
         "names": ["error_x", "error_y"] if equations else ["x", "y"],
         "unit": "N²/Hz" if equations else "m²/s⁴/Hz",
-        "resolution": float(f"{found[0].resolution:.6g}"),
+        "resolution": float(f"{x.resolution:.6g}"),
     }
     return _script(data)
 
@@ -186,34 +228,251 @@ def _script(data: dict) -> str:
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _rounded(values: np.ndarray, digits: int) -> list[float]:
+def _rounded(values, digits: int) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
 
 
-def player_json(evaluation: Evaluation) -> str:
+def player_json(e: Evaluation) -> str:
     """Write geometry, mm, and frames as JSON that may stand inside a script element.
 
     The frames are the record's last, of as many roller passages as fit; of a standing bearing all of it.
     """
-    t, bearing, passing = evaluation.record, evaluation.record.bearing, evaluation.lines.get("BPFO", 0.0)
+    t, bearing, passing = e.record, e.record.bearing, e.lines.get("BPFO", 0.0)
     frames = max(2, min(MOST_FRAMES, MOST_NUMBERS // (2 * bearing.n_rollers)))
     step = 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames
     frames, step = min(frames, int((t.time.size - 1) / max(step, 1.0)) + 1), max(step, 1.0)
     shown = t.time.size - 1 - np.round(step * np.arange(frames)[::-1]).astype(int)  # samples that become frames
     path = slice(None, None, -(-t.time.size // PATH_POINTS))
     load = np.array(t.whole_load)  # of the hub, its weight included; written as shares of the largest
-    largest = float(np.hypot(*load).max())
+    radii = bearing.core_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
+    hub = 1e6 * np.array([t.inner_x, t.inner_y])
+    *rings, roller = _rounded((1e3 * r for r in (*radii, bearing.roller_radius)), 6)
     data = {
-        "rings": [float(f"{1e3 * r:.6g}") for r in (
-            bearing.core_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
-        )],
-        "roller": float(f"{1e3 * bearing.roller_radius:.6g}"),
-        "load": [_rounded(row, 4) for row in load[:, shown] / (largest if largest > 0.0 else 1.0)],
+        "rings": rings,
+        "roller": roller,
+        "load": [_rounded(row, 4) for row in load[:, shown] / (float(np.hypot(*load).max()) or 1.0)],
         "time": _rounded(1e3 * t.time[shown], 6),
         "turn": _rounded(np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi), 4),
-        "hub": [_rounded(1e6 * t.inner_x[shown], 5), _rounded(1e6 * t.inner_y[shown], 5)],
+        "hub": [_rounded(row, 5) for row in hub[:, shown]],
         "angle": [_rounded(row, 5) for row in np.arctan2(t.roller_y[shown], t.roller_x[shown])],
-        "force": [_rounded(row, 4) for row in evaluation.force[shown]],
-        "path": [_rounded(1e6 * t.inner_x[path], 5), _rounded(1e6 * t.inner_y[path], 5)],
-    }  # fmt: skip
+        "force": [_rounded(row, 4) for row in e.force[shown]],
+        "path": [_rounded(row, 5) for row in hub[:, path]],
+    }
     return _script(data)
+
+
+# keys of each class' numbers: an attribute and its unit, or another name=attribute; and what is computed
+UNITS = re.compile("_(N2_Hz|N|Hz|m_s2|s|m)$")
+KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
+    Statistics: ("mean_N rms_N std_N max_abs_N", {}),
+    Peak: ("frequency_Hz psd_N2_Hz rms_N line also resolved", {}),
+    LineLevel: (
+        "line=name frequency_Hz rms_N background_rms_N=background stands_out resolved record_needed_s",
+        {"band_Hz": attrgetter("low", "high")},
+    ),
+    Vibration: (
+        "body peak_m_s2=level.peak rms_m_s2=level.rms crest_factor=level.crest kurtosis=level.kurtosis "
+        "envelope_lines=lines",
+        {
+            "bands": lambda v: [{"band_Hz": list(limits)} | numbers(level) for limits, level in v.bands.items()],
+            "velocity_mm_s": lambda v: None if v.velocity is None else 1e3 * v.velocity,
+            "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
+        },
+    ),
+    Level: ("rms_m_s2 kurtosis crest_factor=crest", {}),
+    FaultLine: (
+        "line=name frequency_Hz amplitude_m_s2 floor_m_s2 ratio stands_out resolved nearest record_needed_s", {},
+    ),
+    FoundSpall: (
+        "body=place.body roller=place.roller stands_out explained passages",
+        {
+            "angle_deg": lambda s: findings.reported_angle(s.place, s.angle),
+            "angle_interval_deg": lambda s: findings.reported_angle(s.place, s.angle) + degrees(s.angle_error) * BOTH,
+            "width_mm": lambda s: 1e3 * s.width,
+            "width_interval_mm": lambda s: 1e3 * s.width + 1e3 * s.width_error * BOTH,
+            "interval_sigmas": lambda _: SIGMAS,
+        },
+    ),
+    SinkageMap: ("body=place.body roller=place.roller share=seen", {"unseen_deg": findings.unseen}),
+    PositionNoise: (
+        "rounding_step_m=step roller_rms_m=roller",
+        {
+            "hub_rms_m": lambda n: dict(zip("xy", n.hub, strict=True)),
+            "balance_N": lambda n: dict(zip("xy", n.inertia, strict=True)),
+            "error_N": lambda n: dict(zip("xy", n.error, strict=True)),
+        },
+    ),
+    Stationarity: (
+        "start_s",
+        {
+            "hub_std_x_m": lambda s: s.hub["x"], "hub_std_y_m": lambda s: s.hub["y"],
+            "error_rms_x_N": lambda s: s.error["x"], "error_rms_y_N": lambda s: s.error["y"],
+            "settled_from_s": lambda s: None if s.settled is None else float(s.start[s.settled]),
+        },
+    ),
+    LawScore: (
+        "law=name contact_rms_N", {"error_x": lambda s: s.errors[0], "error_y": lambda s: s.errors[1]},
+    ),
+    Interval: ("value low high", {}),
+    Identification: (
+        "stiffness_N_per_m_to_the_n=stiffness exponent damping_N_s_per_m=damping contacts passages scatter_N",
+        {"confidence": lambda _: CONFIDENCE},
+    ),
+}  # fmt: skip
+
+
+def numbers(found: Any) -> Any:
+    """An object's numbers by their keys, as JSON has them; each of a list's or an array's; others as they are."""
+    if type(found) in KEYS:
+        names, computed = KEYS[type(found)]
+        pairs = (name.partition("=") for name in names.split())
+        own = {key: attrgetter(attribute or UNITS.sub("", key))(found) for key, _, attribute in pairs}
+        return {key: numbers(value) for key, value in (own | {k: of(found) for k, of in computed.items()}).items()}
+    if isinstance(found, np.ndarray):
+        return found.tolist()
+    return [numbers(each) for each in found] if isinstance(found, list | tuple) else found
+
+
+def summarise(e: Evaluation, options: ReportOptions) -> dict:
+    """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
+    t, cage, search, said = e.record, e.record.cage, options.search, e.diagnosis
+    noise, (low, high) = numbers(e.position_noise), e.loaded_range
+    summary = {
+        "run": t.name,
+        "source": shown(t.source.name),
+        "law": e.law.name,
+        "samples": int(t.time.size),
+        "interval_s": t.interval,
+        "start_s": e.start,
+        "order": e.order,
+        "frequency_resolution_Hz": e.x.spectrum.resolution,
+        "segments": e.x.spectrum.segments,
+        "kinematic_lines_Hz": e.lines,
+        "cage_Hz": {
+            "observed": e.lines.get("FTF"), "rolling_without_slip": None if t.reverses else e.ideal_cage,
+        },
+        "diagnosis": {
+            "verdict": None if isinstance(said, str) else said.verdict,
+            "reasons": [said] if isinstance(said, str) else list(said.reasons),
+        },
+        "orders": _orders(e),
+        "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in e.watched],
+        "loaded_rollers": {"min": low, "max": high},
+        "differentiation_floor_N": dict(zip("xy", e.floors, strict=True)),
+        "load_N": t.load,  # of the plane section
+        "bearing_load_N": load_factor(t.bearing) * t.load,
+        "position_noise": None if noise is None else noise | {"within": e.within_noise},
+        "quarters": numbers(e.quarters),
+        "tolerance_N": options.tolerance,
+        "verdict": outcome(e, options.tolerance),
+        "contradictions": findings.contradictions(e),
+        "notes": list(e.notes),
+        "laws": numbers(e.laws),
+        "identification": _identification(e),
+    }  # fmt: skip
+    if cage is not None:  # null where the shaft reverses, and slip within one turn
+        speed, ideal = cage.speed(t.interval), 2.0 * np.pi * e.ideal_cage
+        summary["cage"] = {
+            "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
+            "slip": None if t.reverses or ideal == 0.0 or t.orbits < 1.0 else 1.0 - abs(speed) / ideal,
+            "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
+            "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
+            "largest_pocket_force_N": float(np.abs(cage.force).max()),
+            "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
+        }
+    if search is not None:
+        summary |= {"faults": numbers(search.found), "faults_seen": numbers(search.maps)}
+        summary["faults_left_stand_out"] = max((m.deepest[1] for m in search.left), default=0.0)
+    if e.tilt is not None:
+        summary["tilt"] = tilt_summary(e.tilt)
+    for d in e.directions:
+        terms = {name: rms(v) for name, v in d.budget.terms.items()}
+        balance = {} if d.balance is None else {"momentum": d.balance.rms}
+        found = {
+            "error": d.error, "peaks": d.peaks, "lines": d.levels, "vibration": d.vibration,
+            "budget_mean": {name: float(np.mean(v)) for name, v in d.budget.terms.items()}, "budget": terms | balance,
+            "away_from_contact_changes": d.away, **({"momentum": d.balance} if balance else {}),
+        }  # fmt: skip
+        summary |= {f"{key}_{d.name}": numbers(value) for key, value in found.items()}
+    return summary
+
+
+def _orders(e: Evaluation) -> dict | None:
+    """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
+    found = {d.name: d.orders for d in e.directions if d.orders is not None}
+    if not found:
+        return None
+    tracking = found["x"].tracking
+    lines = {
+        f"peaks_{name}": [
+            {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in orders.peaks
+        ]
+        for name, orders in found.items()
+    }
+    ends = {"start_s": float(tracking.time[0]), "end_s": float(tracking.time[-1])}
+    return ends | {"resolution": found["x"].path.resolution, "lines": tracking.lines} | lines
+
+
+def _identification(e: Evaluation) -> dict | None:
+    """The fit's numbers in SI, and the errors on the part of the record it was not fitted to."""
+    found, time = e.identification, e.record.time
+    if found is None:
+        return None
+    held_back = {"start_s": float(time[found.samples]), "samples": int(time.size - found.samples)}
+    held_back |= {f"error_{axis}": numbers(error) for axis, error in zip("xy", e.judged, strict=True)}
+    return numbers(found) | {"fitted_until_s": float(time[found.samples - 1]), "held_back": held_back}
+
+
+def _write_arrays(e: Evaluation, path: Path) -> None:
+    """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
+    with hdf5_to_write(path, track_order=True) as file:
+        for name, values, dimension, unit, long_name in _variables(e):
+            variable(file, name, values, (dimension,), unit, long_name)
+        file.attrs.update(
+            program=PROGRAM, program_version=VERSION, run=e.record.name, law=e.law.name, order=e.order,
+            frequency_resolution_Hz=e.x.spectrum.resolution, window="hann", scene=e.record.scene.to_toml(),
+        )  # fmt: skip
+
+
+def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]:
+    """Variables of residual.nc: name, values, dimension, unit, meaning; dimensions before what they are of."""
+    psd, density = "one-sided PSD of", "N2 Hz-1"
+    yield "time", e.record.time, "time", "s", "time"
+    yield "frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency"
+    if e.x.orders is not None:
+        turns = f"cycles per turn of the {e.x.orders.tracking.ring}"
+        yield "shaft_order", e.x.orders.path.frequency, "shaft_order", "1", turns
+    yield "loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone"
+    for d, equation in zip(e.directions, ("equation (22)", "equation (23), load moved over"), strict=True):
+        error, body = f"error_{d.name}", d.vibration.body
+        yield error, d.budget.error, "time", "N", f"left side of {equation}"
+        yield f"psd_{d.name}", d.spectrum.psd, "frequency", density, f"{psd} {error}"
+        for name, term in d.budget.terms.items():
+            of = f"the {term_label(name)} term of {error}"
+            yield f"budget_{d.name}_{name}", term, "time", "N", of[4:]
+            yield f"psd_{d.name}_{name}", d.term_spectra[name].psd, "frequency", density, f"{psd} {of}"
+        if d.budget.momentum is not None:
+            of = f"{error} with the run's own contact forces"
+            yield f"momentum_{d.name}", d.budget.momentum, "time", "N", of
+        for found, name, of, unit in (
+            (d.envelope, "", error, density),
+            (d.vibration.envelope, f"{body}_", f"the {body}'s acceleration in {d.name}", "m2 s-4 Hz-1"),
+        ):
+            if found is not None:
+                of = f"{psd} the envelope of {of}, {found.low:.4g} to {found.high:.4g} Hz"
+                yield f"{name}envelope_psd_{d.name}", found.spectrum.psd, "frequency", unit, of
+        if d.orders is not None:
+            of = "one-sided PSD over orders of"
+            yield f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} the hub's place in {d.name}"
+            yield f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}"
+
+
+def _write_signals(e: Evaluation, path: Path) -> None:
+    """Time series, SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j."""
+    t = e.record
+    names = ["time", "inner_x", "inner_y", "inner_ax", "inner_ay", "error_x", "error_y"]
+    columns = [t.time, t.inner_x, t.inner_y, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
+    for name, values in (("roller_x", t.roller_x), ("roller_y", t.roller_y), ("inner_force", e.force)):
+        names += [f"{name}_{j}" for j in range(values.shape[1])]
+        columns += list(values.T)
+    np.savetxt(path, np.column_stack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")

@@ -9,8 +9,8 @@ from lagrange.step_size import SAMPLES_OF_ROLLERS
 from lagrange.surface.passages import SAMPLES, spalls
 from residual.budget import Budget
 from residual.differentiate import response, stencil
-from residual.fitted_laws import Law
 from residual.formatting import length, text
+from residual.laws import Law
 from residual.record import Record
 from residual.spectrum import Statistics, power_spectrum, rms
 

@@ -72,8 +72,7 @@ def can_draw():
 @pytest.fixture
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
-    for group in ("motion", "spectrum", "vibration", "budget"):
-        monkeypatch.setattr(f"residual.figures.drawing.{group}_figures", lambda *_: [])
+    monkeypatch.setattr("residual.figures.run.draw_figures", lambda *_: {})
 
 
 @pytest.fixture(scope="session")

@@ -24,7 +24,7 @@ from residual.fault_finding import (
     find_faults,
     roller_motion,
 )
-from residual.interpretation import reported_angle, search_sentences, unseen, unseen_in_words
+from residual.findings import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
 from tests.reference.whole_run import whole_run
 

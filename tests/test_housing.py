@@ -15,7 +15,7 @@ from lagrange.mounting import Sensor, from_outer_ring
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.figures.motion import energy_imbalance
+from residual.figures.run import energy_imbalance
 from residual.sources import read_result
 from tests.reference.budgets import budget_terms
 from tests.reference.refusals import assert_refused

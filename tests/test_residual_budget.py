@@ -12,7 +12,7 @@ from residual.cli import main
 from residual.differentiate import ORDERS, derivative, floor, response, stencil
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.fitted_laws import DampedLaw, fit_law, passage_numbers, spring_and_damper
+from residual.laws import DampedLaw, fit_law, passage_numbers
 from residual.sources import read_result
 from tests.reference.synthetic_run import exact_errors, make_run, recorded, run_variables, write_result
 
@@ -287,7 +287,7 @@ def closing_speed(n_times=1200, seed=4):
 
 
 def force_of(law, depth, speed):
-    return sum(spring_and_damper(law, depth, speed))
+    return law.pushes(depth, speed).force
 
 
 def test_damping_is_found_again_beside_the_rest():
@@ -376,8 +376,8 @@ def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
     """The run's forces are 0.95 of Harris's: K is, n is Harris's, and no contact-law term is left."""
     evaluation = evaluate(recorded(tmp_path / "a.nc", run), "fitted")
     harris = steel_law("harris", run.scene.ideal_bearing().roller_length)
-    assert evaluation.law.exponent == pytest.approx(10 / 9, rel=1e-7)
-    assert evaluation.law.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
+    assert evaluation.law.spring.exponent == pytest.approx(10 / 9, rel=1e-7)
+    assert evaluation.law.spring.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
     np.testing.assert_allclose(evaluation.budget.y.terms["contact_law"], 0.0, atol=1e-4)
     np.testing.assert_allclose(
         sum(evaluation.budget.y.terms.values()), evaluation.budget.y.error, atol=1e-9 * 2000.0, rtol=0

@@ -10,10 +10,10 @@ from fem.quantities import cage_rows
 from lagrange.scene.scene import parse_scene
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.figures.vibration import cage_figure
+from residual.figures.run import cage
 from residual.record import COLUMNS, Record
+from residual.report import ReportOptions, summarise
 from residual.sources import read_result
-from residual.summary import ReportOptions, summarise
 from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
 FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
@@ -94,7 +94,7 @@ def test_within_one_turn_no_slip_of_the_cage_is_told(tmp_path):
     _, path = made_file(tmp_path, samples=3001)
     evaluation = evaluate(read_result(path))
     assert summarise(evaluation, ReportOptions())["cage"]["slip"] is None
-    assert "turns less than once and has no mean slip" in cage_figure(evaluation, tmp_path).caption
+    assert "turns less than once and has no mean slip" in cage(evaluation).caption
 
 
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):

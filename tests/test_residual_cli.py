@@ -22,19 +22,24 @@ from lagrange.scene.scene import Scene, parse_scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.fault_finding import roller_motion
-from residual.figures.drawing import method_sentence
+from residual.figures.run import method_sentence
+from residual.findings import (
+    difference_table,
+    error_table,
+    interpretation,
+    peak_name,
+    stated_error_table,
+    verdict,
+)
 from residual.formatting import hertz, length, text
-from residual.interpretation import floor_newtons, interpretation, verdict
 from residual.lines import HUB, named_peaks
 from residual.load_zone import quasi_static
 from residual.record import Record
-from residual.report import MOST_POINTS, TEMPLATE, page_of, picture_of, spectra_json
+from residual.report import MOST_POINTS, TEMPLATE, ReportOptions, page_of, picture_of, spectra_json
 from residual.sampling import stationarity
 from residual.sources import read_result
 from residual.spectrum import find_peaks, power_spectrum
-from residual.summary import ReportOptions
 from residual.table_source import read_table
-from residual.tables import difference_table, error_table, peak_name, stated_error_table
 from tests.reference.synthetic_run import (
     exact_errors,
     harris_force,
@@ -194,12 +199,12 @@ def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, 
 
 @pytest.mark.usefixtures("plain_report")
 def test_failure_half_way_leaves_no_report(result, tmp_path, monkeypatch, capsys):
-    from residual import store
+    from residual import report
 
     def full_disk(*_):
         raise OSError(28, "No space left on device", "residual.nc")
 
-    monkeypatch.setattr(store, "_write_arrays", full_disk)
+    monkeypatch.setattr(report, "_write_arrays", full_disk)
     assert main([str(result)]) == 2
     assert "No space left" in capsys.readouterr().err
     assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]
@@ -266,7 +271,7 @@ def test_a_law_fitted_to_the_run_is_stood_in_for_by_the_usual_one(made_meaning):
 
 def test_the_sentences_say_how_much_of_the_load_the_law_carries(made_meaning):
     found = evaluate(made_meaning, law="iso16281")
-    sentences = " ".join(interpretation(found, quasi_static(made_meaning, "harris")))
+    sentences = " ".join(interpretation(found))
     share = 100.0 * found.y.error.mean / 2000.0
     assert abs(share) > 1.0
     direction = "less" if share > 0.0 else "more"
@@ -280,7 +285,7 @@ def test_without_forces_the_sentences_blame_nobody(tmp_path):
     run = make_run(n_times=401)
     bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
     found = evaluate(recorded(tmp_path / "bare.nc", run, bare))
-    sentences = interpretation(found, None)
+    sentences = interpretation(found)
     assert "without contact forces" in verdict(found).lower()
     assert not any("leaves out" in sentence for sentence in sentences)
 
@@ -288,7 +293,7 @@ def test_without_forces_the_sentences_blame_nobody(tmp_path):
 def test_an_unloaded_bearing_gets_no_share_of_its_load(tmp_path):
     run = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
     found = evaluate(recorded(tmp_path / "idle.nc", run))
-    assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found, None))
+    assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found))
 
 
 def test_the_pages_spectra_are_those_of_the_evaluation(made_meaning):
@@ -351,7 +356,7 @@ def test_only_a_picture_of_this_very_run_is_shown(tmp_path):
     assert picture_of(run) is None
     _png(tmp_path / "run.png", "run.nc")
     found = picture_of(run)
-    assert found.caption == "Von Mises stress." and found.address.startswith("data:image/png;base64,")
+    assert found["caption"] == "Von Mises stress." and found["address"].startswith("data:image/png;base64,")
     os.utime(tmp_path / "run.png", (1.0, 1.0))
     assert picture_of(run) is None  # of an earlier run of that name
     (tmp_path / "run.png").write_bytes(b"no picture")
@@ -364,7 +369,7 @@ def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
     run = Path(shutil.copy(coarse_run, tmp_path / "run.nc"))
     assert render_main([str(run), "--width", "300", "--time", "2"]) == 0
     shown = "Von Mises stress, the whole bearing at 2 ms; finite elements, no contact damping."
-    assert picture_of(run).caption == shown
+    assert picture_of(run)["caption"] == shown
 
 
 # What a report calls things: numbers as a person reads them, causes by their right names, one sentence first
@@ -555,7 +560,6 @@ def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(runs_r
     assert method_sentence(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
 
 
-@pytest.mark.usefixtures("plain_report")
 def test_a_comparison_stands_on_the_page_with_its_captions(runs_report_against, tmp_path):
     out = tmp_path / "out"
     assert (
@@ -605,7 +609,7 @@ def test_folded_vibration_of_rollers_is_warned_of_and_the_interval_named_cures_i
     named = float(note.rpartition("= ")[2])
     fine = checked_run(tmp_path, named)
     assert not any("aliased" in note for note in fine.notes)
-    for direction, floor in zip(fine.directions, floor_newtons(fine), strict=True):
+    for direction, floor in zip(fine.directions, fine.floors, strict=True):
         assert direction.balance.rms < 1.5 * floor
     assert fine.y.balance.rms < 0.3 * coarse.y.balance.rms
 
@@ -817,7 +821,7 @@ def test_positions_rounded_to_a_micrometre_blame_no_law(run_position_noise, tmp_
     assert "say nothing about the contact law harris" in out and "is off by" not in out
     assert summary["position_noise"]["rounding_step_m"] == pytest.approx(1e-6)
     assert summary["position_noise"]["within"]
-    sentences = " ".join(interpretation(found, None))
+    sentences = " ".join(interpretation(found))
     assert "carries" not in sentences and "has the smallest error" not in sentences
 
 
@@ -859,4 +863,4 @@ def test_exact_positions_are_told_nothing_of_and_a_wrong_law_is_found(run_positi
 def test_a_mean_beyond_the_noise_is_a_finding_still(run_position_noise, tmp_path, capsys):
     """Noise of the inertia has no mean: what a law carries too little of the load is seen through it."""
     _, _, _, found = checked(noisy(run_position_noise, 1e-8), tmp_path, capsys, "johnson")
-    assert found.within_noise and "johnson gives" in " ".join(interpretation(found, None))
+    assert found.within_noise and "johnson gives" in " ".join(interpretation(found))

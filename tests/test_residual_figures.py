@@ -11,12 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from fem.commands.run_fem import run_main
 from lagrange.scene.scene import parse_scene, parse_scene_text
+from residual import figures as style
 from residual.check_vibration import main as check_vibration
 from residual.evaluation import evaluate
-from residual.figures import measured, style
-from residual.figures.saved import TERM_COLOURS
-from residual.figures.spectra import envelope_figure, short_time_figure
-from residual.figures.style import make_plain, plain
+from residual.figures import make_plain, plain, spectra
+from residual.formatting import TERM_COLOURS
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, recorded
 
@@ -36,18 +35,18 @@ def ball_run(tmp_path_factory):
 
 
 def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
-    drawn = short_time_figure(ball_run, tmp_path)
-    assert drawn.png.stat().st_size > 10_000
+    drawn = spectra.short_time(ball_run)
+    style.save(drawn, tmp_path)
+    assert (tmp_path / "short_time.png").stat().st_size > 10_000
     assert "half a roller passage" in drawn.caption
     short = make_run(n_times=401)
-    assert short_time_figure(evaluate(recorded(tmp_path / "a.nc", short)), tmp_path) is None
+    assert spectra.short_time(evaluate(recorded(tmp_path / "a.nc", short))) is None
 
 
-def test_envelope_of_a_record_shorter_than_a_passage(tmp_path, monkeypatch):
+def test_envelope_of_a_record_shorter_than_a_passage(tmp_path):
     scene = parse_scene({"operation": {"speed_rpm": 5.0}}, "test")
-    monkeypatch.setattr(f"{envelope_figure.__module__}.save", lambda figure, *_: figure)
-    drawn = envelope_figure(evaluate(recorded(tmp_path / "slow.nc", make_run(n_times=1201, scene=scene))), tmp_path)
-    assert {len(axis.lines[0].get_xdata()) for axis in drawn.axes} == {20}
+    drawn = spectra.resonance_envelope(evaluate(recorded(tmp_path / "slow.nc", make_run(n_times=1201, scene=scene))))
+    assert {len(axis.lines[0].get_xdata()) for axis in drawn.figure.axes} == {20}
 
 
 def test_terms_that_may_stand_in_one_figure_have_colours_of_their_own():
@@ -70,7 +69,7 @@ def test_a_legend_of_many_terms_is_in_its_figure_and_panels_stay_where_they_are(
     for name in TERM_COLOURS:
         axes[0].plot([0.0, 1.0, 2.0], [1.0, 2.0, 1.0], label=name.replace("_", " "))
     style.legend_above(axes[0], 5, left=-0.08)
-    style.save(figure, tmp_path, "many", "Many", "")
+    style.save(style.Drawing("many", "Many", "", figure), tmp_path)
     boxes, whole = drawn_texts(figure)
     assert len(boxes) == len(TERM_COLOURS) + 3
     assert all(whole.x0 <= b.x0 and whole.y0 <= b.y0 and b.x1 <= whole.x1 and b.y1 <= whole.y1 for b in boxes)
@@ -88,8 +87,8 @@ def test_names_of_near_lines_do_not_cover_each_other(tmp_path):
 
 
 def test_two_records_beside_each_other_share_their_ordinate(tmp_path, monkeypatch):
-    kept, save = [], measured.save
-    monkeypatch.setattr(measured, "save", lambda figure, *rest: (kept.append(figure), save(figure, *rest))[1])
+    kept, save = [], spectra.save
+    monkeypatch.setattr(spectra, "save", lambda drawing, to: (kept.append(drawing.figure), save(drawing, to))[1])
     time = np.arange(20_000) / 20_000.0
     for name, depth in (("deep", 0.9), ("faint", 0.1)):
         swell = 1.0 + depth * np.cos(2.0 * np.pi * 124.0 * time)

@@ -15,7 +15,8 @@ from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.figures.passages import passage_figures
+from residual.figures import save
+from residual.figures.run import passages
 from residual.lines import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import MOST_COLUMNS, envelope, find_peaks, kinematic_lines, power_spectrum, short_time_spectrum
@@ -436,7 +437,7 @@ def evaluation_passages(path_passages):
 
 
 def test_the_figure_tells_the_strikes_of_the_result_file(path_passages, evaluation_passages, tmp_path):
-    figures = passage_figures(evaluation_passages, tmp_path)
+    figures = list(passages(evaluation_passages))
     assert [figure.name for figure in figures] == ["passages_0"]
     caption = figures[0].caption
     force, share = re.search(r"medians are (\d+) N and (0\.\d+) of the crossing", caption).groups()
@@ -448,13 +449,14 @@ def test_the_figure_tells_the_strikes_of_the_result_file(path_passages, evaluati
     assert float(force) == pytest.approx(np.median(events["force"][kinds[b"strike"]]), abs=0.51)
     assert float(share) == pytest.approx(np.median((strike - entry) / (leaving - entry)), abs=0.01)
     assert "0.5 mm wide spall on the outer ring" in caption and "0.512° away" in caption
-    assert figures[0].png.stat().st_size > 10_000 and figures[0].svg.exists()
+    save(figures[0], tmp_path)
+    assert (tmp_path / "passages_0.png").stat().st_size > 10_000 and (tmp_path / "passages_0.svg").exists()
 
 
 def test_without_spalls_or_forces_there_is_none(evaluation_passages, tmp_path):
     perfect = replace(
         evaluation_passages, record=replace(evaluation_passages.record, scene=read_scene(None, SETTINGS[:3]))
     )
-    assert passage_figures(perfect, tmp_path) == []
+    assert list(passages(perfect)) == []
     untold = replace(evaluation_passages, record=replace(evaluation_passages.record, inner_force=None))
-    assert passage_figures(untold, tmp_path) == []
+    assert list(passages(untold)) == []

@@ -8,7 +8,6 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from lagrange.step_size import SAMPLES_OF_ROLLERS, SAMPLES_OF_THE_HUB, hub_frequency, roller_frequency
 from residual.evaluation import evaluate
-from residual.interpretation import floor_newtons
 from residual.sources import read_result
 
 NU206 = 'bearing={designation="NU206"}'
@@ -89,7 +88,7 @@ def test_an_nu_206_by_defaults_is_within_what_differentiation_errs_by(tmp_path):
     assert run_main([*options, "--output", str(path)]) == 0
     found = evaluate(read_result(path))
     assert not any("aliased" in note for note in found.notes)
-    for direction, floor in zip(found.directions, floor_newtons(found), strict=True):
+    for direction, floor in zip(found.directions, found.floors, strict=True):
         assert direction.balance.rms < floor
 
 

@@ -21,9 +21,11 @@ from lagrange.first_state import Problem
 from lagrange.scene.scene import SceneError
 from lagrange.tilt import TiltedLaws, sliced_laws
 from residual.evaluation import evaluate
-from residual.figures.motion import pressure_figure, tilt_figure
+from residual.figures import save
+from residual.figures.run import pressure
+from residual.figures.run import tilt as tilt_figure
+from residual.load_zone import largest_pressures
 from residual.sources import read_result
-from residual.tilt import largest_pressures
 from tests.reference.forward_motion import simulate
 from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.tilted_runs import defects, missed, moved, moved_by, scene
@@ -191,9 +193,10 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
     assert np.abs(tilt.contact_law).max() < 1e-9
     assert tilt.error == pytest.approx(tilt.contact_law + tilt.balance, abs=1e-12)
     assert tilt.hub[1].mean() < -1.5  # N m: the shaft is held against the load's side
-    drawn = tilt_figure(checked, tmp_path)
-    assert "0 mrad in x, −1 mrad in y" in drawn.caption and (tmp_path / "tilt.png").stat().st_size > 10_000
-    assert pressure_figure(checked, tmp_path).png.stat().st_size > 10_000
+    for drawn in (tilt_figure(checked), pressure(checked)):
+        save(drawn, tmp_path)
+    assert "0 mrad in x, −1 mrad in y" in tilt_figure(checked).caption
+    assert min((tmp_path / f"{name}.png").stat().st_size for name in ("tilt", "pressure")) > 10_000
     inner, outer = largest_pressures(checked.record)
     assert 1e9 < inner < 1.2e9 and outer < inner
     soft = evaluate(read_result(path), law="harris")

@@ -14,8 +14,8 @@ from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
-from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, WIDTH
-from residual.figures.style import STYLE
+from residual.figures import STYLE, WIDTH
+from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 
 FEW = 12  # cage angles in a pitch, where curves are means
 LOADS = np.array([0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])  # of the scene's

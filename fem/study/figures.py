@@ -13,8 +13,8 @@ import numpy as np
 
 from fem.study.page import Column, Indices, Table
 from lagrange.scene.keys import name_in_words
-from residual.figures.saved import BLUE, DPI, GREY, LARGEST_SVG, ORANGE, WIDTH
-from residual.figures.style import STYLE, make_plain
+from residual.figures import DPI, LARGEST_SVG, STYLE, WIDTH, make_plain
+from residual.formatting import BLUE, GREY, ORANGE
 
 CELL, TALL = 1.75, 1.9  # inches: a panel among many, one of a column
 WIDE = 16.0  # largest over smallest value

@@ -1,53 +1,97 @@
-"""Figures of spectra: of error forces, of envelopes, over time, and over the shaft's angle."""
+"""Figures of spectra: of error forces and their terms, of vibration, over the shaft's angle, of measured records."""
 
-from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.colors import LogNorm
 
-from residual.evaluation import Direction, Evaluation
-from residual.figures.saved import BLUE, LINE_COLOURS, SKY, SavedFigure, family
-from residual.figures.style import (
+from lagrange.kinematics import OUTER_RING
+from lagrange.messages import G
+from residual.evaluation import Evaluation
+from residual.figures import (
+    BESIDE,
     COLOUR_BAR,
+    DASHED,
     RIGHT,
+    SMALL,
+    STYLE,
+    Drawing,
+    Saved,
     colour_bar,
+    curves,
     legend_above,
-    line_handles,
     log_panel,
     mark_lines,
+    name_lines,
     panels,
     save,
     without_minor_ticks,
-)
-from residual.formatting import text
+)  # fmt: skip
+from residual.formatting import (
+    BLUE,
+    GREEN,
+    GREY,
+    LINE_COLOURS,
+    ORANGE,
+    RED,
+    SKY,
+    TERM_COLOURS,
+    family,
+    term_label,
+    text,
+)  # fmt: skip
 from residual.lines import HUB
-from residual.orders import HIGHEST, OrderSpectra, Tracking
-from residual.spectrum import ShortTime, short_time_spectrum
+from residual.measured.diagnosis import DEEP
+from residual.orders import HIGHEST
+from residual.spectrum import Spectrum, rms, short_time_spectrum
+from residual.vibration import fault_lines
 
-DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
+if TYPE_CHECKING:
+    from residual.measured.checks import Check
+    from residual.measured.trend import Trend
+
+TINY = np.finfo(float).tiny
+PASSAGES_STACKED, PASSAGES_SHOWN, PASSES_SHOWN = 2.0, 5.0, 8.0  # of terms, of a run's and of a record's acceleration
+BINS_PER_DECADE = 120
+TERM_RANGE, SHORT_TIME_RANGE, ORDERS_RANGE, PATH_RANGE = 1e-9, 1e-7, 1e-8, 1e-9  # of densities shown
+NEAR = 1.7  # times a frequency: names of lines would overlap
+USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
+NAMES = 1.2  # inches, of terms beside their bars
 LEAST_BINS = 20  # of an envelope's spectrum, of a record shorter than a passage
-ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
-SHORT_TIME_RANGE, RANGE = 1e-8, 1e-9  # of a density's plot over orders
+ENVELOPE_BAND, SPECTRUM_TO, LINES_TO = 3.3, 2.2, 3.2  # times BPFI: of resonances, of runs' and records' vibration
+HEADROOM = 1.05  # above the highest line
+MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
 ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
+MOST_POINTS = 4000  # of a record's curve: beyond, the largest of neighbours
 
 
-def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
-    """Draw the densities up to the Nyquist frequency on logarithmic axes, kinematic lines and peaks marked."""
-    names = [f"PSD of error_{axis}, N²/Hz" for axis in "xy"]
-    figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=names)
+def middle(e: Evaluation, passages: float) -> slice:
+    """Samples of some roller passages in the middle of the record; all of them for a standing bearing."""
+    t, passing = e.record, e.lines.get("BPFO", 0.0)
+    if passing == 0.0:
+        return slice(None)
+    n = min(t.time.size, int(passages / passing / t.interval) + 1)
+    first = (t.time.size - n) // 2
+    return slice(first, first + n)
+
+
+def whole(e: Evaluation) -> Drawing:
+    """Densities of the errors up to the Nyquist frequency on logarithmic axes, kinematic lines and peaks marked."""
+    figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=[f"PSD of error_{axis}, N²/Hz" for axis in "xy"])
     handles, marked, mark = [], [], None
-    for axis, direction in zip(axes, evaluation.directions, strict=True):
-        f, psd = direction.spectrum.frequency[1:], direction.spectrum.psd[1:]
+    for axis, d in zip(axes, e.directions, strict=True):
+        f, psd = d.spectrum.frequency[1:], d.spectrum.psd[1:]
         log_panel(axis, f)
-        axis.plot(f, np.maximum(psd, 1e-300), color=BLUE, linewidth=0.9)
+        curves(axis, f, (np.maximum(psd, 1e-300), BLUE, None))
         top = max(psd.max(), 1e-30)
         axis.set_ylim(max(np.percentile(psd, 2) / 3.0, 1e-14 * top), 12.0 * top)
-        handles = line_handles(mark_lines(axis, evaluation.lines, f[0], f[-1]), evaluation.lines)
-        if 0.0 < direction.resonance < f[-1]:
-            mark = axis.axvline(direction.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0)
-            marked.append(direction)
-        for peak in direction.peaks:
+        handles = mark_lines(axis, e.lines, f[0], f[-1])
+        if 0.0 < d.resonance < f[-1]:
+            mark = axis.axvline(d.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0)
+            marked.append(d)
+        for peak in d.peaks:
             unnamed = SKY if any(HUB in name for name in peak.also) else "black"
             colour = LINE_COLOURS[family(peak.line)] if peak.line else unnamed
             axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour, linestyle="none",
@@ -59,65 +103,60 @@ def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     caption = (
         f"One-sided power spectral densities of the error forces up to the Nyquist frequency, {f[-1] / 1e3:.4g} kHz. "
         "Dashed: kinematic lines; dotted: their harmonics. Triangles: peaks that stand out of the background, hollow "
-        f"where zero frequency or another line lies within {2 * evaluation.x.spectrum.resolution:.3g} Hz."
+        f"where zero frequency or another line lies within {2 * e.x.spectrum.resolution:.3g} Hz."
     )
-    return save(figure, folder, "whole_spectra", "Spectra of the error forces", caption)
+    return Drawing("whole_spectra", "Spectra of the error forces", caption, figure)
 
 
-def _resonances(directions: Iterable[Direction]) -> str:
-    """The ring's resonances in some directions, in words."""
+def _resonances(directions) -> str:
     return ", ".join(f"{d.name} {1e-3 * d.resonance:.3g}" for d in directions) + " kHz"
 
 
-def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
-    """Draw the spectra of the envelopes of the bands around the ring's resonances; None where there are none."""
-    found = [(d, d.envelope) for d in evaluation.directions if d.envelope is not None]
+def resonance_envelope(e: Evaluation) -> Drawing | None:
+    """Spectra of the envelopes of the bands around the ring's resonances; None where there are none."""
+    found = [(d, d.envelope) for d in e.directions if d.envelope is not None]
     if not found:
         return None
-    names = [f"envelope PSD, {direction.name}, N²/Hz" for direction, _ in found]
+    names = [f"envelope PSD, {d.name}, N²/Hz" for d, _ in found]
     figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2, x="frequency, Hz", y=names)
     finest = max(float(envelope.spectrum.frequency[1]) for _, envelope in found)
-    top = max(ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0), LEAST_BINS * finest)
-    parts, families = [], []
-    for axis, (direction, envelope) in zip(axes, found, strict=True):
-        spectrum = envelope.spectrum
-        inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
-        axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
+    top = max(ENVELOPE_BAND * e.lines.get("BPFI", 1000.0), LEAST_BINS * finest)
+    for axis, (_, envelope) in zip(axes, found, strict=True):
+        f = envelope.spectrum.frequency
+        inside = (f > 0.0) & (f <= top)
+        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, {"linewidth": 1.0}), yscale="log")
         without_minor_ticks(axis)
         axis.set_xlim(0.0, top)
-        families = mark_lines(axis, evaluation.lines, 0.0, top)
-        parts.append(
-            f"{direction.name}, {envelope.low / 1e3:.3g} to {envelope.high / 1e3:.3g} kHz: {text(envelope.rms, 3)}"
-        )
-    legend_above(axes[0], 3, handles=line_handles(families, evaluation.lines))
+        handles = mark_lines(axis, e.lines, 0.0, top)
+    legend_above(axes[0], 3, handles=handles)
+    parts = "; ".join(f"{d.name}, {v.low / 1e3:.3g} to {v.high / 1e3:.3g} kHz: {text(v.rms, 3)}" for d, v in found)
     caption = (
         "Spectra of the envelope of the error force in an octave around the resonance of the ring on its contacts, "
-        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {'; '.join(parts)}. A line means that the resonance "
+        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {parts}. A line means that the resonance "
         "is amplitude-modulated at that frequency."
     )
-    return save(figure, folder, "envelope", "Envelope spectra around the ring's resonances", caption)
+    return Drawing("envelope", "Envelope spectra around the ring's resonances", caption, figure)
 
 
-def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
-    """Draw how the errors' spectra change along the record; None for a record too short for it."""
-    t = evaluation.record
-    passing = evaluation.lines.get("BPFO", 0.0)
-    tried = [short_time_spectrum(d.budget.error, t.interval, passing) for d in evaluation.directions]
+def short_time(e: Evaluation) -> Drawing | None:
+    """How the errors' spectra change along the record; None for a record too short for it."""
+    t, passing = e.record, e.lines.get("BPFO", 0.0)
+    tried = [short_time_spectrum(d.budget.error, t.interval, passing) for d in e.directions]
     found = [spectrum for spectrum in tried if spectrum is not None]
     if len(found) < len(tried):
         return None
     figure, axes = panels(2, 6.0, lines=0, right=COLOUR_BAR, x="time, ms", y=["frequency, kHz"] * 2)
-    for axis, direction, spectrum in zip(axes, evaluation.directions, found, strict=True):
+    for axis, d, spectrum in zip(axes, e.directions, found, strict=True):
         time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
         top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
         half = 0.5 * (time[1] - time[0]), 0.5 * frequency[1]
         image = axis.imshow(
-            spectrum.psd, norm=LogNorm(top * DYNAMIC_RANGE, top), cmap="viridis", origin="lower", aspect="auto",
+            spectrum.psd, norm=LogNorm(top * SHORT_TIME_RANGE, top), cmap="viridis", origin="lower", aspect="auto",
             extent=(time[0] - half[0], time[-1] + half[0], -half[1], frequency[-1] + half[1]), interpolation="nearest",
         )  # fmt: skip
-        colour_bar(image, [axis], f"PSD of error_{direction.name}, N²/Hz", extend="min")
-        if 0.0 < direction.resonance < spectrum.frequency[-1]:
-            axis.axhline(1e-3 * direction.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
+        colour_bar(image, [axis], f"PSD of error_{d.name}, N²/Hz", extend="min")
+        if 0.0 < d.resonance < spectrum.frequency[-1]:
+            axis.axhline(1e-3 * d.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
         axis.set_ylim(0.0, frequency[-1])
         axis.grid(visible=False)
     length, half_passage = found[0].length, ", half a roller passage" if passing > 0.0 else ""
@@ -125,43 +164,200 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
         f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms{half_passage}, "
         f"which resolve {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
     )
-    if any(d.resonance > 0.0 for d in evaluation.directions):
+    if any(d.resonance > 0.0 for d in e.directions):
         caption += " Dashed: the ring's resonance on its contacts."
-    return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
+    return Drawing("short_time", "Short-time spectra of the error forces", caption, figure)
 
 
-def spectrum_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw those figures that the run has the data for."""
-    drawn = (draw(evaluation, folder) for draw in (whole_spectra, envelope_figure, short_time_figure))
-    return [figure for figure in drawn if figure is not None]
+def budget(e: Evaluation) -> list[Drawing | None]:
+    """The errors' terms over time, stacked over two roller passages, and as spectra; none without contact forces."""
+    return [_terms(e), _stacked(e), _term_spectra(e)] if e.budget.x.terms else []
 
 
-def order_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw the figure, if the speed changes and the record is long enough."""
-    x, y = evaluation.x.orders, evaluation.y.orders
-    return [] if x is None or y is None else [order_spectrum(x, y, evaluation.y.vibration.body, folder)]
+def _terms(e: Evaluation) -> Drawing:
+    """The terms over time, and their rms."""
+    acting = e.budget.acting_terms
+    more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
+    shares, x = (1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE), "rms, N (full colour: x, faint: y)"
+    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x=x)
+    names = ["error", *acting, "momentum"]
+    position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []
+    for axis, d, offset, shade in zip(axes, e.directions, (0.19, -0.19), (1.0, 0.5), strict=True):
+        terms = {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
+        wide = {"linewidth": 1.4}, *[{}] * len(acting)
+        rows = [(v, TERM_COLOURS[name], term_label(name), w) for (name, v), w in zip(terms.items(), wide, strict=True)]
+        curves(axis, 1e3 * e.record.time, *rows, ylabel=f"terms of error_{d.name}, N")
+        axis.margins(x=0.0)
+        widths = [*map(rms, terms.values()), 0.0 if d.balance is None else d.balance.rms]
+        drawn = bars.barh(position + offset, widths, height=0.34, color=colours, alpha=shade)
+        bars.bar_label(drawn, [f"{d.name}: {text(v, 3)} N" for v in widths], padding=4, fontsize=8.5)
+        sizes += [v for v in widths if v > 0.0]
+    legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
+    axes[1].set_xlabel("time, ms")
+    top = max(sizes, default=1.0)
+    bars.set(xscale="log", xlim=(max(min(sizes, default=0.1) / 2.0, 1e-5 * top), 8.0 * top))
+    without_minor_ticks(bars)
+    labels = [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+    bars.set_yticks(position, labels)
+    bars.grid(axis="y", visible=False)
+    caption = (
+        "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
+    )
+    return Drawing("budget", "Budget of the error forces", caption, figure)
 
 
-def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) -> SavedFigure:
-    """Draw order spectra of the hub's path and of the envelope of a body's acceleration, and the path's over time."""
+def _stacked(e: Evaluation) -> Drawing:
+    """The terms less their means, stacked, over two roller passages in the middle of the record."""
+    shown = middle(e, PASSAGES_STACKED)
+    time = 1e3 * e.record.time[shown]
+    figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} without mean, N" for axis in "xy"])
+    means = []
+    for axis, d in zip(axes, e.directions, strict=True):
+        terms, total = {term_label(name): d.budget.terms[name] for name in e.budget.acting_terms}, d.budget.error
+        values = np.array([v[shown] - v.mean() for v in terms.values()])
+        colours = [TERM_COLOURS[name] for name in e.budget.acting_terms]
+        style = {"colors": colours, "alpha": 0.75, "linewidth": 0}
+        axis.stackplot(time, np.maximum(values, 0.0), labels=list(terms), **style)
+        axis.stackplot(time, np.minimum(values, 0.0), **style)
+        curves(axis, time, (total[shown] - total.mean(), "black", "error", {"linewidth": 1.2}))
+        mean = ", ".join(f"{name} {text(v.mean(), 3, e.noise)}" for name, v in terms.items())
+        means.append(f"in {d.name} {mean}")
+    legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
+    caption = (
+        "The terms of the error forces stacked, positive upward and negative downward, each without its mean over the "
+        "record; the black line, their sum, is the error without its mean. Middle of the record, "
+        f"{PASSAGES_STACKED:g} roller passages where the bearing turns. Means, N: {'; '.join(means)}."
+    )
+    return Drawing("budget_stacked", "Terms of the error forces, stacked", caption, figure)
+
+
+def _term_spectra(e: Evaluation) -> Drawing:
+    """The density of every term beside the error's."""
+    figure, axes = panels(2, 6.4, lines=3, x="frequency, Hz", y=[f"PSD, {axis}, N²/Hz" for axis in "xy"])
+    for axis, d in zip(axes, e.directions, strict=True):
+        f, psd = _by_decade(d.spectrum)
+        log_panel(axis, f)
+        curves(axis, f, (psd, "black", "error", {"linewidth": 2.6, "alpha": 0.35}))
+        for name in e.budget.acting_terms:
+            at, density = _by_decade(d.term_spectra[name])
+            curves(axis, at, (density, TERM_COLOURS[name], term_label(name)))
+        top = max(float(psd.max()), 1e-30)
+        axis.set_ylim(TERM_RANGE * top, 10.0 * top)
+        lines = {n: at for n, at in e.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
+        for name, place in lines.items():
+            axis.axvline(place, color=GREY, linestyle=DASHED, linewidth=0.9, zorder=0)
+            # away from a neighbour that is too near for both names
+            gaps = [other - place for other in lines.values() if 1.0 < max(other / place, place / other) < NEAR]
+            side = "center" if not gaps else "right" if min(gaps, key=abs) > 0.0 else "left"
+            if d is e.x:
+                axis.annotate(name, (place, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
+                              ha=side, color="#555555")  # fmt: skip
+    legend_above(axes[0], 4, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
+    caption = (
+        "One-sided power spectral density of each term and of the error, averaged over "
+        f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "
+        "cancel, the error lies below both."
+    )
+    return Drawing("budget_spectra", "Spectra of the budget's terms", caption, figure)
+
+
+def _by_decade(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
+    """Mean frequency and density in bins of equal width on a logarithmic axis, for a curve to look at."""
+    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
+    bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
+    count = np.bincount(bins)
+    return np.bincount(bins, f) / count, np.maximum(np.bincount(bins, psd) / count, 1e-300)
+
+
+def acceleration(e: Evaluation) -> Drawing:
+    """Amplitude spectra of the acceleration in both directions, in g."""
+    figure, (axis,) = panels(1, 3.2, lines=1, x="frequency, Hz")
+    for d, colour in zip(e.directions, (SKY, BLUE), strict=True):
+        spectrum, frequency = d.vibration.spectrum, d.vibration.spectrum.frequency[1:]
+        amplitude = np.maximum(spectrum.amplitude[1:] / G, TINY)
+        curves(axis, frequency, (amplitude, colour, f"{d.vibration.body}, {d.name}", {"linewidth": 0.7}))
+    log_panel(axis, frequency)
+    axis.set(ylabel="amplitude, g")
+    legend_above(axis, 2)
+    body = e.y.vibration.body
+    caption = f"Amplitude spectra, not rms, Δf = {text(spectrum.resolution, 3)} Hz."
+    return Drawing(f"{body}_spectrum", f"Spectra of the {body}'s acceleration", caption, figure)
+
+
+def envelope(e: Evaluation) -> Drawing | None:
+    """The band of the acceleration with its envelope over a few passages, and the envelope's spectra.
+
+    None where the record resolves none of their lines.
+    """
+    if not e.x.vibration.tells_lines:
+        return None
+    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
+    found = [(d, d.vibration.envelope) for d in e.directions if d.vibration.envelope is not None]
+    loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
+    shown = middle(e, PASSAGES_SHOWN)
+    band = loudest.band[shown] / G, SKY, "acceleration in the band", {"linewidth": 0.6}
+    level = loudest.level[shown] / G, BLUE, "its envelope", {"linewidth": 0.8}
+    upper.margins(x=0.0)
+    of = f"{loud.vibration.body}, {loud.name}, g"
+    curves(upper, 1e3 * e.record.time[shown], band, level, legend=2, xlabel="time, ms", ylabel=of)
+    top = SPECTRUM_TO * max(e.lines[name] for name in ("BPFO", "BPFI"))
+    lines = {name: e.lines[name] for name in MARKED[:3] if name in e.lines} | fault_lines(e.lines)
+    for axis, (d, each) in zip(axes, found, strict=True):
+        handles = mark_lines(axis, lines, 0.0, top, of=e.lines)
+        frequency = each.spectrum.frequency
+        inside = (frequency > 0.0) & (frequency <= top)
+        amplitude = each.spectrum.amplitude[inside] / G
+        curves(axis, frequency[inside], (amplitude, BLUE, None, {"linewidth": 1.0}))
+        highest, names = float(amplitude.max()), []
+        for line in d.vibration.high_lines:
+            if line.frequency <= top:
+                colour, height = LINE_COLOURS[family(line.name)], line.amplitude / G
+                sideband = "−" in line.name or "+" in line.name
+                axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
+                          markerfacecolor=colour if line.resolved else "white")  # fmt: skip
+                names += [] if sideband else [(line.frequency, line.name, colour)]
+                highest = max(highest, height)
+        axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, TINY)))
+        axis.set_ylabel(f"{d.vibration.body}, {d.name}, g")
+        name_lines(axis, names)
+    legend_above(axes[0], 5, left=-0.06, handles=handles, **SMALL)
+    body = e.y.vibration.body
+    caption = (
+        f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
+        f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
+        "passages with its envelope, and amplitude spectra of the "
+        f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
+        "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that are high "
+        "above their floors, hollow where the record does not resolve them."
+    )
+    return Drawing(f"{body}_envelope", f"Envelope spectra of the {body}'s acceleration", caption, figure)
+
+
+def orders(e: Evaluation) -> Drawing | None:
+    """Order spectra of the hub's path and of the envelope of a body's acceleration, and the path's over time.
+
+    None where the speed stays, or the record is too short.
+    """
+    x, y, body = e.x.orders, e.y.orders, e.y.vibration.body
+    if x is None or y is None:
+        return None
     tracking, short, unit = x.tracking, y.short_time, 1e12  # µm²
     shown = [("path x, µm²", x.path, unit), ("path y, µm²", y.path, unit)]
     if y.envelope is not None:
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
     rows = (len(shown),) if short is None else (len(shown), 1)
     figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=RIGHT if short is None else COLOUR_BAR)
-    top, families = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"]), []
+    top = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"])
     for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
-        families = mark_lines(axis, tracking.lines, 0.0, top)
+        handles = mark_lines(axis, tracking.lines, 0.0, top, "")
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         psd = np.maximum(scale * spectrum.psd[inside], 1e-300)
-        axis.semilogy(spectrum.frequency[inside], psd, color=BLUE, linewidth=0.9)
-        axis.set(xlim=(0.0, top), ylim=(RANGE * psd.max(), 10.0 * psd.max()), ylabel=f"{name}/order")
+        limits = {"xlim": (0.0, top), "ylim": (PATH_RANGE * psd.max(), 10.0 * psd.max())}
+        axis.set_yscale("log")
+        curves(axis, spectrum.frequency[inside], (psd, BLUE, None), ylabel=f"{name}/order", **limits)
     axes[len(shown) - 1].set_xlabel(f"order, per turn of the {tracking.ring}")
-    handles = line_handles(families, tracking.lines, "")
     legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
-    if short is not None:
-        _draw_map(axes[-1], tracking, short)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
     low, high = text(float(speed.min()), 4), text(float(speed.max()), 4)
     caption = (
@@ -171,26 +367,146 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
         "cage, which stay where they are in orders; dotted: multiples."
     )
     if short is not None:
+        axis, psd = axes[-1], np.maximum(1e12 * short.psd, 1e-300)
+        time = 1e3 * np.interp(tracking.turn[0] + short.time, tracking.turn, tracking.time)
+        most = 10.0 ** np.ceil(np.log10(max(float(psd.max()), 1e-30)))
+        image = axis.pcolormesh(time, short.frequency, psd, norm=LogNorm(most * ORDERS_RANGE, most), cmap="viridis",
+                                shading="nearest", rasterized=True)  # fmt: skip
+        colour_bar(image, [axis], "path y, µm²/order", extend="min")
+        for line in (name for name in ON_MAP if name in tracking.lines):
+            axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
+                          fontsize=8.5, va="center")  # fmt: skip
+        axis.set(xlabel="time, ms", ylabel="order", ylim=(0.0, top))
+        axis.grid(visible=False)
         caption += (
             f" Below, the path's y along the record: Hann windows of {text(short.length, 3)} turns; what follows the "
             f"{tracking.ring} is horizontal."
         )
-    return save(figure, folder, "orders", "Order spectra of the hub", caption)
+    return Drawing("orders", "Order spectra of the hub", caption, figure)
 
 
-def _draw_map(axis, tracking: Tracking, short: ShortTime) -> None:
-    """Draw orders over time."""
-    time = 1e3 * np.interp(tracking.turn[0] + short.time, tracking.turn, tracking.time)
-    top = 10.0 ** np.ceil(np.log10(max(1e12 * float(short.psd.max()), 1e-30)))
-    image = axis.pcolormesh(
-        time, short.frequency, np.maximum(1e12 * short.psd, 1e-300), norm=LogNorm(top * SHORT_TIME_RANGE, top),
-        cmap="viridis", shading="nearest", rasterized=True,
-    )  # fmt: skip
-    colour_bar(image, [axis], "path y, µm²/order", extend="min")
-    for line in (name for name in ON_MAP if name in tracking.lines):
-        axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
-                      fontsize=8.5, va="center")  # fmt: skip
-    axis.set(
-        xlabel="time, ms", ylabel="order", ylim=(0.0, HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"]))
+def measured_figures(check: "Check", folder: Path) -> list[Saved]:
+    """A record's lines in the envelope, its spectrum and an excerpt, and where a line stands out its pulse."""
+    with rc_context(STYLE):
+        drawn = (_modulation(check), _record(check), _pulse(check))
+        return [save(each, folder) for each in drawn if each is not None]
+
+
+def _modulation(check: "Check") -> Drawing:
+    """Depth of modulation over frequency, or over turns of the shaft where two records are compared."""
+    found = check.record.diagnosis
+    judged = [check.record] if check.other is None else [check.record, check.other]
+    figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
+    by_turns, deepest = len(judged) > 1, 0.0
+    for axis, each in zip(axes, judged, strict=True):
+        spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
+        lines = {name: line / unit for name, line in each.diagnosis.lines.items()}
+        best = each.diagnosis.findings[0]
+        marked = {name: lines[name] for name in MARKED if lines.get(name)} | {"2×BSF": lines["2×BSF"]}
+        marked |= {line.name: line.found / unit for line in best.lines}
+        top = LINES_TO * max(lines["BPFO"], lines["BPFI"], lines["2×BSF"])
+        handles = mark_lines(axis, marked, 0.0, top, "" if by_turns else " Hz", of=lines)
+        frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
+        curves(axis, frequency, (depth, BLUE, None), xlim=(0.0, top), ylabel="modulation depth")
+        if best.stands_out:
+            dots = [(line.found / unit, line.depth) for line in best.lines if line.found / unit <= top]
+            axis.plot(*zip(*dots, strict=True), "o", color="black", markersize=3.5)
+        deepest = max(deepest, float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
+        if by_turns:
+            axis.text(0.99, 0.97, each.signal.name, transform=axis.transAxes, ha="right", va="top", fontsize=9.5,
+                      bbox=BESIDE)  # fmt: skip
+        if axis is axes[0]:
+            legend_above(axis, 5, left=-0.06, handles=handles, **SMALL)
+    for axis in axes:  # both records by one scale
+        axis.set_ylim(0.0, 1.15 * deepest)
+    axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
+    caption = (
+        f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "
+        f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: lines that stand "
+        "out."
     )
-    axis.grid(visible=False)
+    return Drawing("envelope", "Lines in the envelope", caption, figure)
+
+
+def _record(check: "Check") -> Drawing:
+    """Spectrum of each record, and an excerpt of the first about its largest magnitude."""
+    figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
+    own, other, style = check.record, check.other, {"linewidth": 0.7}
+    shared = other is None or other.signal.unit == own.signal.unit
+    for judged, colour in ((own, BLUE), (other, ORANGE)):
+        if judged is not None:
+            frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
+            amplitude = amplitude if shared else amplitude / judged.level.rms
+            above = {"zorder": 3.0 if judged is own else 2.0}
+            curves(upper, frequency, (amplitude, colour, judged.signal.name, style | above))
+    unit, signal = own.signal.unit or "own unit", own.signal
+    label = f"amplitude, {unit}" if shared else "amplitude over rms"
+    upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=label)
+    without_minor_ticks(upper)
+    legend_above(upper, 2)
+    count = min(signal.values.size, int(PASSES_SHOWN / own.diagnosis.lines["BPFO"] * signal.rate) + 1)
+    first = min(max(0, int(np.argmax(np.abs(signal.values))) - count // 2), signal.values.size - count)
+    excerpt = signal.values[first : first + count], BLUE, None, style
+    curves(lower, 1e3 * (first + np.arange(count)) / signal.rate, excerpt, xlabel="time, ms", ylabel=unit)
+    lower.margins(x=0.0)
+    caption = (
+        f"Above: amplitude spectrum of the record. Below: {PASSES_SHOWN:g} passes of rolling elements over a point of "
+        "the outer ring, about the largest value."
+    )
+    return Drawing("record", "Spectrum and excerpt of the record", caption, figure)
+
+
+def _pulse(check: "Check") -> Drawing | None:
+    """Mean power about a strike, of one record or of both; None where no line stands out."""
+    from residual.measured.strikes import PASSES_IN_BAND, SMOOTHING
+
+    own, other = check.record.pulse, None if check.other is None else check.other.pulse
+    if own is None or not check.record.diagnosis.findings[0].stands_out:
+        return None
+    figure, (axis,) = panels(1, 3.0, lines=1)
+    for pulse, judged, colour in ((own, check.record, BLUE), (other, check.other, ORANGE)):
+        if pulse is not None and judged is not None:
+            curves(axis, 1e3 * pulse.time, (pulse.power, colour, judged.signal.name, {"linewidth": 1.1}))
+    axis.margins(x=0.0)
+    axis.set(xlabel="time from the highest power, ms", ylabel="power over its mean", ylim=(0.0, None))
+    legend_above(axis, 2)
+    also = "" if other is None else f", the other for {text(1e3 * other.length, 3)} ms"
+    caption = (
+        f"Power of the band above {text(PASSES_IN_BAND, 2)} {check.part} (500 Hz at least), the mean over all passes "
+        f"at {check.part}, set at the highest of each; smoothed over {text(100.0 * SMOOTHING, 2)} % of a pass. "
+        f"It stands above half its height for {text(1e3 * own.length, 3)} ms{also}."
+    )
+    return Drawing("pulse", "Pulse of an impact", caption, figure)
+
+
+def trend_figure(trend: "Trend", folder: Path) -> Saved:
+    """Depths of lines and the level over a series."""
+    with rc_context(STYLE):
+        figure, (upper, lower) = panels(2, 4.6, lines=1)
+        used = [(k, entry) for k, entry in enumerate(trend.entries, 1) if entry.depths is not None]
+        places, style = [k for k, _ in used], {"marker": "o", "markersize": 3.5, "linewidth": 1.0}
+        rows = [
+            ([entry.depths[name] for _, entry in used if entry.depths is not None], colour, name, style)
+            for name, colour in (("BPFO", RED), ("BPFI", GREEN), ("2×BSF", ORANGE))
+        ]
+        curves(upper, places, *rows, legend=3, ylabel="modulation depth", ylim=(0.0, None))
+        upper.axhline(DEEP, color=GREY, linestyle="--", linewidth=0.9)
+        level = [entry.rms for _, entry in used], BLUE, None, style
+        unit = used[0][1].unit or "own unit"
+        curves(lower, places, level, xlabel="record of the series", ylabel=f"rms, {unit}", ylim=(0.0, None))
+        caption = (
+            f"Above: modulation depth of each part's line, all harmonics; dashed: {DEEP:g}, the least for damage. "
+            "Below: level of the record."
+        )
+        return save(Drawing("trend", "Growth over the series", caption, figure), folder)
+
+
+def _thinned(x: np.ndarray, y: np.ndarray, top: float) -> tuple[np.ndarray, np.ndarray]:
+    """A curve up to `top`, its highest points kept."""
+    x, y = x[x <= top], y[x <= top]
+    each = max(1, int(np.ceil(x.size / MOST_POINTS)))
+    if each == 1:
+        return x, y
+    count = x.size // each
+    index = np.arange(count) * each + np.argmax(y[: count * each].reshape(count, each), axis=1)
+    return x[index], y[index]

@@ -14,7 +14,7 @@ from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
 from residual.store import Page, write_folder
 
 if TYPE_CHECKING:
-    from residual.figures.saved import SavedFigure
+    from residual.figures import Saved
 
 PROGRAM = "check-vibration"
 TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
@@ -23,8 +23,8 @@ TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
 def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, Any]:
     """Write vibration.html, its figures and summary.json; errors as of `write_folder`."""
 
-    def draw(fresh: Path) -> "dict[str, list[SavedFigure]]":
-        from residual.figures.measured import measured_figures
+    def draw(fresh: Path) -> "dict[str, list[Saved]]":
+        from residual.figures.spectra import measured_figures
 
         first, *others = measured_figures(check, fresh)
         return {"evidence": [first], "others": others}

@@ -17,7 +17,7 @@ from residual.measured.report import PROGRAM
 from residual.store import Page, write_folder
 
 if TYPE_CHECKING:
-    from residual.figures.saved import SavedFigure
+    from residual.figures import Saved
 
 TEMPLATE = Path(__file__).parents[1] / "templates" / "trend.html.j2"
 FEWEST = 3  # usable records of a series
@@ -162,8 +162,8 @@ def record_table(trend: Trend) -> Section:
 def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict[str, Any]:
     """Write the page of a series; as `residual.measured.report.write_check`."""
 
-    def draw(fresh: Path) -> "dict[str, list[SavedFigure]]":
-        from residual.figures.measured import trend_figure
+    def draw(fresh: Path) -> "dict[str, list[Saved]]":
+        from residual.figures.spectra import trend_figure
 
         return {"growth": [trend_figure(trend, fresh)]}
 

@@ -170,6 +170,6 @@ def _refused(error: Exception) -> bool:
 def _evaluated(trajectory) -> None:
     """Check that what the reader takes can be evaluated, and the numbers be written."""
     from residual.evaluation import evaluate
-    from residual.summary import ReportOptions, summarise
+    from residual.report import ReportOptions, summarise
 
     json.dumps(summarise(evaluate(trajectory), ReportOptions()), allow_nan=False)

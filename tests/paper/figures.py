@@ -6,8 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from residual import Record, evaluate
-from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED
-from residual.figures.style import STYLE
+from residual.figures import STYLE
+from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 from residual.load_zone import chosen_roller
 from residual.spectrum import power_spectrum
 from tests.paper import read_off

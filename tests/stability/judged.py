@@ -20,9 +20,9 @@ from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import SceneError, parse_scene_text
 from residual.errors import InputError
 from residual.evaluation import Evaluation, evaluate
+from residual.laws import moment_resultant
 from residual.record import Record
 from residual.sources import read_result
-from residual.tilt import moment_resultant
 from tests.stability.campaign import ASTRAY, LARGEST_IMBALANCE, ROUND_OFF
 
 SUM = 1e-9  # of the load, or of the largest term: what the checker's terms may miss of its errors

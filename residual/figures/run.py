@@ -1,0 +1,529 @@
+"""Figures of a run: motion, loads, pressures, energy, cage, passages over spalls, and two checks overlaid."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from lagrange import mounting
+from lagrange.columns import ENERGIES
+from lagrange.kinematics import kinematics, turned
+from lagrange.rating.sources import Unavailable
+from lagrange.surface.passages import Passage, find_passages, spall_events, spalls
+from residual.evaluation import Evaluation
+from residual.fault_finding import FaultSearch, Near
+from residual.figures import (
+    COLOUR_BAR,
+    DASHED,
+    DOTS,
+    RIGHT,
+    STYLE,
+    Drawing,
+    Saved,
+    by_angle,
+    colour_bar,
+    curves,
+    legend_above,
+    log_panel,
+    panels,
+    save,
+    spectra,
+)  # fmt: skip
+from residual.findings import body_name, named, reported_angle
+from residual.formatting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, length, text
+from residual.load_zone import along_rollers, chosen_roller, load_zones
+from residual.orders import SLOWEST
+from residual.record import Record, angle_from_load
+from residual.report import ReportOptions
+from residual.spectrum import power_spectrum
+
+MOST_POINTS = 20_000  # of a scatter plot: more hide each other
+MOST_COMPARED = 6000  # the same of two
+SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
+SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
+SHORTEST = 2e-3  # s, over which speeds of a cage are means
+MOST_SPALLS = 3  # figures: of those struck hardest
+MOST_PASSAGES = 150  # in one of them: more hide each other
+MEAN_POINTS = 401
+SHOWN = 2.6  # half-widths on either side of the middle
+BESIDE_SPALL = 0.4e-3  # m, shown on either side of a spall found
+FROM_LOAD = "roller's angle from the load line, degrees"
+SHARP_STATED = (
+    "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."
+)
+ENERGY_CURVES = {
+    "energy_kinetic": ("kinetic", BLUE),
+    "energy_elastic": ("elastic", RED),
+    "energy_contact": ("contact", PURPLE),
+    "energy_support": ("support", SKY),
+    "energy_shaft": ("shaft", ORANGE),
+    "work_external": ("external work", GREEN),
+    "work_dissipated": ("dissipated", GREY),
+}
+
+
+def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[str, list[Saved]]:
+    """Draw all figures for which the run has data into a folder; by groups of the page."""
+    other, found = options.other, options.search
+    with matplotlib.rc_context(STYLE):
+        drawn: dict[str, list[Drawing | None]] = {
+            "against": [] if other is None else [against(e, other)],
+            "motion": [
+                history(e, options.equations), orbit(e), load_distribution(e), passage(e), loads(e),
+                tilt(e), pressure(e), energy(e), cage(e),
+            ],
+            "vibration": [spectra.acceleration(e), spectra.envelope(e), spectra.orders(e), *passages(e)],
+            "search": [] if found is None else [search(found)],
+        }  # fmt: skip
+        if options.equations:
+            drawn["spectra"] = [spectra.whole(e), spectra.resonance_envelope(e), spectra.short_time(e)]
+            drawn["budget"] = spectra.budget(e)
+        methods = {group: method_sentence(e, other if group == "against" else None) for group in drawn}
+        return {
+            group: [save(each._replace(caption=each.caption + methods[group]), folder) for each in rows if each]
+            for group, rows in drawn.items()
+        }
+
+
+def method_sentence(e: Evaluation, other: Evaluation | None) -> str:
+    """Model and damping of the run that figures show, and of what it is compared with; of a table from elsewhere ""."""
+    runs = [each.record for each in (e, other) if each is not None]
+    return "".join(dict.fromkeys(f" Run {run.name}: {run.scene.method}." for run in runs if run.attributes))
+
+
+def history(e: Evaluation, equations: bool) -> Drawing:
+    """The hub's place, one roller's radial place, and the error forces over time."""
+    t, loaded = e.record, e.budget.loaded
+    j = chosen_roller(loaded, e.chatter)
+    rho = np.hypot(t.roller_x[:, j], t.roller_y[:, j]) - t.bearing.pitch_radius
+    shown = {"hub x, µm": 1e6 * t.inner_x, "hub y, µm": 1e6 * t.inner_y, f"ρ of roller {j}, µm": 1e6 * rho}
+    if equations:
+        shown |= {f"error_{d.name}, N": d.budget.error for d in e.directions}
+    time, count = 1e3 * t.time, len(shown)
+    figure, axes = panels(count, 1.0 + 1.4 * count, lines=0, x="time, ms", y=list(shown))
+    for axis, values in zip(axes, shown.values(), strict=True):
+        curves(axis, time, (values, BLUE, None))
+    for first, last in load_zones(loaded[:, j], e.chatter):
+        axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
+    errors = "; error forces, 0 for a perfect model" if equations else ""
+    caption = (
+        f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner "
+        f"contact is closed (load zone){errors}."
+    )
+    return Drawing("history", "Motion over time", caption, figure)
+
+
+def orbit(e: Evaluation) -> Drawing:
+    """The hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
+    t, statics = e.record, e.statics
+    figure, (axes,) = panels(1, 4.6, x="x without mean, µm", y=["y without mean, µm"])
+    x, y = t.inner_x.mean(), t.inner_y.mean()
+    row = 1e6 * (t.inner_y - y), BLUE, "run", {"linewidth": 0.6, "alpha": 0.8}
+    curves(axes, 1e6 * (t.inner_x - x), row)
+    caption = f"Path of the inner ring's centre about its mean, x = {length(x)}, y = {length(y)}."
+    if statics is not None:
+        x, y = statics.x[:-1].mean(), statics.y[:-1].mean()
+        row = 1e6 * (statics.y - y), ORANGE, f"Lagrangian statics, {statics.law}", {"linewidth": 2.0}
+        curves(axes, 1e6 * (statics.x - x), row)
+        caption += (
+            f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
+            f"about theirs, x = {length(x)}, y = {length(y)}."
+        )
+    axes.set_aspect("equal", adjustable="datalim")
+    legend_above(axes, 2)
+    return Drawing("orbit", "Orbit of the inner ring", caption, figure)
+
+
+def load_distribution(e: Evaluation) -> Drawing:
+    """The inner contact force around the bearing in polar coordinates, the load downwards."""
+    force, rows, statics = e.force, _some(e.force.size, MOST_POINTS), e.statics
+    figure, (axes,) = panels(1, 5.2, projection="polar")
+    axes.set_theta_zero_location("S")
+    name = f"law {e.law.name}, approaches of the run" if e.record.inner_force is None else "run"
+    curves(axes, e.record.from_load[rows].ravel(), (force[rows].ravel(), BLUE, name, DOTS))
+    caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
+    if statics is not None:
+        row = statics.force, ORANGE, f"Lagrangian statics, {statics.law}", {"linewidth": 1.8}
+        curves(axes, statics.angle, row)
+        caption += (
+            f"; line: the static equilibria of the Lagrangian model. Largest: {text(float(force.max()))} N in the run, "
+            f"{text(float(statics.force.max()))} N in the statics"
+        )
+    axes.set_ylim(bottom=0.0)
+    axes.set_rlabel_position(112.5)
+    axes.annotate("N", (0.5, 0.5), xycoords="axes fraction", fontsize=9, color=GREY, xytext=(-14, 6),
+                  textcoords="offset points")  # fmt: skip
+    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in ("0", "45", "90", "135", "180", "−135", "−90", "−45")])
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.35, -0.02), markerscale=5)
+    return Drawing("load_distribution", "Load distribution", caption + ".", figure)
+
+
+def _some(count: int, most: int) -> slice:
+    return slice(None, None, max(1, count // most))
+
+
+def loads(e: Evaluation) -> Drawing:
+    """The law's and the run's inner contact forces over the roller's angle from the load line."""
+    own, budget, contacts = e.record.inner_force, e.budget, e.budget.contacts
+    rows = _some(budget.law_force.size, MOST_POINTS)
+    angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y[rows], -contacts.direction_x[rows])))
+    names = ["inner contact force, N", "run − law, closed contacts, N"]
+    figure, axes = panels(*((1, 3.8) if own is None else (2, 5.6)), x=FROM_LOAD, y=names)
+    drawn = [(budget.law_force[rows].ravel(), RED, f"law: {e.law.name}", DOTS)]
+    caption = (
+        "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
+        "the load line (counter-clockwise)."
+    )
+    if own is not None:
+        drawn.append((own[rows].ravel(), BLUE, "run's own contact force", DOTS))
+        closed = budget.loaded[rows]
+        curves(axes[1], angle[closed], ((own - budget.law_force)[rows][closed], PURPLE, None, DOTS))
+        caption += " Below: run minus law, closed contacts."
+    curves(axes[0], angle.ravel(), *drawn)
+    by_angle(axes[0], ylim=(0.0, None))
+    axes[0].legend(loc="upper left", markerscale=5)
+    return Drawing("loads", "Loads of the rollers", caption, figure)
+
+
+def tilt(e: Evaluation) -> Drawing | None:
+    """Tilts of rollers and moments of their contacts over the roller's angle from the load line."""
+    t = e.record
+    if e.tilt is None:
+        return None
+    some = _some(t.from_load.size, MOST_POINTS)
+    figure, axes = panels(2, 5.0, x=FROM_LOAD, y=["tilt, mrad", "moment of a contact, N m"])
+    tilts, *moments = (np.asarray(each)[some].ravel() for each in (t.roller_tilt, t.inner_moment, t.outer_moment))
+    angle, sides = np.degrees(t.from_load[some]).ravel(), (("inner", BLUE), ("outer", ORANGE))
+    curves(axes[0], angle, (1e3 * tilts, BLUE, None, DOTS))
+    rows = [(moment, colour, f"{side} raceway", DOTS) for moment, (side, colour) in zip(moments, sides, strict=True)]
+    curves(axes[1], angle, *rows)
+    by_angle(axes[1])
+    axes[1].legend(loc="upper left", markerscale=5)
+    x, y = (text(1e3 * float(np.asarray(each).mean())) for each in (t.inner_slope_x, t.inner_slope_y))
+    caption = (
+        f"Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
+        "and times; they differ by the roller's inertia alone. "
+        f"Mean slope of the shaft: {x} mrad in x, {y} mrad in y."
+    )
+    return Drawing("tilt", "Tilt and moments of the rollers", caption, figure)
+
+
+def pressure(e: Evaluation) -> Drawing | None:
+    """Pressures over both raceways and along the most loaded rollers; None where the source has none."""
+    try:
+        found = None if e.tilt is None else along_rollers(e.record)
+    except Unavailable:  # said among the ratings
+        return None
+    if found is None:
+        return None
+    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=COLOUR_BAR)
+    z, angle = 1e3 * found.place, np.degrees(found.angle)
+    ends = np.append(z - 0.5 * (z[1] - z[0]), -z[0] + 0.5 * (z[1] - z[0]))  # of slices
+    shown = np.ma.masked_equal(1e-6 * found.around, 0.0)
+    for axis, side, values in zip(axes, ("inner", "outer"), shown, strict=False):
+        image = axis.pcolormesh(angle, z, values.T, vmin=0.0, vmax=float(shown.max()), cmap="viridis",
+                                shading="nearest", rasterized=True)  # fmt: skip
+        by_angle(axis, ylabel=f"{side}: z, mm")
+        axis.grid(visible=False)
+    axes[1].set_xlabel(FROM_LOAD)
+    colour_bar(image, axes[:2], "pressure, MPa")
+    for j, colour, *sides in zip(found.rollers, (BLUE, ORANGE, GREEN), *found.along, strict=False):
+        for values, line, label in zip(sides, ("-", DASHED), (f"roller {j}", None), strict=True):
+            axes[2].step(ends, 1e-6 * np.append(values, values[-1]), where="post", color=colour, linestyle=line,
+                         label=label)  # fmt: skip
+    axes[2].plot([], [], color=GREY, linestyle=DASHED, label="outer")
+    axes[2].set(xlabel="along the axis z, mm", ylabel="pressure, MPa", ylim=(0.0, None), xlim=(ends[0], ends[-1]))
+    axes[2].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=1.0, handletextpad=0.5)
+    peak = [text(1e-6 * float(each.max())) for each in found.around]
+    caption = (
+        "Pressure on both raceways, unrolled: at every angle the contact with the largest force. Below: pressure along "
+        f"the most loaded rollers at {text(1e3 * found.time)} ms, when a contact has the largest moment, by slices. "
+    )
+    caption += SHARP_STATED if found.edges else f"Largest: {peak[0]} MPa (inner raceway), {peak[1]} MPa (outer)."
+    return Drawing("pressure", "Pressure along the rollers", caption, figure)
+
+
+def energy(e: Evaluation) -> Drawing | None:
+    """The changes of energies and works since the first sample, and what does not add up."""
+    time, energies = 1e3 * e.record.time, e.record.energies
+    if not set(ENERGIES) <= set(energies):
+        return None
+    figure, axes = panels(2, 4.8, x="time, ms", y=["change, mJ", "imbalance, µJ"])
+    rows = [
+        (1e3 * (energies[key] - energies[key][0]), colour, label, {"linewidth": 1.1})
+        for key, (label, colour) in ENERGY_CURVES.items()
+        if key in energies
+    ]
+    curves(axes[0], time, *rows)
+    legend_above(axes[0], len(rows), 0.0 if len(rows) <= SHORT_ROW else LONG_ROW, columnspacing=0.9, handlelength=1.1)
+    imbalance = energy_imbalance(energies)
+    scale = float(np.mean(energies["energy_elastic"] + energies["energy_contact"]))
+    scale += float(np.ptp(energies["work_dissipated"]))  # an imbalance accumulates, as this does
+    curves(axes[1], time, (1e6 * imbalance, "black", None, {"linewidth": 1.1}))
+    share = (
+        f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
+        "the dissipated energy together"
+        if scale > 0.0
+        else ""
+    )
+    caption = (
+        "Energies and works since the first sample shown. Imbalance: all energies − external work + dissipated, as "
+        f"changes{share}."
+    )
+    return Drawing("energy", "Energy balance of the run", caption, figure)
+
+
+def energy_imbalance(energies) -> np.ndarray:
+    """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
+    total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
+    total = total + sum(energies[name] for name in mounting.ENERGIES if name in energies)
+    total = total - energies["work_external"] + energies["work_dissipated"]
+    return total - total[0]
+
+
+def passage(e: Evaluation) -> Drawing | None:
+    """Forces on one roller through the load zone; None where it never passes or the source holds no forces."""
+    t, budget = e.record, e.budget
+    j = chosen_roller(budget.loaded, e.chatter)
+    zones = load_zones(budget.loaded[:, j], e.chatter)
+    angle = np.degrees(np.unwrap(t.from_load[:, j]))
+    if not zones or t.inner_force is None or np.ptp(angle) < 360.0 * SMALLEST_TURN:
+        return None
+    first, last = max(zones, key=lambda zone: zone[1] - zone[0])
+    margin = (last - first) // 12
+    shown = slice(max(0, first - margin), last + margin + 1)
+    place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
+    rows: list[tuple] = [(t.inner_force[shown, j], BLUE, "inner raceway", {"linewidth": 1.1})]
+    if t.outer_force is not None:
+        style = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
+        rows.append((t.outer_force[shown, j], RED, "outer raceway", style))
+    rows.append((budget.law_force[shown, j], GREY, f"law {e.law.name}, inner"))
+    tractions = [each for each in (t.inner_traction, t.outer_traction) if each is not None]
+    tangential = len(tractions) == 2
+    names = ["normal force, N", "traction on the roller, N"]
+    figure, axes = panels(*((2, 5.2) if tangential else (1, 3.4)), x=FROM_LOAD, y=names)
+    curves(axes[0], place, *rows, legend=3, ylim=(0.0, None))
+    caption = (
+        f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
+        "normal forces of both raceways (the outer one also carries the centrifugal force) and the force by the law "
+        "for the same approach"
+    )
+    if tangential:
+        curves(axes[1], place, *((each[shown, j], c, None) for each, c in zip(tractions, (BLUE, RED), strict=True)))
+        caption += "; below: tractions, positive counter-clockwise"
+    axes[-1].margins(x=0.0)
+    return Drawing("passage", f"Roller {j} through the load zone", caption + ".", figure)
+
+
+def against(e: Evaluation, other: Evaluation) -> Drawing:
+    """The hub's motion or, for two laws of one run, the errors; loads by angle; spectra."""
+    laws = e.record.source == other.record.source
+    figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x="frequency, Hz")
+    for each, name, colour, width in zip((e, other), named(e, other), (BLUE, RED), (1.4, 0.8), strict=True):
+        t, style = each.record, {"linewidth": width}
+        force = each.budget.law_force if laws else each.force  # of two laws theirs, of two runs their own
+        rows = _some(force.size, MOST_COMPARED)
+        curves(axes[2], np.degrees(t.from_load)[rows].ravel(), (force[rows].ravel(), colour, name, DOTS))
+        slowest = min(each.lines.values(), default=0.0)
+        pairs = zip(each.directions, (t.inner_x, t.inner_y), each.hub_acceleration, strict=True)
+        for i, (d, place, acceleration) in enumerate(pairs):
+            curves(axes[i], 1e3 * t.time, (d.budget.error if laws else 1e6 * place, colour, name, style))
+            spectrum = d.spectrum if laws else power_spectrum(acceleration, t.interval, slowest)
+            log_panel(axes[3 + i], spectrum.frequency[1:])
+            curves(axes[3 + i], spectrum.frequency[1:], (np.maximum(spectrum.psd[1:], 1e-300), colour, name, style))
+    labels = "hub {}, µm", "PSD, {}, m²/s⁴/Hz"
+    if laws:
+        labels = "error_{}, N", "PSD of error_{}, N²/Hz"
+    for i, axis in enumerate((*axes[:2], *axes[3:])):
+        axis.set_ylabel(labels[i // 2].format("xy"[i % 2]))
+        axis.margins(x=0.0)
+    axes[1].set_xlabel("time, ms")
+    by_angle(axes[2], ylim=(0.0, None), xlabel=FROM_LOAD, ylabel="inner contact force, N")
+    legend_above(axes[0], 2)
+    what, of = ("error forces", "error forces") if laws else ("motion of the hub", "acceleration of the hub")
+    caption = (
+        f"The {what} over time, forces of the inner contacts over the rollers' angle, and power spectral densities of "
+        f"the {of}, overlaid."
+    )
+    return Drawing("against", "Comparison", caption, figure)
+
+
+def cage(e: Evaluation) -> Drawing | None:
+    """The cage's path, forces and slip; None where the run has none."""
+    t, facts = e.record, e.record.scene.ideal_cage()
+    if t.cage is None or facts is None:
+        return None
+    figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0))
+    x, y = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
+    play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    curves(path, 1e6 * (t.cage.x - x), (1e6 * (t.cage.y - y), BLUE, None, {"linewidth": 0.7}))
+    style = {"linewidth": 0.8, "linestyle": "--"}
+    curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, style))
+    path.set(xlabel="x, µm", ylabel="y, µm")
+    path.set_aspect("equal", adjustable="datalim")
+    guided, style = np.hypot(t.cage.guidance_x, t.cage.guidance_y), {"linewidth": 0.8}
+    rows = [
+        (np.maximum(t.cage.force, 0.0).max(axis=1), BLUE, "rear wall, pushes forward", style),
+        (-np.maximum(-t.cage.force, 0.0).max(axis=1), RED, "front wall, holds back", style),
+        (guided, GREEN, "guide", style),
+    ]
+    curves(forces, 1e3 * t.time, *rows[: 3 if guided.any() else 2], legend=3, ylabel="largest force, N")
+    caption = (
+        "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
+        "dashed: the circle that its clearance leaves. Middle: the largest force of all "
+        f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
+    )
+    slips.set(xlabel="time, ms", ylabel="slip, %")
+    if t.operation.fastest:
+        caption += _slips(slips, t, t.cage)
+    return Drawing("cage", "The cage", caption, figure)
+
+
+def _slips(axes, t: Record, cage) -> str:
+    """Slip of cage and rollers against rolling at the shaft's speed of the same time; gives the caption's sentence."""
+    reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
+    seconds = reach * t.interval
+    rollers = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
+    ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
+    rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, rollers, cage.angle))
+    rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
+    rollers, cages = (100.0 * (1.0 - speed / rolling) for speed in speeds)
+    middle = 1e3 * 0.5 * (t.time[reach:] + t.time[:-reach])
+    curves(axes, middle, (rollers, ORANGE, "rollers"), (cages, BLUE, "cage"))
+    axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
+    sentence = (
+        f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * seconds)} ms at a time, "
+        "where the shaft turns with at least an eighth of its highest speed"
+    )
+    mean = kinematics(t.bearing, *t.mean_speeds).cage
+    if mean == 0.0:
+        return f"{sentence}; the motion reverses and has no mean slip."
+    if t.orbits < 1.0:
+        return f"{sentence}; the cage turns less than once and has no mean slip."
+    return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."
+
+
+def passages(e: Evaluation) -> Iterator[Drawing]:
+    """Passages over the scene's spalls, where the record holds contact forces and rollers pass any."""
+    record, found = e.record, dict[int, list[Passage]]()
+    if record.inner_force is None or record.outer_force is None:
+        return
+    turn = np.broadcast_to(record.turns.rollers, record.roller_x.shape)
+    names = "time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_force"
+    columns = {name: getattr(record, name) for name in names}
+    columns |= {"roller_turn": turn, "roller_spin": np.gradient(turn, record.time, axis=0)}
+
+    def rows(start, stop):
+        return {name: values[start:stop] for name, values in columns.items()}
+
+    for each in find_passages(record.bearing, record.operation, rows, record.time.size):
+        first, last = each.angle[0] / each.half_width, each.angle[-1] / each.half_width
+        whole = abs(first) > 1.0 and abs(last) > 1.0 and first * last < 0.0  # in at one edge and out at the other
+        if whole and np.any(each.force > 0.0):
+            found.setdefault(each.spall, []).append(each)
+    hardest = sorted(found, key=lambda spall: -max(each.force.max() for each in found[spall]))[:MOST_SPALLS]
+    for spall in sorted(hardest):
+        yield _overlay(e, spall, found[spall])
+
+
+def _overlay(e: Evaluation, number: int, found: list[Passage]) -> Drawing:
+    """Force and hub's acceleration over the angle from one spall's middle."""
+    record, spall = e.record, spalls(e.record.bearing)[number]
+    found = found[:: -(-len(found) // MOST_PASSAGES)]
+    half = float(np.degrees(found[0].half_width))
+    loud = max(e.directions, key=lambda direction: direction.vibration.level.rms).name
+    acceleration = e.hub_acceleration["xy".index(loud)]
+    right, style = RIGHT, dict[str, Any](colors=SKY)
+    if spall.body != "outer_ring":  # then it is passed at all places
+        middle = [each.first + int(np.argmin(np.abs(each.angle))) for each in found]
+        place = np.abs(np.degrees(record.from_load[middle, [each.roller for each in found]]))
+        right, style = COLOUR_BAR, {"array": place, "cmap": "viridis", "clim": (0.0, 180.0)}
+    names = ["contact force, N", f"hub's acceleration, {loud}, m/s²"]
+    figure, axes = panels(2, 5.6, right=right, x="angle from the spall's middle, on the way, °", y=names)
+    angles = [np.degrees(np.sign(each.angle[-1] - each.angle[0]) * each.angle) for each in found]
+    grid = SHOWN * half * np.linspace(-1.0, 1.0, MEAN_POINTS)
+    quantities = [each.force for each in found], [acceleration[each.first :][: each.time.size] for each in found]
+    for axis, values in zip(axes, quantities, strict=True):
+        lines = [np.column_stack(line) for line in zip(angles, values, strict=True)]
+        drawn = axis.add_collection(LineCollection(lines, linewidths=0.6, alpha=0.6, **style))
+        rising = [line[np.argsort(line[:, 0])] for line in lines]
+        mean = np.mean([np.interp(grid, *line.T) for line in rising], axis=0)
+        curves(axis, grid, (mean, "black", f"mean of {len(found)} passages", {"linewidth": 1.4}))
+        for edge in (-half, half):
+            axis.axvline(edge, color=GREY, linestyle=DASHED, linewidth=1.0, zorder=1)
+        axis.autoscale_view()
+    caption = (
+        f"Passages over the {text(1e3 * spall.width)} mm wide spall on {body_name(spall)}, over the contact's angle "
+        "from its middle: force of the contact and acceleration of the hub. Dashed: the spall's edges, "
+        f"{text(half, 3)}° away."
+    )
+    strikes = []  # angle, degrees, and force, N
+    for event in spall_events(found):
+        if event.kind == "strike":
+            angle, time = next(
+                (angle, each.time)
+                for angle, each in zip(angles, found, strict=True)
+                if (each.roller, each.raceway) == (event.roller, event.raceway)
+                and each.time[0] <= event.time <= each.time[-1]
+            )
+            strikes.append((float(np.interp(event.time, time, angle)), event.force))
+    if strikes:
+        at, forces = zip(*strikes, strict=True)
+        axes[0].plot(at, forces, "o", color=RED, markersize=3.0, label="strikes", zorder=5)
+        caption += (
+            f" Dots: impacts, the first large peak after a roller was released; their medians are "
+            f"{np.median(forces):.0f} N and {text(0.5 + 0.5 * float(np.median(at)) / half, 2)} of the crossing from "
+            "the entry."
+        )
+    legend_above(axes[0], 3)
+    axes[0].set(ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))
+    if right == COLOUR_BAR:
+        colour_bar(drawn, axes, "roller's place, ° from the load line")
+    return Drawing(f"passages_{number}", f"Passages over spall {number}", caption, figure)
+
+
+def search(made: FaultSearch) -> Drawing | None:
+    """Maps of a search for spalls, and passages over those found; None where no map was made."""
+    if not made.maps:
+        return None
+    rows = max(1, 2 * len(made.found))
+    figure, axes = panels((1,) * rows, 3.3 * rows)
+    caption = "Median of how deep rollers find the surface around each ring: no place stands out."
+    maps = [(axes[2 * k], each.seen, BLUE) for k, each in enumerate(made.found)]
+    if not made.found:
+        rings = (each for each in made.maps if each.place.roller is None)
+        maps = [(axes[0], ring, colour) for ring, colour in zip(rings, (BLUE, GREEN), strict=False)]
+    for axis, seen, colour in maps:
+        angle = np.array([reported_angle(seen.place, a) for a in seen.angle])
+        order = np.argsort(angle)
+        curves(axis, angle[order], (1e6 * seen.height[order], colour, body_name(seen.place)))
+    for k, each in enumerate(made.found):
+        caption = (
+            "Above: median of how deep rollers find the surface around the body, from all passages. Below: difference "
+            "of three samples of a roller from its equation of motion, in every passage, on perfect circles and with "
+            "the spall found. Shaded: its width, darker the 95 % intervals of its edges."
+        )
+        middle, turn = reported_angle(each.place, each.angle), np.degrees(0.5 * each.width / each.place.radius)
+        upper, lower = axes[2 * k : 2 * k + 2]
+        upper.axvspan(middle - turn, middle + turn, color=RED, alpha=0.25, linewidth=0, label="the spall found")
+        half, aside = 0.5 * each.width, 0.5 * each.width_error
+        spans = (0.0, half, 0.12), (-half, aside, 0.2), (half, aside, 0.2)
+        for at, wide, alpha in spans:
+            lower.axvspan(1e3 * (at - wide), 1e3 * (at + wide), color=RED, alpha=alpha, linewidth=0)
+        rest = [other.spalled for i, other in enumerate(made.found) if i != k]
+        near = Near(made.motion, each.place, each.angle, half + BESIDE_SPALL, rest)
+        missed = near.samples.over([(each.place, np.array([each.spall * (1.0, 0.0, 1.0), each.spall])), *rest])
+        parts = zip(missed, (ORANGE, BLUE), ("perfect circles", "with the spall found"), strict=True)
+        dots = {"linestyle": "none", "marker": ".", "markersize": 3.0}
+        curves(lower, 1e3 * near.beyond, *((1e6 * values, colour, label, dots) for values, colour, label in parts))
+        lower.margins(x=0.0)
+        lower.set(xlabel="contact from the spall's middle, mm", ylabel="from the equation of motion, µm")
+    for axis in axes[::2]:
+        axis.set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees", xlim=(-180.0, 180.0))
+    for axis in axes:
+        legend_above(axis, 3)
+    return Drawing("fault_search", "Passages by the body's own angle", caption, figure)

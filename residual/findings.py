@@ -1,0 +1,769 @@
+"""Findings of a check, for its page and the terminal: tables, whose cells are texts, and sentences.
+
+The verdict, the meaning of the numbers for the Lagrangian model, their limits, what a table from elsewhere contradicts.
+"""
+
+from math import degrees, hypot, pi
+
+import numpy as np
+
+from lagrange.bearing import BallBearing, Bearing
+from lagrange.catalogue import dimension_series
+from lagrange.contact.hertz import hertz_columns
+from lagrange.findings import Section
+from lagrange.kinematics import kinematics
+from lagrange.messages import G, engineering, shown
+from lagrange.rating import sources
+from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torque
+from lagrange.rating.life import Dimensions, basic_life, dynamic_capacity, in_hours, static_capacity
+from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
+from lagrange.rating.sources import Unavailable
+from lagrange.scene.operation import RPM
+from lagrange.section import is_plain, load_factor, section_words
+from lagrange.surface.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
+from residual.budget import tilt_summary
+from residual.evaluation import LOADED, SOUND, Evaluation
+from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
+from residual.formatting import hertz, share, term_label, text
+from residual.laws import Interval
+from residual.load_zone import largest_pressures
+from residual.record import Record, varies
+from residual.sampling import WITHIN
+from residual.spectrum import MAIN_LOBE, Peak, Statistics, rms
+from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
+
+NO_MOTION = 1e-6  # nm: round-off of positions
+SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
+OIL_DENSITY = 870.0  # kg/m³, as rate-bearing takes it
+SAME = 1e-6  # relative: sums and differences of stored numbers leave less
+MANY_TIMES = 3.0  # from here on a ratio instead of per cent
+
+REFERENCE = "harris"  # what a fit is compared with, for rollers
+MATTERS = 0.01  # of the load: less is no deviation of the model's forces worth naming
+LEVEL = 0.1  # of the mean error: varying less, the error is one of level
+ALIKE = 0.05  # loads this near agree
+FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
+SHORTEST_GAP, MOST_GAPS = 1.0, 4  # degrees of a ring that are called not seen; arcs that a sentence lists
+EXPECTED = {  # lines that a spall of a body leaves in an envelope
+    "outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF",
+}  # fmt: skip
+OMITTED = {  # terms of the budget that the Lagrangian model has not
+    "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
+    "other_forces": "other forces, for which the table has no column",
+}  # fmt: skip
+
+# of contradictions
+FASTER, SLOWER = 0.02, 0.1  # than rolling: rollers slip backwards, and hardly creep forward
+ASTRAY = 0.05  # of the load: the contact forces of a table carry what acts in it
+BY_LAW = 0.5  # the same of forces by a law, which takes each contact alone
+MORE_ROLLERS = 2.0  # than the equilibrium loads, or fewer: vibration
+
+
+def cells(*values: float | None, digits: int = 4, noise: float = 0.0) -> list[str]:
+    """Numbers as cells of a table."""
+    return [text(value, digits, noise) for value in values]
+
+
+def marked(level: float, stands_out: bool) -> str:
+    """A level, with an asterisk where it stands out."""
+    return text(level, 3) + (" *" if stands_out else "")
+
+
+def yes_no(is_so: bool) -> str:
+    return "yes" if is_so else "no"
+
+
+def error_table(e: Evaluation) -> Section:
+    found = {"error_x, equation (22)": e.x.error, "error_y, equation (23)": e.y.error}
+    found |= {f"momentum balance, {d.name}": d.balance for d in e.directions if d.balance is not None}
+    rows = [[name, *cells(s.mean, s.rms, s.std, s.max_abs, noise=e.noise)] for name, s in found.items()]
+    title = f"Residual of {shown(e.record.name)}"
+    return Section(title=title, columns=("N", "mean", "rms", "std", "largest"), rows=rows)
+
+
+def budget_table(e: Evaluation) -> Section:
+    sums = {term_label(name): [Statistics.of(d.budget.terms[name]) for d in e.directions] for name in e.budget.x.terms}
+    if sums:
+        sums["sum = error"] = [d.error for d in e.directions]
+    rows = [[name, *cells(*(v for s in of for v in (s.mean, s.rms)), noise=e.noise)] for name, of in sums.items()]
+    return Section(columns=("term, N", "mean, x", "rms, x", "mean, y", "rms, y"), rows=rows, sum="sum = error")
+
+
+def law_table(e: Evaluation) -> Section:
+    """Error force with each law, best first; the law in use is marked."""
+    rows = [
+        [score.name + (" (in use)" if score.name == e.law.name else ""),
+         *cells(*(v for error in score.errors for v in (error.mean, error.rms)), score.contact_rms)]
+        for score in e.laws
+    ]  # fmt: skip
+    time = 1e3 * e.record.time
+    within = ", within the noise of its positions" if e.within_noise else ""
+    note = f"The whole record, {text(time[0])} to {text(time[-1])} ms{within}"
+    if e.identified:
+        first = next(iter(e.identified.values())).samples
+        note = (
+            f"Held-back part of the record, {text(time[first])} to {text(time[-1])} ms; laws were fitted "
+            f"to {text(time[0])} to {text(time[first - 1])} ms"
+        )
+    return Section(
+        title="Error force by contact law, N", sum="(in use)", rows=rows,
+        note=f"{note}. Rms per contact: the run's inner contact forces less the law's.",
+        columns=("law", "mean, x", "rms, x", "mean, y", "rms, y", "rms per contact"),
+    )  # fmt: skip
+
+
+def peak_name(peak: Peak) -> str:
+    """Name a peak's possible causes: a kinematic line, the hub on its contacts; "-" for neither."""
+    return " or ".join(filter(None, (peak.line, *peak.also))) or "-"
+
+
+def peak_table(peaks: list[Peak]) -> Section:
+    rows = [[hertz(p.frequency), *cells(p.psd, p.rms, digits=3), peak_name(p), yes_no(p.resolved)] for p in peaks]
+    return Section(columns=("frequency", "density, N²/Hz", "N rms", "nearest line", "resolved"), rows=rows)
+
+
+def quarter_table(e: Evaluation, equations: bool) -> Section:
+    columns = ["from", "hub x, std", "hub y, std", *(("error_x, rms", "error_y, rms") if equations else ())]
+    rows = []
+    if e.quarters is not None:
+        for start, *parts in zip(e.quarters.start, *e.quarters.hub.values(), *e.quarters.error.values(), strict=True):
+            places = [f"{text(1e9 * place, 3, NO_MOTION)} nm" for place in parts[:2]]
+            errors = [f"{text(error, noise=e.noise)} N" for error in parts[2:] if equations]
+            rows.append([f"{text(1e3 * start)} ms", *places, *errors])
+    return Section(columns=columns, rows=rows)
+
+
+def stated_error_table(e: Evaluation) -> Section:
+    """Discretisation errors that the solver states, also in per cent."""
+    rows = []
+    for each in e.record.stated_errors:
+        scale, unit = engineering(each.unit)
+        part = f"{text(100.0 * each.error / abs(each.value), 2)} %" if each.error < abs(each.value) else "-"
+        value, error = text(scale * each.value, 5), text(scale * each.error, 2)
+        rows.append([each.meaning, f"{value} {unit}", f"{error} {unit}", part])
+    return Section(columns=("quantity", "in this run", "discretisation error", ""), rows=rows)
+
+
+def level_table(e: Evaluation) -> Section:
+    """Levels of kinematic lines; those that stand out are marked."""
+    rows = [
+        [x.name, text(x.frequency),
+         *(cell for at in (x, y) for cell in (marked(at.rms, at.stands_out), text(at.background, 3))),
+         "yes" if x.resolved else f"no: {x.obstacle}"]
+        for x, y in zip(e.x.levels, e.y.levels, strict=True)
+    ]  # fmt: skip
+    return Section(columns=("line", "Hz", "N rms, x", "background", "N rms, y", "background", "resolved"), rows=rows)
+
+
+def watched_table(e: Evaluation) -> Section:
+    """Lines that the user asks for."""
+    rows = [
+        [x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)", *cells(x.rms, y.rms, digits=3),
+         ", ".join(cells(x.background, y.background, digits=3)), yes_no(x.resolved)]
+        for x, y in e.watched
+    ]  # fmt: skip
+    return Section(columns=("line", "N rms, x", "N rms, y", "background, x and y", "resolved"), rows=rows)
+
+
+def vibration_table(e: Evaluation) -> Section:
+    """Levels of both accelerations in m/s² and g; kurtosis and crest factor have no unit, velocity its own."""
+    both = [d.vibration for d in e.directions]
+    parts = {"": [v.level for v in both]} | {
+        f", {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high] for v in both]
+        for low, high in both[0].bands
+    }
+    levels = {"peak": [v.level.peak for v in both]} | {f"rms{of}": [v.rms for v in at] for of, at in parts.items()}
+    shapes = {
+        f"crest factor; kurtosis{of}": ["; ".join(cells(v.crest, v.kurtosis, digits=3)) for v in at]
+        for of, at in parts.items()
+    }
+    speeds = cells(*(None if v.velocity is None else 1e3 * v.velocity for v in both), digits=3)
+    shapes["velocity, 10-1000 Hz (ISO 20816), mm/s rms"] = speeds
+    rows = [[name, *(cell for v in each for cell in (text(v), text(v / G, 3)))] for name, each in levels.items()]
+    rows += [[name, first, "", second, ""] for name, (first, second) in shapes.items()]
+    headings = (f"{d.vibration.body}, {d.name}, {unit}" for d in e.directions for unit in ("m/s²", "g"))
+    return Section(columns=("acceleration", *headings), rows=rows)
+
+
+def envelope_table(e: Evaluation) -> Section:
+    """Lines of both envelopes; those high above their floors are marked."""
+    columns, rows = ["line of the envelope", "Hz", "resolved"], []
+    for d in e.directions:
+        columns += [f"{d.vibration.body}, {d.name}, m/s²", f"{d.vibration.body}, {d.name}, g", "ratio"]
+    for pair in zip(*(d.vibration.lines for d in e.directions), strict=True):
+        row = [pair[0].name, text(pair[0].frequency), yes_no(pair[0].resolved)]
+        for line in pair:
+            row += [marked(line.amplitude, line.is_high), *cells(line.amplitude / G, line.ratio, digits=2)]
+        rows.append(row)
+    return Section(columns=columns, rows=rows)
+
+
+def same_run(e: Evaluation, other: Evaluation) -> bool:
+    """Whether both are of one run, by two laws."""
+    return e.record.source == other.record.source
+
+
+def named(e: Evaluation, other: Evaluation) -> tuple[str, str]:
+    """Names of both, by the run, or by the law where the run is the same."""
+    if same_run(e, other):
+        return e.law.name, other.law.name
+    here, there = e.record, other.record
+    return (here.name, there.name) if here.name != there.name else (str(here.source), str(there.source))
+
+
+def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -> Section:
+    """Numbers of the run and of the other, the run's less the other's in the unit, and that in words.
+
+    `equations`: whether errors of (22), (23) are among them
+    """
+    rows, (first, second) = [], named(e, other)
+    for (name, scale, mine), (_, _, beside) in zip(*(_quantities(each, equations) for each in (e, other)), strict=True):
+        if mine is None or beside is None:
+            continue
+        low, high = sorted((abs(mine), abs(beside)))
+        if high == 0.0 or (high - low <= SAME * high and mine * beside > 0.0):
+            words = "alike"
+        elif mine * beside <= 0.0 or low <= SAME * high:
+            words = "-"
+        elif (ratio := abs(mine / beside)) >= MANY_TIMES:
+            words = f"{text(ratio, 3)} times"
+        else:
+            words = f"{text(100.0 * abs(ratio - 1.0), 3)} % {'more' if ratio > 1.0 else 'less'}"
+        change = text(scale * (mine - beside), 3, scale * SAME * high)
+        rows.append([name, *cells(scale * mine, scale * beside, digits=5), change, words])
+    columns = ("", *map(shown, (first, second, f"{first} − {second}")), "")
+    return Section(title="Comparison", columns=columns, rows=rows)
+
+
+def _quantities(e: Evaluation, equations: bool) -> list[tuple[str, float, float | None]]:
+    """Name with its unit, the unit's factor, and value."""
+    t, (low, high) = e.record, e.loaded_range
+    found = [
+        ("hub x, mean, µm", 1e6, t.inner_x.mean()),
+        ("hub y, mean, µm", 1e6, t.inner_y.mean()),
+        ("hub x, std, nm", 1e9, t.inner_x.std()),
+        ("hub y, std, nm", 1e9, t.inner_y.std()),
+        ("largest roller load, N", 1.0, e.force.max()),
+        ("loaded rollers, fewest", 1.0, low),
+        ("loaded rollers, most", 1.0, high),
+        ("roller orbit (FTF), Hz", 1.0, e.lines.get("FTF")),
+    ]
+    for axis, acceleration in zip("xy", e.hub_acceleration, strict=True):
+        found.append((f"hub's acceleration, {axis}, rms, m/s²", 1.0, np.std(acceleration)))
+    for d in e.directions if equations else ():
+        of = {"mean": d.error.mean, "rms": d.error.rms, "largest": d.error.max_abs}
+        found += [(f"error_{d.name}, {what}, N", 1.0, value) for what, value in of.items()]
+    return [*found, ("momentum balance, rms, N", 1.0, e.balance)]
+
+
+def line_differences(e: Evaluation, other: Evaluation) -> Section:
+    """Levels of two runs, and lines that are high in either, and by how many dB the run's are higher."""
+    rows: list[list[str]] = []
+    for d, beside in zip(e.directions, other.directions, strict=True):
+        one, two = d.vibration, beside.vibration
+        pairs = {f"{what}, g": [getattr(v.level, what) / G for v in (one, two)] for what in ("rms", "peak")}
+        if one.velocity is not None and two.velocity is not None:
+            pairs["velocity, mm/s rms"] = [1e3 * one.velocity, 1e3 * two.velocity]
+        theirs = {line.name: line for line in two.lines}
+        for line in one.lines:
+            if line.name in theirs and (line.is_high or theirs[line.name].is_high):
+                pairs[f"{line.name}, g"] = [line.amplitude / G, theirs[line.name].amplitude / G]
+        rows += [
+            [f"{name}, {d.name}", *cells(a, b, digits=3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
+            for name, (a, b) in pairs.items()
+            if a > 0.0 and b > 0.0
+        ]
+    title = f"Vibration of the {e.y.vibration.body}: lines of its envelope"
+    return Section(title=title, columns=("", *map(shown, named(e, other)), "difference, dB"), rows=rows)
+
+
+def clearance_table(e: Evaluation) -> Section:
+    found, columns = e.record.scene.operating_clearance(), ("part, diametral", "µm", "")
+    return Section(columns=columns, rows=found.rows() if found else [], sum="in operation")
+
+
+def fact_table(e: Evaluation) -> Section:
+    """Key facts of the run and the check."""
+    t, bearing, (low, high) = e.record, e.record.bearing, e.loaded_range
+    kind = f"{'balls' if isinstance(bearing, BallBearing) else 'rollers'} Ø {text(2e3 * bearing.roller_radius)}"
+    kind += "" if isinstance(bearing, BallBearing) else f" × {text(1e3 * bearing.roller_length)}"
+    raceways = " and ".join(cells(2e3 * bearing.inner_raceway_radius, 2e3 * bearing.outer_raceway_radius))
+    facts = [
+        ("Source", shown(t.source.name)),
+        ("Bearing", f"{bearing.n_rollers} {kind} mm, raceways Ø {raceways} mm"),
+        *([] if is_plain(bearing) else [("Plane section", section_words(bearing))]),
+        ("Operation", _operation(t)),
+        ("Record", f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * e.start)} ms"),
+        ("Contact law", f"{e.law.name}: {e.law.source}"),
+        *_cage(e),
+        ("Loaded rollers", f"{low} to {high}"),
+        ("Largest roller load by the law", f"{text(float(e.budget.law_force.max()))} N"),
+    ]
+    if t.inner_force is not None:
+        facts.append(("Largest roller load in the run", f"{text(float(t.inner_force.max()))} N"))
+    if e.tilt is not None:
+        numbers = tilt_summary(e.tilt)
+        moment, balance = numbers["error_moment"]["rms_N_m"], numbers["budget"]["balance"]["rms_N_m"]
+        x, y = cells(*(numbers[f"hub_moment_{axis}"]["mean_N_m"] for axis in "xy"))
+        facts += [
+            ("Largest tilt of a roller", f"{text(1e3 * e.tilt.largest_tilt)} mrad"),
+            ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m with the run's own moments"),
+            ("Mean moment on the shaft besides the contacts'", f"{x} N m along x, {y} N m along y"),
+        ]
+    names = {"degrees_of_freedom": "Degrees of freedom", "status": "Status of the run"}
+    facts += [(label, str(t.attributes[key])) for key, label in names.items() if key in t.attributes]
+    return Section(columns=(), rows=facts, kind="words")
+
+
+def load_words(bearing: Bearing, *forces: float) -> str:
+    """A load on the plane section, or its range, N, and beside it that on the bearing, where they differ."""
+    section = " to ".join(cells(*forces))
+    if is_plain(bearing):
+        return f"{section} N"
+    whole = " to ".join(text(load_factor(bearing) * force) for force in forces)
+    return f"{whole} N on the bearing ({section} N on its plane section)"
+
+
+def _operation(record: Record) -> str:
+    """Speed and load in words; of what changes the range."""
+    acting, rpm = record.acting, record.scene.operation.speed_rpm
+    if record.operation.history is None:
+        return f"{text(rpm)} rpm, {load_words(record.bearing, float(acting.radial_load))} along −y"
+    load, turning = np.hypot(acting.radial_load, acting.side_load), []
+    for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):
+        low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
+        if not of or low or high:
+            turning.append(of + (f"{text(low)} to {text(high)} rpm" if varies(speeds) else f"{text(high)} rpm"))
+    return f"{''.join(turning)}, {load_words(record.bearing, load.min(), load.max())}"
+
+
+def _cage(e: Evaluation) -> list[tuple[str, str]]:
+    """Rows of the rollers' speed around beside that of rolling without slip, and of the cage's own motion."""
+    t, cage, rows = e.record, e.record.cage, []
+    if "FTF" in e.lines:
+        speed, ideal = e.lines["FTF"], e.ideal_cage
+        slower = 100.0 * (1.0 - speed / ideal)
+        slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
+        if cage is None and abs(slower) > SMALLEST_SLIP and t.attributes:  # of a run: a table need not have the cage's
+            slip += ": no cage, rollers coast"
+        name, compared = "Roller orbit" if cage is None else "Cage speed", f" ({slip})" if t.orbits >= 1.0 else ""
+        rows.append((name, f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz{compared}"))
+    if cage is not None:
+        farthest, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
+        turns, whirl = (of(t.interval) / (2.0 * pi) for of in (cage.speed, cage.whirl))
+        mean = f"turns at {text(turns, 5)} Hz, its centre whirls at {text(whirl, 3)} Hz"
+        mean = "turns both ways; its centre moves" if t.reverses else mean
+        moves = f"{mean} up to {text(farthest)} µm from the bearing's, pockets push with up to {text(force)} N"
+        rows.append(("Cage", moves))
+    return rows
+
+
+def rating_table(e: Evaluation) -> Section:
+    """Ratings by the run's own loads, with sources; none of a table from elsewhere. `rate-bearing` has the others."""
+    t, kind = e.record, "words stacked"
+    if t.inner_force is None or t.outer_force is None or "work_dissipated" not in t.energies:
+        return Section(columns=(), rows=[], kind=kind)
+    columns, bearing = vars(t) | dict(t.energies), t.bearing
+    try:
+        row = Dimensions.of(t.scene.unmounted_bearing())
+        run = run_loads(bearing, t.operation, {name: np.asarray(columns[name]) for name in COLUMNS})
+    except Unavailable as error:
+        return Section(columns=(), rows=[("ratings", f"none: {error}", "")], kind=kind)
+
+    def pressures() -> str:
+        if t.scene.axial is None:
+            largest = hertz_columns(bearing, {f"{side}_force": columns[f"{side}_force"].max() for side in SIDES})
+            found = tuple(float(largest[f"{side}_peak_pressure"]) for side in SIDES)
+        else:
+            found = largest_pressures(t)
+        return " and ".join(text(1e-6 * each) for each in found) + " MPa"
+
+    rows = []
+    for meaning, source, compute in (
+        ("basic load ratings C and C0", sources.DYNAMIC,
+         lambda: f"{text(dynamic_capacity(row))} and {text(static_capacity(row))} N"),
+        ("equivalent load P of the run; its largest load", sources.LOAD,
+         lambda: f"{text(run.cycle.load)} N; {text(run.cycle.largest_load)} N"),
+        ("static safety factor", sources.STATIC, lambda: text(static_capacity(row) / run.cycle.largest_load)),
+        ("basic rating life L10", sources.LIFE,
+         lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load), run.cycle.speed))} h"),
+        ("L10r by the run's roller loads", sources.OF_RUN,
+         lambda: f"{text(in_hours(run.life(row, t.scene.axial is not None), run.cycle.speed))} h"),
+        ("largest Hertz pressure, inner and outer raceway", sources.HERTZ, pressures),
+        ("torque of the run's dissipation", sources.OF_RUN,
+         lambda: f"{text(1e3 * run.torque, 3)} N mm, {text(run.dissipated, 3)} W"),
+        ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, lambda: _torques(t, row, run)),
+    ):  # fmt: skip
+        try:
+            value = compute()
+        except Unavailable as error:
+            value = f"none: {error}"
+        rows.append((meaning, value, source.name + (" †" if source.second_hand else "")))
+    return Section(columns=(), rows=rows, kind=kind)
+
+
+SIDES = ("inner", "outer")
+
+
+def _torques(record: Record, row: Dimensions, run: RunLoads) -> str:
+    bearing, scene = record.bearing, record.scene
+    caged_cylinders(row)
+    if scene.lubricant is None:
+        raise Unavailable("no viscosity: the scene has no [lubricant]")
+    viscosity = 1e6 * scene.lubricant.viscosity_Pa_s / OIL_DENSITY
+    diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
+    at = *diameters, run.cycle.load, run.cycle.speed, viscosity, dimension_series(scene.bearing.designation)
+    return f"{text(skf_torque(*at).total)}; {text(palmgren_torque(*at).total)} N mm"
+
+
+def interpretation(e: Evaluation) -> list[str]:
+    """Say what the model may be used for, as far as the run has the data; of what may be noise nothing."""
+    said, budget, (scale, name) = [], e.budget, e.reference
+    # how much of the load the law carries, by least squares over the samples
+    along = _missing([d.budget.error for d in e.directions], e.record) if name == "load" else 0.0  # N
+    missing, noise = along / scale if scale else 0.0, e.position_noise
+    if name == "load" and not (noise is not None and abs(along) <= WITHIN * max(noise.law)):
+        begin = f"For the simulated contact approaches the law {e.law.name} gives"
+        said.append(
+            f"{begin} the load to within {text(100.0 * abs(missing), 2)} %."
+            if abs(missing) < MATTERS
+            else f"{begin} {text(100.0 * abs(missing), 3)} % {'less' if missing > 0.0 else 'more'} force "
+            f"than the load (mean error force against the load {text(along)} N). A law treats each contact alone, "
+            "between rigid bodies; in the run the contacts of a ring share its flexibility. Even an exact simulation "
+            "leaves an error."
+        )
+    if e.within_noise:
+        return [*said, "The variation over time may be noise of the positions; it says nothing about any law."]
+    x, y = e.x.error, e.y.error
+    words = f"The error force varies by {text(x.std, 2)} N (standard deviation) in x and {text(y.std, 2)} N in y"
+    peak = e.x.peaks[0] if e.x.peaks else None
+    if peak is not None and peak.line is not None:
+        words += f"; the strongest line in x is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
+    if max(x.std, y.std) < LEVEL * hypot(x.mean, y.mean):
+        words += ". The model follows the passage of the rollers; its mean force is off"
+    said.append(words + ".")
+    best, own = e.laws[0], next((score for score in e.laws if score.name not in e.identified), None)
+    x, y = best.errors
+    words = f"Of the laws compared, {best.name} has the smallest error: {text(x.rms, 2)} N rms in x, {text(y.rms, 3)} N"
+    words += " in y"
+    if own is not None and own is not best:
+        x, y = own.errors
+        words += f"; among those not fitted to the run {own.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
+    said.append(words + ".")
+    own_terms = [term for term in OMITTED if term in budget.x.terms]
+    terms = {term: max(rms(budget.x.terms[term]), rms(budget.y.terms[term])) for term in own_terms}
+    if terms:
+        parts = " and ".join(f"{OMITTED[term]} ({text(value, 2)} N rms)" for term, value in terms.items())
+        little = f": negligible against the {name}" if max(terms.values()) < MATTERS * scale else ""
+        said.append(f"The model leaves out {parts}{little}.")
+    most, statics = float(e.force.max()), e.statics
+    if statics is not None and most > 0.0 and (static := float(statics.force.max())) > 0.0:
+        deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(e.record.inner_y.mean())
+        speed = " at the run's speed" if e.record.operation.fastest else " at rest"  # of centrifugal forces
+        words = (
+            f"The model's own equilibrium{speed} has {text(static)} N on the most loaded roller, the run "
+            f"at most {text(most)} N ({text(100.0 * (static / most - 1.0), 2)} %); the inner ring sinks by "
+            f"{text(deep)} µm, in the run by {text(found)} µm on average"
+        )
+        if abs(static / most - 1.0) < ALIKE and abs(deep - found) > ALIKE * abs(found):
+            words += ": loads follow from equilibrium; displacements depend on the law"
+        said.append(words + ".")
+    return said
+
+
+def _missing(forces, record: Record) -> float:
+    """What forces along x and y, N, (n_times,), lack on average against the load, by least squares, N."""
+    return -float(np.mean(np.sum(np.array(forces) * np.array(record.whole_load), axis=0))) / record.load
+
+
+def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
+    """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
+    found = f"{_sound(e)}; {_missed(e)}." if equations else f"{_sound(e)}."
+    if tolerance is None:
+        return found[0].upper() + found[1:]
+    return f"{'Fails' if e.fails(tolerance) else 'Passes'} the tolerance of {text(tolerance)} N: {found}"
+
+
+def _share(e: Evaluation, force: float, named: bool = True) -> str:
+    """A force in per cent of the load, and of the contact forces where those are what it is compared with."""
+    wholes = dict([("load", e.record.load), e.reference[::-1]])
+    parts = {name: share(force, whole) for name, whole in wholes.items() if whole > 0.0}
+    return "".join(f", {part}" + (f" of the {name}" if named or len(parts) > 1 else "") for name, part in parts.items())
+
+
+def _sound(e: Evaluation) -> str:
+    left, scale, noise, coarse = e.balance, e.reference[0], e.position_noise, e.too_coarse
+    if left is None:
+        return "without contact forces the trajectories themselves cannot be checked"
+    size = f"{text(left, 2, e.noise)} N rms{_share(e, left)}"
+    if left <= max(SOUND * scale, e.noise):
+        return f"the trajectories are sound (Newton's law holds to {size})"
+    if noise is not None and e.balance_within_noise:
+        return (
+            f"the trajectories cannot be checked: Newton's law leaves {size}, and the error of the positions, "
+            f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
+        )
+    if coarse is None:
+        why = "or forces act for which there is no column"
+        return f"the trajectories are not sound, {why} (Newton's law leaves {size})"
+    by_own = coarse.slow > SOUND * scale
+    held = coarse.own if by_own else coarse.slow
+    what = "with the run's own accelerations" if by_own else f"below {hertz(coarse.below, 3)}"
+    return (
+        f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, e.noise)} N rms"
+        f"{_share(e, held)}); with all vibration it leaves {size}, because {coarse.cause}"
+    )
+
+
+def _missed(e: Evaluation) -> str:
+    errors, noise = e.judged, e.position_noise
+    worst, peak = max(s.rms for s in errors), max(s.max_abs for s in errors)
+    part = "" if e.identification is None else ", on the part of the record not used for the fit"
+    x, y = cells(*(s.rms for s in errors), noise=e.noise)
+    if noise is not None and e.within_noise:
+        floor_x, floor_y = cells(*noise.error, digits=2)
+        return (
+            f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law "
+            f"{e.law.name}: the error of the positions, {noise.source}, alone makes about {floor_x} N rms in "
+            f"x and {floor_y} N in y{part}"
+        )
+    return (
+        f"with the contact law {e.law.name} the force balance is off by {x} N rms in x and {y} N in "
+        f"y{_share(e, worst)}, and at most by {text(peak)} N{_share(e, peak, named=False)}{part}"
+    )
+
+
+def honest_notes(e: Evaluation) -> list[str]:
+    """Say what limits the numbers, in sentences."""
+    x, y = e.directions
+    spectrum, (floor_x, floor_y) = x.spectrum, cells(*e.floors, digits=2)
+    segments = f"{spectrum.segments} averaged segments" if spectrum.segments > 1 else "the whole record as one"
+    notes = [
+        *e.notes,
+        f"Frequency resolution Δf = {text(spectrum.resolution)} Hz, {segments}; with the Hann window, lines nearer "
+        f"than {text(MAIN_LOBE * spectrum.resolution, 3)} Hz merge.",
+        f"Differentiation: central stencil of order {e.order}, one-sided in the last {e.order // 2} "
+        f"samples at either end, which the momentum balance leaves out; estimated error {floor_x} N rms in x "
+        f"and {floor_y} N rms in y, vibration above the Nyquist frequency excluded.",
+    ]
+    if x.away and y.away:
+        notes.append(
+            "Away from contacts that open or close, where the stencil has its full order, the error is "
+            f"{text(x.away.rms)} N rms in x and {text(y.away.rms)} N rms in y."
+        )
+    notes.append(
+        f"The law ({e.law.source}) treats each contact alone and was not fitted to this run: even an exact "
+        "simulation leaves a mean error with it. The momentum balance does not depend on it."
+        if e.identification is None
+        else "The law was fitted to the first part of this record; numbers of the whole record include that part, "
+        "those of the held-back part do not."
+    )
+    if x.peaks or y.peaks:
+        notes.append(
+            "A peak is named after the nearest kinematic line within Δf, by frequency and not by cause. Not resolved: "
+            "zero frequency or another line lies within the window's main lobe."
+        )
+    return [note[0].upper() + note[1:] for note in notes]
+
+
+def fit_sentences(e: Evaluation) -> list[str]:
+    """Say what the fit found, what disappears with it, what remains and why; nothing for a named law."""
+    found = e.identification
+    if found is None:
+        return []
+
+    def interval(number: Interval, scale: float = 1.0) -> str:
+        value, *ends = cells(scale * number.value, *sorted((scale * number.low, scale * number.high)), digits=5)
+        return f"{value} [{', '.join(ends)}]"
+
+    # beside the reference law, on the held-back part
+    names, changes, left = [score.name for score in e.laws if score.name not in e.identified], [], []
+    name = REFERENCE if REFERENCE in names else names[0]
+    for axis, old, new in zip("xy", e.score(name).errors, e.score(e.law.name).errors, strict=True):
+        change = 100.0 * (new.rms / old.rms - 1.0) if old.rms > e.noise else 0.0
+        part = f", {abs(change):.4g} % {'more' if change > 0.0 else 'less'}" if abs(change) >= 0.1 else ""
+        rms_old, rms_new, mean_old, mean_new = cells(old.rms, new.rms, old.mean, new.mean)
+        changes.append(f"in {axis} {rms_old} → {rms_new} N rms{part}, mean {mean_old} → {mean_new} N")
+    for d in e.directions:  # the largest term first
+        terms = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
+        left.append(f"in {d.name} " + ", ".join(f"{term_label(n)} {text(v, 3)}" for v, n in terms if v > e.noise))
+    damping = "" if found.damping is None else f", d = {interval(found.damping)} N s/m"
+    sentences = [
+        f"Fitted: K = {interval(found.stiffness, 1e3**-found.exponent.value)} N/mm^n, n = {interval(found.exponent)}"
+        f"{damping} (95 % confidence; K is the force at 1 mm, far outside the data, hence its width).",
+        f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "
+        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law's error "
+        f"is {text(found.scatter, 3)} N rms per contact. A passage counts as one observation.",
+        f"On the part held back, from {name} to the fitted law: {'; '.join(changes)}.",
+        f"What remains, N rms: {'; '.join(left)}. Contact law: effects that a law of this form cannot represent "
+        "(coupling through the ring, damping). No contact law can change the rest.",
+    ]
+    return sentences if e.budget.y.terms else sentences[:-1]
+
+
+def vibration_sentences(e: Evaluation) -> list[str]:
+    """Say what the scene's surfaces are, what check-vibration finds, which lines are high, and how they were found."""
+    faults, found = [f for f in e.record.bearing.faults if not isinstance(f, Film)], e.x.vibration.envelope
+    names, diagnosis = [_named(f) for f in faults], e.diagnosis
+    listed = " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
+    scene = f"The scene has {listed}." if faults else "The scene's surfaces are perfect circles."
+    spalled = {fault.body for fault in faults if isinstance(fault, Spall)}
+    if expected := [family for body, family in EXPECTED.items() if body in spalled]:
+        scene += f" Expected of such faults: {', '.join(expected)}."
+    if isinstance(diagnosis, str):
+        scene += f" No verdict by check-vibration: {diagnosis}."
+    else:
+        whose = f"the {e.y.vibration.body}'s acceleration along y"
+        scene = " ".join([scene, f"Verdict of check-vibration on {whose}: {diagnosis.headline}", *diagnosis.reasons])
+    if found is None:
+        why = "the bearing stands still, or the record is too short or too coarse"
+        why = "the speed changes, and lines are given in orders" if e.record.varies_speed else why
+        return [f"{scene} No envelope: {why}."]
+    return [
+        scene,
+        _high_lines(e),
+        f"Envelope (Hilbert) of the {e.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} "
+        f"to {text(1e-3 * found.high, 3)} kHz (default without --band: {ENVELOPE_FROM:g} BPFI to 0.9 of the Nyquist "
+        "frequency, at most 50 kHz). Amplitudes, not rms. Ratio: line over floor, the median at multiples of FTF "
+        f"from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing also has a "
+        "line at BPFO, because passing rollers change its stiffness.",
+    ]
+
+
+def _high_lines(e: Evaluation) -> str:
+    """Lines that are high above their floors, each with what the record does not tell it from."""
+    highest: dict[str, tuple[float, str, FaultLine]] = {}
+    for d in e.directions:
+        for line in d.vibration.high_lines:
+            if line.name not in highest or line.ratio > highest[line.name][0]:
+                highest[line.name] = line.ratio, d.name, line
+    said: set[str] = set()
+    words = []
+    for ratio, axis, line in sorted(highest.values(), key=lambda each: -each[0]):
+        if not line.resolved and {line.name, line.nearest} & said:
+            continue  # it may be a line that is there already
+        said |= {line.name} if line.resolved else {line.name, line.nearest}
+        needed = f" (it may be {line.nearest}: a record of {text(1e3 * line.record_needed, 3)} ms separates them)"
+        found = f"{line.name} at {text(line.frequency)} Hz, {text(ratio, 2)} times in {axis}"
+        words.append(found + ("" if line.resolved else needed))
+    if not words:
+        return f"No line of the envelope is {STANDS_OUT:g} times as high as its floor."
+    return f"Lines of the envelope above their floors: {'; '.join(words)}."
+
+
+def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:
+    """Name a fault with its place and size."""
+    place = body_name(fault)
+    if isinstance(fault, Spall):
+        return f"a spall {text(1e3 * fault.width)} mm wide on {place}"
+    if isinstance(fault, Waviness):
+        return f"waviness of order {fault.order}, amplitude {text(1e6 * fault.amplitude)} µm, on {place}"
+    if isinstance(fault, MeasuredSurface):
+        return f"measured heights ({shown(fault.file)}) on {place}"
+    return f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm"
+
+
+def search_sentences(search: FaultSearch) -> list[str]:
+    """Say what was found, whether more is there, and which parts of the bearing were seen."""
+    said = []
+    for found in search.found:
+        angle = f"{reported_angle(found.place, found.angle):.2f}".replace("-", "−")
+        reference = "in its own frame" if found.place.roller is not None else "from the load's direction"
+        said.append(
+            f"Found a spall on {body_name(found.place)}: {1e3 * found.width:.2f} ± {1e3 * found.width_error:.2f} mm "
+            f"wide, its middle at {angle} ± {degrees(found.angle_error):.2f}° {reference} (95 %). It explains "
+            f"{100 * found.explained:.0f} % of the rollers' deviation there from their motion on perfect circles, and "
+            f"is {text(found.stands_out, 2)} times the background."
+        )
+    clearest = max(search.left, key=lambda m: m.deepest[1])
+    times = text(clearest.deepest[1], 2)
+    nothing, places = ("No other spall", "no other place") if search.found else ("No spall", "no place")
+    said.append(
+        f"There is more: {body_name(clearest.place)} has a place at {times} times the background to which "
+        "no spall was matched."
+        if search.says_more
+        else f"{nothing} found: {places} of any body is above {MAP_STANDS_OUT:g} times its background (at most "
+        f"{times} times)."
+    )
+    rings = [m for m in search.maps if _is_ring(m.place)]
+    seen = [f"{100 * m.seen:.0f} % of {body_name(m.place)}{unseen_in_words(m)}" for m in rings]
+    rollers = [100.0 * m.seen for m in search.maps if not _is_ring(m.place)]
+    low, high = min(rollers), max(rollers)
+    span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
+    return [*said, f"Examined by rollers in contact: {', '.join([*seen, span])}."]
+
+
+def _is_ring(place: Place | Fault) -> bool:
+    return place.roller is None
+
+
+def body_name(place: Place | Fault) -> str:
+    """Name a body, or the one that a fault is on."""
+    return f"the {place.body.replace('_', ' ')}" if _is_ring(place) else f"roller {place.roller}"
+
+
+def reported_angle(place: Place, angle: float) -> float:
+    """An angle as scenes give it, degrees: of rings from the load's direction, of rollers in their own frame."""
+    turned = angle + FROM_LOAD if _is_ring(place) else angle
+    return degrees((turned + pi) % (2.0 * pi) - pi)
+
+
+def unseen_in_words(each: SinkageMap) -> str:
+    """The longest arcs that no roller has touched, in brackets; "" where there are none."""
+    arcs = unseen(each)
+    longest = sorted(sorted(arcs, key=lambda arc: arc[0] - arc[1])[:MOST_GAPS])
+    named = [f"{low:.0f} to {high:.0f}°".replace("-", "−") for low, high in longest]
+    more = [f"and {len(arcs) - MOST_GAPS} shorter arcs"] if len(arcs) > MOST_GAPS else []
+    return f" (not {'; '.join([*named, *more])})" if named else ""
+
+
+def unseen(each: SinkageMap) -> list[tuple[float, float]]:
+    """Arcs that no roller has touched, by ascending angle as scenes count it, degrees."""
+    n = each.height.size
+    first = -pi - (FROM_LOAD if _is_ring(each.place) else 0.0)  # rad, counted as −180 degrees
+    shifted = np.roll(each.height, -round(n * (first % (2.0 * pi)) / (2.0 * pi)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(shifted), [False]]).astype(int)))
+    arcs = [(360.0 * low / n - 180.0, 360.0 * high / n - 180.0) for low, high in edges.reshape(-1, 2)]
+    return [arc for arc in arcs if arc[1] - arc[0] >= SHORTEST_GAP]
+
+
+def contradictions(e: Evaluation) -> list[str]:
+    """What a table from elsewhere has otherwise than its scene: speed, load, rollers; none of a run with its own."""
+    record, load = e.record, e.record.load
+    found: list[str] = []
+    if record.attributes:
+        return found
+    (inner, outer), speed = record.mean_speeds, record.cage_speed
+    rolling = kinematics(record.bearing, inner, outer).cage
+    if not record.reverses and rolling != 0.0 and not -SLOWER <= speed / rolling - 1.0 <= FASTER:
+        turns, scene = cells(speed / (2.0 * pi), rolling / (2.0 * pi))
+        words = f"its rollers go around at {turns} Hz, where the scene says {scene} Hz without slip"
+        if outer == 0.0:
+            meant = speed / kinematics(record.bearing, 1.0, 0.0).cage / RPM
+            words += f" ({text(inner / RPM)} rpm; {turns} Hz would take {text(meant)} rpm)"
+        found.append(words + ("; slipping rollers would look the same" if 0.0 < speed / rolling < 1.0 else ""))
+    if e.within_noise:
+        return found
+    own = record.inner_force is not None and e.balance is not None
+    missing = load and _missing([d.budget.momentum if own else d.budget.error for d in e.directions], record) / load
+    if abs(missing) > (ASTRAY if own else BY_LAW):
+        whose = "its contact forces" if own else f"its approaches by the law {e.law.name}"
+        found.append(
+            f"{whose} carry {text((1.0 - missing) * load)} N, {share(1.0 - missing, 1.0)} of the scene's load of "
+            f"{text(load)} N"
+        )
+    if e.statics is not None and not e.balance_within_noise:
+        force, count = e.statics.force, float(e.loaded_count.mean())
+        should = np.count_nonzero(force > LOADED * force.max()) / e.statics.x.size
+        if abs(count - should) > MORE_ROLLERS:
+            found.append(
+                f"{text(count, 2)} of its {record.bearing.n_rollers} rollers are loaded on average, where the "
+                f"scene's equilibrium loads {text(should, 2)}"
+            )
+    return found
+
+
+def contradiction_sentence(e: Evaluation) -> str:
+    """What speaks against the scene of a table; "" where nothing does."""
+    found = contradictions(e)
+    return f"The table contradicts the scene: {'; '.join(found)}." if found else ""

@@ -1,0 +1,314 @@
+"""Contact laws of a check: named ones, with dampers, in slices along rollers that tilt; and fitted ones.
+
+K and n of Q = K δ^n, and where wanted a damping d, Q = K δ^n + d δ̇, are fitted by least squares to the closed inner
+contacts of the record's first part; the rest is held back to judge the law on.
+
+The samples of one roller's passage through the load zone are far from independent, so the intervals take the
+passage, not the sample, as the unit of observation. They say how well the data fix the numbers, not that a
+power law is true: what the law can't follow in any passage shows in the scatter, not in the interval.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from lagrange.axial.slices import Slices, alone, contact_slices
+from lagrange.axial.table import TiltedContact
+from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
+from lagrange.equations import Overlaps, contact_resultant
+from lagrange.surface.deviation import Falls, SurfaceDeviation
+from lagrange.surface.edges import softened
+from lagrange.tilt import falls, met
+from residual.differentiate import derivative
+from residual.errors import InputError
+from residual.load_zone import load_zones
+from residual.record import FEWEST_SAMPLES, Record
+from residual.spectrum import rms
+
+FIT_SHARE = 0.5  # of the record
+CONFIDENCE = 0.95
+LEAST_FORCE = 1e-100  # N: squares of less are nothing
+LEAST_SPREAD = 0.02  # of ln δ: less depth range than this fixes no exponent
+FITTED = ("fitted", "fitted_damped")
+ALIASES = ("tripp",)
+BLOCK = 4096  # samples whose slices are held in memory at a time
+
+
+class Pushes(NamedTuple):
+    """Forces of contacts by a law, (..., n_rollers)."""
+
+    spring: np.ndarray  # N
+    damper: np.ndarray | float  # N
+    moment: np.ndarray | None = None  # N m, springs' and dampers' force times z; None: rollers stay parallel
+    falls: Falls = Falls()  # by how much the energies fall as surfaces change
+
+    @property
+    def force(self) -> np.ndarray:
+        return self.spring + self.damper
+
+    def turned(self, contacts: Overlaps) -> Overlaps:
+        """Contacts with the directions that these forces have on surfaces."""
+        if self.moment is None:  # the spring alone deforms an edge, whose compliance is in series with it
+            return contacts.at_force(self.spring)
+        return contacts.at_contact(self.falls)
+
+    def on_hub(self, record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
+        """Their resultant on the hub along x and y, N, (n_times,), with the force of tilted contacts' moments."""
+        x, y = contact_resultant(contacts, self.force)
+        if self.moment is None:
+            return x, y
+        aside_x, aside_y = moment_resultant(record, contacts, self.moment)
+        return x + aside_x, y + aside_y
+
+
+@dataclass(frozen=True, kw_only=True)
+class DampedLaw:
+    """Q = max(Q_0(δ) + d δ̇, 0) where δ > 0, else 0: a damper beside a contact's spring."""
+
+    spring: PowerLaw | LogarithmicLaw  # Q_0
+    damping: ContactDamping = UNDAMPED  # d
+
+    @property
+    def name(self) -> str:
+        return self.spring.name
+
+    @property
+    def source(self) -> str:
+        return self.spring.source + (f", damping {self.damping.words}" if self.damping.acts else "")
+
+    def slope(self, approach):
+        """dQ/dδ of a contact, N/m."""
+        return self.spring.slope(approach)
+
+    def pushes(self, approach, closing_speed, compliance=0.0) -> Pushes:
+        """By approaches, m, their growth, m/s, and the compliance of edges, m/N."""
+        spring = softened(self.spring, compliance)
+        force = spring.force(approach)
+        if not self.damping.acts:
+            return Pushes(force, 0.0)
+        coefficient = self.damping.coefficient(force, spring.slope(approach))
+        return Pushes(force, damper_force(force, closing_speed, coefficient))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlicedLaw:
+    """A contact's law in slices at a record's misalignments; of approaches of the record's shape."""
+
+    whole: PowerLaw | LogarithmicLaw  # of the whole length
+    slices: Slices
+    misalignment: np.ndarray  # (n_times, n_rollers), rad
+    surface: SurfaceDeviation | None  # that the contacts meet
+    dampers: tuple | None  # damping, closing speeds, m/s, growth of misalignments, rad/s, and the rollers' length, m
+
+    @property
+    def name(self) -> str:
+        return self.whole.name
+
+    @property
+    def source(self) -> str:
+        return f"{self.whole.source}, in {self.slices.count} slices"
+
+    def slope(self, approach) -> np.ndarray:
+        """dQ/dδ, N/m."""
+        return self._at(approach).stiffness
+
+    def pushes(self, approach, closing_speed=None, compliance=None) -> Pushes:
+        """By approaches, m; speeds are those of the record, compliances those of the surface."""
+        here = self._at(approach)
+        force, moment = (0.0, 0.0) if self.dampers is None else tilted_damper(here, *self.dampers)
+        return Pushes(here.force, force, here.moment + moment, falls(here, self.surface))
+
+    def _at(self, approach) -> TiltedContact:
+        contact, found = alone(self.slices), []
+        for first in range(0, len(self.misalignment), BLOCK):
+            rows = slice(first, first + BLOCK)
+            surface = None if self.surface is None else self.surface.rows(rows)
+            here = met(contact, approach[rows], self.misalignment[rows], surface)
+            found.append([np.broadcast_to(each, here.force.shape) for each in here])
+        return TiltedContact(*(np.concatenate(each) for each in zip(*found, strict=True)))
+
+
+Law = DampedLaw | SlicedLaw
+
+
+def has_tilts(record: Record) -> bool:
+    """Whether the source holds the slopes of rollers that tilt."""
+    return record.scene.axial is not None and record.roller_tilt is not None and record.inner_slope_x is not None
+
+
+def inner_law(name: str, record: Record) -> Law:
+    """Named law of the inner contact, with the scene's damping of contacts."""
+    law = contact_laws(name, record.bearing).inner
+    return sliced(record, law) if has_tilts(record) else DampedLaw(spring=law, damping=record.scene.damping.contacts)
+
+
+def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False) -> SlicedLaw:
+    """A law of the whole length in slices, of inner or outer contacts at a record's slopes."""
+    axial, bearing, contacts = record.scene.ideal_axial(), record.bearing, record.contacts
+    if axial is None or record.roller_tilt is None:
+        raise ValueError("the record has no rollers that tilt")
+    slices, damping = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.scene.damping.contacts
+    approach, surface = (contacts.outer if outer else contacts.inner), contacts.surfaces[int(outer)]
+    misalignment = -record.roller_tilt if outer else misaligned(record, contacts)[0]
+    dampers = None
+    if damping.acts:
+        rates = (derivative(value, record.interval, 1) for value in (approach, misalignment))
+        dampers = damping, *rates, bearing.roller_length
+    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, surface=surface, dampers=dampers)
+
+
+def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
+    """ψ of the inner contacts, and the slopes' part across their normals, rad, (n_times, n_rollers) each."""
+    angle = np.arctan2(record.roller_y, record.roller_x)
+    tilt = np.asarray(record.roller_tilt)
+    x = tilt * np.cos(angle) - np.asarray(record.inner_slope_x)[:, None]
+    y = tilt * np.sin(angle) - np.asarray(record.inner_slope_y)[:, None]
+    nx, ny = contacts.normal
+    return x * nx + y * ny, y * nx - x * ny
+
+
+def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.ndarray, np.ndarray]:
+    """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (n_times,), N."""
+    push, (nx, ny) = moment * misaligned(record, contacts)[1] / contacts.distance, contacts.normal
+    return np.sum(push * ny, axis=1), np.sum(-push * nx, axis=1)
+
+
+class Interval(NamedTuple):
+    """A fitted number and its 95 % confidence interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """A fitted law and how well it is known."""
+
+    law: DampedLaw
+    stiffness: Interval  # K, N/m^n
+    exponent: Interval  # n
+    damping: Interval | None  # d, N s/m
+    samples: int  # of the record's first part; the rest is held back
+    contacts: int  # closed contacts fitted
+    passages: int  # independent passages through the load zone among them
+    depth: tuple[float, float]  # m, smallest and largest approach fitted
+    scatter: float  # N, rms of run − law per contact fitted
+
+
+def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | None = None) -> Identification:
+    """Fit Q = K δ^n, or with closing speeds Q = K δ^n + d δ̇, to closed contacts by least squares.
+
+    Parameters
+    ----------
+    approach, force : ndarray, (n_times, n_rollers), m and N
+    bridge : samples; a contact open no longer than this is still in the same passage
+    closing_speed : δ̇, ndarray, (n_times, n_rollers), m/s; None: no damping is fitted
+    samples : fit to the first so many; None: the first half
+
+    Errors
+    ------
+    InputError: too few samples, passages, or too little range of depth to fix the numbers. The intervals are
+    linear (delta method) with a covariance clustered by passage and Student's t; passages loaded at the same time
+    still share the ring's vibration, which makes the intervals somewhat too narrow.
+
+    Source: Liang and Zeger, Biometrika 73 (1986) 13-22: covariance of an estimate from clustered observations.
+    """
+    from scipy.optimize import least_squares
+    from scipy.special import stdtrit  # scipy.stats costs half a second to import
+
+    samples = int(FIT_SHARE * approach.shape[0]) if samples is None else samples
+    if samples < FEWEST_SAMPLES:
+        raise InputError(f"{samples} samples to fit a law to, at least {FEWEST_SAMPLES} are needed; use a longer run")
+    closed = force[:samples] > 0.0
+    passage = np.unique(passage_numbers(closed, bridge)[closed], return_inverse=True)[1]
+    depth, load = approach[:samples][closed], force[:samples][closed]
+    speed = np.zeros_like(load) if closing_speed is None else closing_speed[:samples][closed]
+    fitted = 2 if closing_speed is None else 3  # of ln K, n and d
+    n_passages = passage.max(initial=-1) + 1
+    if n_passages <= fitted + 1:
+        raise InputError(
+            f"{n_passages} passages of rollers through the load zone in the first {samples} samples, at least "
+            f"{fitted + 2} are needed to fit a law; use a longer run"
+        )
+    inside = depth > 0.0
+    if inside.sum() < FEWEST_SAMPLES or np.std(np.log(depth[inside])) < LEAST_SPREAD:
+        raise InputError("the contacts' approaches hardly vary: they fix no exponent; use a run with a load zone")
+    units = np.array([rms(depth[inside]), rms(load), rms(speed)])  # in which the parameters are found
+    if not units[1] > LEAST_FORCE:
+        raise InputError(f"the contact forces, {units[1]:.3g} N rms, are too small to fit a law to")
+    if closing_speed is not None and not units[2] > 0.0:
+        raise InputError("the run has nothing that fixes a damping: nothing moves")
+    logarithm, speed = np.log(np.where(inside, depth / units[0], 1.0)), speed / (units[2] or 1.0)
+
+    def model(parameters):  # dimensionless forces, and their derivatives by ln K, n and d
+        spring = np.where(inside, np.exp(parameters[0] + parameters[1] * logarithm), 0.0)
+        total = spring + parameters[2] * speed if fitted > 2 else spring
+        pushes = inside & (total > 0.0)
+        columns = np.column_stack([spring, spring * logarithm, speed])[:, :fitted]
+        return np.where(pushes, total, 0.0), np.where(pushes[:, None], columns, 0.0)
+
+    found = least_squares(
+        lambda p: model(p)[0] - load / units[1], np.array([0.0, 1.1, 0.0])[:fitted], jac=lambda p: model(p)[1],
+        method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12,
+    )  # fmt: skip
+    if not found.success or not 0.2 < found.x[1] < 5.0:
+        raise InputError(f"the run's forces follow no power law of the approach (exponent {found.x[1]:.3g})")
+    if np.linalg.matrix_rank(found.jac) < fitted:
+        raise InputError("the run's forces do not fix all numbers of the law; use a longer run, or a named law")
+    # covariance of the parameters, times Student's t squared, from the passages' scores
+    score = np.zeros((n_passages, fitted))
+    np.add.at(score, passage, found.jac * -found.fun[:, None])
+    bread = np.linalg.inv(found.jac.T @ found.jac)
+    reach = stdtrit(n_passages - fitted, 0.5 + 0.5 * CONFIDENCE)
+    covariance = reach**2 * n_passages / (n_passages - 1) * bread @ (score.T @ score) @ bread
+    half, exponent = np.sqrt(np.diag(covariance)), float(found.x[1])
+    # ln K = ln K' + ln Q0 − n ln δ0: K and n are correlated, and K's interval is wide
+    weights = np.append([1.0, -np.log(units[0])], np.zeros(fitted - 2))
+    log_stiffness = found.x[0] + np.log(units[1]) - exponent * np.log(units[0])
+    ends = np.array([0.0, -1.0, 1.0])
+    stiffness = Interval(*np.exp(log_stiffness + ends * np.sqrt(weights @ covariance @ weights)).tolist())
+    damping, constant = None, UNDAMPED
+    if closing_speed is not None:
+        damping = Interval(*(units[1] / units[2] * (found.x[2] + ends * half[2])).tolist())
+        constant = ContactDamping(constant=damping.value)
+    spring = PowerLaw(
+        name=FITTED[fitted - 2], stiffness=stiffness.value, exponent=exponent, range="the depths it was fitted to",
+        source="fitted to the run's own contact forces, Q = K δ^n",
+    )  # fmt: skip
+    return Identification(
+        law=DampedLaw(spring=spring, damping=constant), stiffness=stiffness, damping=damping, samples=samples,
+        exponent=Interval(*(exponent + ends * half[1]).tolist()), contacts=load.size, passages=int(n_passages),
+        depth=(float(depth.min()), float(depth.max())), scatter=float(units[1]) * rms(found.fun),
+    )  # fmt: skip
+
+
+def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
+    """Number each passage of a roller through the load zone, (n_times, n_rollers); −1 outside."""
+    number = np.full(closed.shape, -1)
+    zones = [(j, *zone) for j in range(closed.shape[1]) for zone in load_zones(closed[:, j], bridge)]
+    for count, (j, first, last) in enumerate(zones):
+        number[first : last + 1, j] = count
+    return number
+
+
+def identify(record: Record, approach, closing_speed, bridge: int, name: str) -> Identification:
+    """Fit one of FITTED to a run's own forces over the approach, m, and its rate, m/s.
+
+    Errors
+    ------
+    InputError: the source holds no forces, or they fix no law.
+    """
+    try:
+        if has_tilts(record):
+            raise InputError("laws are not fitted to rollers that tilt; choose a named law")
+        if record.inner_force is None:
+            raise InputError(
+                f"the law {name} is fitted to the run's own contact forces, which this source does not have; choose a "
+                "named law"
+            )
+        return fit_law(approach, record.inner_force, bridge, None if name == "fitted" else closing_speed)
+    except InputError as error:
+        raise InputError(f"{record.source}: {error}") from None

@@ -2,14 +2,14 @@
 
 record, sources, table_source   `Record`, the arrays all else works on: from a result file, from a table
 sampling                        soundness of a record: its interval, its positions, its beginning
-laws, budget, differentiate     laws, fitted ones too; error forces of equations (22) and (23), their terms, their ranking
+laws, budget, differentiate     laws, fitted ones too; error forces of equations (22) and (23), their terms and ranking
 load_zone                       passages through the load zone, static equilibria, pressures along rollers
 spectrum, lines, orders         spectra over time and over the shaft's angle, levels of kinematic lines
 vibration                       vibration of sensor, housing or hub as bearing engineers read it
 fault_finding                   spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
 findings, formatting            tables and sentences of the numbers
-report, figures, store          summary.json, the page and the terminal; figures; folders that appear whole or not at all
+report, figures, store          summary.json, page and terminal; figures; folders that appear whole or not at all
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")

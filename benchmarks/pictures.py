@@ -17,11 +17,10 @@ from benchmarks.measuring import processor_seconds
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.pictures.bodies import drawn_bearing
-from fem.pictures.closeup import shear_peak
 from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
-from fem.pictures.render import draw
-from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR
+from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR, shear_peak
+from fem.pictures.views import draw
 from tests import documented
 
 DOCS = Path(__file__).parents[1] / "docs"

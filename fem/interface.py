@@ -266,7 +266,7 @@ class Result:
 
         load_matplotlib()
         from fem.pictures.look import Request
-        from fem.pictures.render import draw
+        from fem.pictures.views import draw
 
         with self._as_file() as path:
             stored = StoredRun(path)

@@ -60,7 +60,7 @@ def whole(tmp_path_factory):
 @pytest.fixture(scope="session")
 def can_draw():
     """Skip the test on a machine that can't draw off-screen."""
-    from fem.pictures.drawing_process import check_rendering
+    from fem.pictures.output import check_rendering
     from lagrange.errors import UsageError
 
     try:

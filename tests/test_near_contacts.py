@@ -15,7 +15,6 @@ from fem.elastic.bodies import max_shear, stress_operator, turned, von_mises
 from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.pictures.bodies import drawn_bearing
-from fem.pictures.closeup import shear_peak
 from fem.pictures.recover import read_instant
 from fem.pictures.stress_below import (
     AT_DEPTH,
@@ -25,6 +24,7 @@ from fem.pictures.stress_below import (
     OUTER_RING,
     SurfaceLoad,
     hertz_stress,
+    shear_peak,
     spline_displacement,
 )
 from fem.solver.limits import check_meshes

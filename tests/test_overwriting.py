@@ -15,7 +15,7 @@ import scipy.signal  # noqa: F401 (as residual.store below)
 import residual.store  # noqa: F401 (loaded before the right to do so is given up)
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import result_name, run_main
-from fem.pictures.target import refuse_foreign
+from fem.pictures.output import refuse_foreign
 from fem.result.checkpoint import checkpoint_path
 from lagrange.files.output import new_part, remove_left, replaced
 from residual.cli import main as check_main
@@ -174,7 +174,7 @@ def test_an_export_is_replaced_by_the_next_and_any_file_by_force(ending, kept, c
 
 @pytest.mark.parametrize("ending", [".gif", ".mp4"])
 def test_films_are_known_as_such(ending, tmp_path):
-    from fem.pictures.film import write_film
+    from fem.pictures.output import write_film
 
     place, palette = tmp_path / f"a{ending}", np.zeros((1, 3), dtype=np.uint8)
     write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, palette)

@@ -84,8 +84,8 @@ def _render(
     from lagrange.files.pages import load_matplotlib
 
     load_matplotlib()
+    from fem.pictures.output import refuse_foreign
     from fem.pictures.recover import StoredRun
-    from fem.pictures.target import refuse_foreign
 
     stored = StoredRun(run if run is not None else _newest())
     target = output or animation or export or stored.path.with_suffix(".png")
@@ -114,8 +114,8 @@ def _render(
             draw_axial(stored, target, samples[0])
             done = f"Picture: {target}"
         else:
-            from fem.pictures.drawing_process import check_rendering
             from fem.pictures.look import Request
+            from fem.pictures.output import check_rendering
 
             check_rendering()
             width = width or (WIDTH if animation is None else FILM_WIDTH)
@@ -123,7 +123,7 @@ def _render(
             if animation is not None:
                 done = _film(stored, target, request, samples, fps, quiet)
             else:
-                from fem.pictures.render import draw
+                from fem.pictures.views import draw
 
                 draw(stored, target, request, samples[0])
                 done = f"Picture: {target}"
@@ -180,8 +180,8 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
 
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> str:
-    from fem.pictures.film import write_film
-    from fem.pictures.render import Renderer
+    from fem.pictures.output import write_film
+    from fem.pictures.views import Renderer
 
     lasts = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * lasts) if lasts > 0.0 else inf
@@ -198,7 +198,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
 
 
 def _export(stored, target: Path, samples: list[int], quiet: bool) -> str:
-    from fem.pictures.export import write_instant, write_series
+    from fem.pictures.output import write_instant, write_series
 
     with count_display("instants", len(samples), quiet) as count:
         if target.suffix.lower() == SERIES:

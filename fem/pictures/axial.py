@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.pictures.output import MARK
 from fem.pictures.recover import StoredRun
-from fem.pictures.target import MARK
 from fem.statics.tilted_pressures import SIDES, scene_slices, slice_pressures
 from lagrange.axial.pressure import SHARP, borne, profile_ends
 from lagrange.contact.hertz import contact_pairs

@@ -1,31 +1,55 @@
-"""What a picture shows of the bodies: one mesh of triangles, displaced by the magnified displacement, with its stress.
+"""What a picture shows of bodies and surfaces: a mesh of triangles, displaced and with its stress; holes and charts.
 
 Magnified is everything that differs from a bearing whose parts are undeformed and just touch: the elastic
 displacement, the hub's, the rollers' along their radius, and the clearance. Gaps and overlaps then grow
 alike, and a closed contact looks closed. The indentation below the grid is part of a contact's approach but
 not of the mesh's displacement; it is drawn spread over the contact's patch, half on either side (all of it
 on the elastic side where the other is rigid), or else bodies would seem to overlap.
+
+Where spalls are is cut out of the bodies, magnified along the radius as displacements are: in the picture of the whole
+bearing as deep as rollers reach, so that a roller that has sunk in does not overlap it, in a close-up as they are.
+Waves and measured heights are far too low for that; they are drawn around a circle within the body, by a factor of
+their own.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import pi
+from math import asin, pi
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fem.contacts.points import patch
-from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bodies import RingBody, max_shear, von_mises
 from fem.kernels.state import INNER, OUTER
 from fem.pictures.recover import Instant
 from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, smooth_stress
 from fem.solver.frames import rotated
 from lagrange.bearing import Bearing
 from lagrange.equations import touching_distances
+from lagrange.surface.deviation import profiles
+from lagrange.surface.edges import outline
+from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness, own_radius, thickness
+from lagrange.surface.passages import spalls
 
 MOST_LEVELS = 14  # of refinement
 LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
 ARCS = 16  # an outline's points for each surface node
+HOLE_POINTS = 241
+AROUND = np.linspace(0.0, 2.0 * pi, 1441)  # rad
+DEEPEST, STEEPEST = 0.5, 1.5  # of a body's thickness, of its width: a hole's depth in a picture of the whole bearing
+NAME_BESIDE = 0.1  # of the outside radius, from the edge of a ring's hole to the middle of its name
+NAME_AT = 0.3  # of a roller's radius, from its centre to a name
+CHART = 0.22  # of a body's thickness, that the largest height takes in a chart
+CHART_AT = 0.62  # of a roller's radius; in rings the middle
+SHALLOWEST = 1e-12  # m, of a surface that is drawn
+
+
+def rounded_down(value: float, steps: tuple[float, ...] = (1.0, 2.0, 5.0, 10.0)) -> float:
+    """The largest step times a power of ten that is not above a value > 0."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    return decade * max(step for step in steps if step * decade <= value * (1.0 + 1e-12))
 
 
 def refined(
@@ -47,6 +71,12 @@ def refined(
     data, triangles : as given, the old nodes first
     """
     settled = np.zeros((0, 3), dtype=triangles.dtype)  # small enough, which a neighbour's halved edge can undo
+
+    def edges_of(triangles: np.ndarray) -> np.ndarray:
+        """One number for each edge, (n, 3), the same for both triangles at it; edge k joins corners k and k + 1."""
+        other = np.roll(triangles, -1, axis=1)
+        return np.minimum(triangles, other) * len(data) + np.maximum(triangles, other)
+
     for _ in range(MOST_LEVELS):
         (ax, ay), (bx, by), (cx, cy) = (data[corner, :2].T for corner in triangles.T)
         longest = np.maximum((bx - ax) ** 2 + (by - ay) ** 2, (cx - bx) ** 2 + (cy - by) ** 2)
@@ -54,44 +84,35 @@ def refined(
         large = longest > wanted(np.column_stack([ax + bx + cx, ay + by + cy]) / 3.0)
         if not large.any():
             break
-        split = np.unique(_edges(triangles[large], len(data)))
+        split = np.unique(edges_of(triangles[large]))
         reached = np.zeros(len(data), dtype=np.int8)
         reached[triangles[large]] = 1
         triangles = np.concatenate([triangles, settled])
         a, b, c = triangles.T
         touched = reached[a] + reached[b] + reached[c] > 1
         settled, triangles = triangles[~touched], triangles[touched]
-        key = _edges(triangles, len(data))
+        key = edges_of(triangles)
         at = np.minimum(np.searchsorted(split, key), len(split) - 1)
         triangles = _children(triangles, split[at] == key, len(data) + at)
         data = np.concatenate([data, 0.5 * (data[split // len(data)] + data[split % len(data)])])
     return data, np.concatenate([triangles, settled])
 
 
-def _edges(triangles: np.ndarray, n_nodes: int) -> np.ndarray:
-    """One number for each edge, (n, 3), the same for both triangles at it; edge k joins corners k and k + 1."""
-    other = np.roll(triangles, -1, axis=1)
-    return np.minimum(triangles, other) * n_nodes + np.maximum(triangles, other)
-
-
 def _children(triangles: np.ndarray, halved: np.ndarray, middle: np.ndarray) -> np.ndarray:
     """Four, three or two in place of a triangle with three, two or one halved edges."""
     count = halved.sum(axis=1)
-    a, b, c = triangles[count == 3].T
-    p, q, r = middle[count == 3].T
-    new = [triangles[count == 0], *(np.column_stack(t) for t in ((a, p, r), (p, b, q), (r, q, c), (p, q, r)))]
-
-    (a, b, c), (p, q, _) = _rotated(triangles, middle, count == 2, np.argmin(halved, axis=1) + 1)  # the last edge whole
-    new += [np.column_stack(t) for t in ((p, b, q), (a, p, q), (a, q, c))]
-    (a, b, c), (p, _, _) = _rotated(triangles, middle, count == 1, np.argmax(halved, axis=1))  # the first edge halved
-    new += [np.column_stack(t) for t in ((a, p, c), (p, b, c))]
-    return np.concatenate(new)
-
-
-def _rotated(triangles, middle, chosen, first):
-    """Corners and middles of the chosen triangles, counted from another corner on; each (3, n)."""
-    order = (first[chosen, None] + np.arange(3)) % 3
-    return (np.take_along_axis(array[chosen], order, axis=1).T for array in (triangles, middle))
+    # counted from the corner after the whole edge, or from the halved edge on
+    first = np.where(count == 2, np.argmin(halved, axis=1) + 1, np.where(count == 1, np.argmax(halved, axis=1), 0))
+    order = (first[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(triangles, order, axis=1).T
+    p, q, r = np.take_along_axis(middle, order, axis=1).T
+    children = {
+        0: ((a, b, c),),
+        3: ((a, p, r), (p, b, q), (r, q, c), (p, q, r)),
+        2: ((p, b, q), (a, p, q), (a, q, c)),
+        1: ((a, p, c), (p, b, c)),
+    }
+    return np.concatenate([np.column_stack(t)[count == n] for n, new in children.items() for t in new])
 
 
 # columns of the nodal data that refinement carries along
@@ -131,11 +152,6 @@ class DrawnBearing:
         length = np.hypot(*local.T)[:, None]
         return np.where(length > 0.0, local / np.maximum(length, 1e-300) * self.data[:, _RADIUS, None], 0.0)
 
-    @property
-    def motion(self) -> np.ndarray:
-        """Displacement from the reference, (n_nodes, 2), m."""
-        return self.data[:, _MOTION]
-
     def points(self, magnification: float) -> np.ndarray:
         """Nodes as drawn, (n_nodes, 2), m."""
         return self.reference + magnification * (self.data[:, _MOTION] + self.data[:, _DENT])
@@ -152,10 +168,6 @@ class DrawnBearing:
         return found
 
     @property
-    def poisson_ratio(self) -> np.ndarray:
-        return self.data[:, _POISSON]
-
-    @property
     def smooth_stress(self) -> np.ndarray:
         """The mesh's less its patches' near the contacts, (n_nodes, 3), Pa; not a number in rigid bodies."""
         return self.data[:, _STRESS]
@@ -166,11 +178,12 @@ class DrawnBearing:
         add_hertz(stress, self.local, self.body, self.loads)
         return stress
 
-    @property
-    def contact_points(self) -> np.ndarray:
-        """Points of contact of all loads, in the reference, (n_loads, 2), m."""
-        centres = np.concatenate([np.zeros((2, 2)), self.roller_reference])
-        return np.array([item.load.point + centres[item.body] for item in self.loads]).reshape(-1, 2)
+    def quantity(self, field: str) -> np.ndarray:
+        """Nodal values of "von-mises" or "max-shear", Pa, or of "displacement" from the reference, m."""
+        if field == "displacement":
+            return np.hypot(*self.data[:, _MOTION].T)
+        stress = self.stress()
+        return von_mises(stress, self.data[:, _POISSON]) if field == "von-mises" else max_shear(stress)
 
     def inner_edges(self) -> np.ndarray:
         """Edges of the finite elements but those on outlines, (n, 2) nodes."""
@@ -187,10 +200,11 @@ class DrawnBearing:
 
     def refined(self, finest: float, coarsest: float, relative: float) -> "DrawnBearing":
         """The same with triangles no larger than `relative` times their distance from a contact, within limits, m."""
-        centre = self.data[:, _CENTRE]
         placed = self.data.copy()
-        placed[:, _LOCAL] += centre  # bodies lie apart; moved back below
-        tree = cKDTree(self.contact_points) if self.loads else None
+        placed[:, _LOCAL] += self.data[:, _CENTRE]  # bodies lie apart; moved back below
+        centres = np.concatenate([np.zeros((2, 2)), self.roller_reference])
+        contacts = [item.load.point + centres[item.body] for item in self.loads]
+        tree = cKDTree(contacts) if contacts else None
 
         def wanted(middles):
             if tree is None:
@@ -205,21 +219,17 @@ class DrawnBearing:
 def drawn_bearing(instant: Instant) -> DrawnBearing:
     """Bodies of an instant in the fixed axes, on the finite elements' nodes."""
     model, bearing = instant.model, instant.model.bearing
-    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    n = bearing.n_rollers
-    reference = _roller_reference(instant)
-    loads = contact_loads(instant)
-    bodies = (inner, outer, *n * (disc,))
+    inner, outer, disc, n = model.inner_ring, model.outer_ring, model.roller, bearing.n_rollers
+    reference, loads, bodies = _roller_reference(instant), contact_loads(instant), (inner, outer, *n * (disc,))
     apart = outer.cartesian(_clearance(outer, bearing), instant.outer_turn)
     local = [rotated(inner.points, instant.ring_turn), rotated(outer.points, instant.outer_turn) - apart]
     local += [rotated(disc.points, turn) for turn in instant.roller_turn]
+    columns = zip(local, [*np.zeros((2, 2)), *reference], body_motions(instant), _dents(instant),
+                  smooth_stress(instant, loads), strict=True)  # fmt: skip
     parts = []
-    for number, (body, centre, motion, dent, stress) in enumerate(
-        zip(bodies, [*np.zeros((2, 2)), *reference], body_motions(instant), _dents(instant),
-            smooth_stress(instant, loads), strict=True)
-    ):  # fmt: skip
+    for number, (body, (at, centre, motion, dent, stress)) in enumerate(zip(bodies, columns, strict=True)):
         data = np.empty((len(motion), _COLUMNS))
-        data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = local[number], np.hypot(*local[number].T), centre
+        data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = at, np.hypot(*at.T), centre
         data[:, _MOTION], data[:, _DENT] = motion, dent
         data[:, _STRESS] = np.nan if body.material.rigid else stress  # which has none: drawn without colour
         data[:, _POISSON], data[:, _BODY] = body.material.poisson_ratio, number
@@ -230,9 +240,10 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     for k, ring in enumerate((inner, outer)):
         circles += [first[k] + np.arange(ring.n_sectors), first[k + 1] - ring.n_sectors + np.arange(ring.n_sectors)]
     circles += [np.arange(first[k + 1] - disc.shape.surface_nodes, first[k + 1]) for k in range(2, n + 2)]
+    halves = [c[:, corners] for c in cells for corners in ([0, 1, 2], [0, 2, 3])[: c.shape[1] - 2]]
     return DrawnBearing(
         data=np.concatenate(parts),
-        triangles=np.concatenate([_halves(c) for c in cells]),
+        triangles=np.concatenate(halves),
         cells=tuple(c for c, body in zip(cells, bodies, strict=True) if not body.material.rigid),
         circles=tuple(circles),
         loads=loads,
@@ -267,48 +278,211 @@ def _clearance(outer: RingBody, bearing: Bearing) -> np.ndarray:
     return outward
 
 
-def _halves(cells: np.ndarray) -> np.ndarray:
-    """Quadrilaterals as two triangles each; triangles as they are."""
-    return cells if cells.shape[1] == 3 else np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
-
-
 def _dents(instant: Instant) -> list[np.ndarray]:
-    """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m."""
-    model, disc = instant.model, instant.model.roller
-    inner, outer = model.inner_ring, model.outer_ring
-    turned, inner_dent = instant.ring_turn, model.indentation(INNER, instant.inner_force)
-    outer_turn, outer_dent = instant.outer_turn, model.indentation(OUTER, instant.outer_force)
-    on_inner, on_outer = (_share(ring, disc) for ring in (inner, outer))
-    dents = [
-        inner.cartesian(_ring_dents(inner, instant.inner_angle - turned, -on_inner * inner_dent), turned),
-        outer.cartesian(_ring_dents(outer, instant.outer_angle - outer_turn, on_outer * outer_dent), outer_turn),
+    """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m: whole at the contact."""
+    model, disc, of_rings = instant.model, instant.model.roller, []
+    of_rollers = np.zeros((instant.roller_turn.size, disc.n_nodes, 2))
+    for kind, ring, angles, forces, turn in (
+        (INNER, model.inner_ring, instant.inner_angle, instant.inner_force, instant.ring_turn),
+        (OUTER, model.outer_ring, instant.outer_angle, instant.outer_force, instant.outer_turn),
+    ):
+        on_ring = 0.5 + 0.5 * (disc.material.rigid - ring.material.rigid)  # half, but nothing of it on a rigid body
+        depths = model.indentation(kind, forces) / LARGEST_WEIGHT
+        dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
+        for j, (angle, depth) in enumerate(zip(angles, depths, strict=True)):
+            nodes, weight, _ = patch(ring.n_sectors, angle - turn)
+            np.add.at(dents, (ring.raceway_row, 0, nodes), (-1.0 if kind == INNER else 1.0) * on_ring * depth * weight)
+            across = angle + pi if kind == INNER else angle
+            nodes, weight, _ = patch(disc.shape.surface_nodes, across - instant.roller_turn[j])
+            inward = -(1.0 - on_ring) * depth * np.outer(weight, [np.cos(across), np.sin(across)])
+            np.add.at(of_rollers[j], disc.first_surface_node + nodes, inward)
+        of_rings.append(ring.cartesian(dents, turn))
+    return [*of_rings, *of_rollers]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Circle:
+    """A body's surface as a picture draws it; lengths in m."""
+
+    body: Body
+    roller: int | None
+    centre: np.ndarray  # (2,)
+    radius: float
+    turn: float  # rad, of the body's own frame
+    into: float  # 1.0: material lies outside the circle, −1.0: inside
+    thickness: float  # of the body
+
+    def points(self, angle: np.ndarray, inwards) -> np.ndarray:
+        """At angles in the body's frame, rad, so deep in its material, m; (n, 2)."""
+        direction = angle + self.turn
+        unit = np.column_stack([np.cos(direction), np.sin(direction)])
+        return self.centre + (self.radius + self.into * np.broadcast_to(inwards, angle.shape))[:, None] * unit
+
+    def name_place(self, angle: float = pi, inwards: float | None = None) -> np.ndarray:
+        """Where a name stands, (2,), m; of a roller across from the dot that shows its turn."""
+        return self.points(np.array([angle]), (1.0 - NAME_AT) * self.radius if inwards is None else inwards)[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawing:
+    """An instant and its bodies as a picture magnifies their displacements."""
+
+    instant: Instant
+    drawn: DrawnBearing
+    magnification: float
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.instant.model.bearing
+
+    @property
+    def hub(self) -> np.ndarray:
+        """Where the hub is drawn, (2,), m."""
+        return self.magnification * self.drawn.hub
+
+    @property
+    def centres(self) -> np.ndarray:
+        """Where the rollers' centres are drawn, (n_rollers, 2), m."""
+        return self.drawn.roller_reference + self.magnification * self.drawn.roller_shift
+
+    def circle(self, body: Body, roller: int | None) -> Circle:
+        """A raceway, or a roller's surface."""
+        bearing, instant = self.bearing, self.instant
+        if body == "outer_ring":
+            radius = bearing.outer_raceway_radius + (self.magnification - 1.0) * bearing.radial_clearance
+            centre, turn = np.zeros(2), instant.outer_turn
+        elif body == "inner_ring":
+            radius, centre, turn = bearing.inner_raceway_radius, self.hub, instant.ring_turn
+        else:
+            radius, centre, turn = bearing.roller_radius, self.centres[roller], float(instant.roller_turn[roller])
+        into = 1.0 if body == "outer_ring" else -1.0
+        return Circle(body=body, roller=roller, centre=centre, radius=radius, turn=turn, into=into,
+                      thickness=thickness(bearing, body))  # fmt: skip
+
+
+class Hole(NamedTuple):
+    """What a spall takes out of a picture; (n, 2), m."""
+
+    top: np.ndarray  # where it opens, or where a body reaches into it
+    bottom: np.ndarray  # as far as no body reaches
+    edge: np.ndarray  # the whole bottom
+    name: str
+    place: np.ndarray  # (2,), of the name
+
+
+class Chart(NamedTuple):
+    """Heights around a circle in a body, magnified; (n, 2), m."""
+
+    circle: np.ndarray
+    curve: np.ndarray
+    name: str
+    place: np.ndarray  # (2,), of the name
+
+
+def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
+    """The spalls of an instant.
+
+    Parameters
+    ----------
+    margin : m, from a circle's outline, which a hole takes away with it
+    as_reached : whether they are as deep as rollers reach, or as they are
+    """
+    bearing, made = drawing.bearing, []
+    for spall in spalls(bearing):
+        circle, factor = drawing.circle(spall.body, spall.roller), drawing.magnification
+        own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
+        half = asin(opening / own)
+        angle = spall.angle + half * np.linspace(-1.0, 1.0, HOLE_POINTS)
+        if as_reached:  # magnified as displacements are, or by a round factor that draws it so deep or less
+            depth = _sinkage(bearing, (spall,), spall.body, spall.roller, angle)
+            most, deepest = min(DEEPEST * circle.thickness, STEEPEST * spall.width), float(depth.max())
+            factor = factor if factor * deepest <= most else rounded_down(most / deepest)
+        else:
+            at, below = outline(spall, opening)
+            order = np.argsort(at, kind="stable")
+            depth = np.interp(own * np.sin(angle - spall.angle), at[order], below[order])
+        depth = np.clip(factor * depth, 0.0, circle.thickness)
+        entered, times = _entered(drawing, circle, angle), "" if factor == drawing.magnification else f", × {factor:g}"
+        middle = 0.5 * circle.thickness
+        beside = spall.angle + half + NAME_BESIDE * bearing.outside_radius / (own + circle.into * middle)
+        made.append(
+            Hole(
+                top=circle.points(angle, np.maximum(entered, -margin)),
+                bottom=circle.points(angle, np.maximum(depth, entered)),
+                edge=circle.points(angle, depth),
+                name=f"spall {1e3 * spall.width:.3g} mm{times}",
+                place=circle.name_place(beside, middle) if spall.roller is None else circle.name_place(),
+            )
+        )
+    return made
+
+
+def charts(drawing: Drawing) -> list[Chart]:
+    """Charts of all surfaces with waves or measured heights."""
+    made, factor = [], chart_factor(drawing.bearing)
+    for body, roller, height, name in _heights(drawing.bearing):
+        circle = drawing.circle(body, roller)
+        depth = 0.5 * circle.thickness if roller is None else (1.0 - CHART_AT) * circle.radius
+        place = circle.name_place(0.5 * pi - circle.turn, depth) if roller is None else circle.name_place()
+        made.append(Chart(circle.points(AROUND, depth), circle.points(AROUND, depth - factor * height), name, place))
+    return made
+
+
+def chart_factor(bearing: Bearing) -> float | None:
+    """How often charts magnify heights; None where there are none."""
+    heights = list(_heights(bearing))
+    highest = max((float(np.abs(height).max()) for *_, height, _ in heights), default=0.0)
+    if highest < SHALLOWEST:
+        return None
+    return rounded_down(CHART * min(thickness(bearing, body) for body, *_ in heights) / highest)
+
+
+def _heights(bearing: Bearing) -> Iterator[tuple[Body, int | None, np.ndarray, str]]:
+    """Surfaces with waves or measured heights: these as rollers meet them, m, at the angles AROUND; and a name."""
+    waves: dict[tuple[Body, int | None], list] = {}
+    for fault in bearing.faults:
+        if isinstance(fault, Waviness | MeasuredSurface):
+            waves.setdefault((fault.body, fault.roller), []).append(fault)
+    for place, faults in waves.items():
+        names = ("measured" if isinstance(wave, MeasuredSurface) else
+                 f"order {wave.order}, {1e6 * wave.amplitude:.3g} µm" for wave in faults)  # fmt: skip
+        yield *place, -_sinkage(bearing, tuple(faults), *place, AROUND), ", ".join(names)
+
+
+def unequal_rollers(drawing: Drawing) -> list[tuple[Circle, str]]:
+    """Rollers of another size as drawn, and by how much they are larger."""
+    deviations = {f.roller: 1e6 * f.diameter_deviation for f in drawing.bearing.faults if isinstance(f, UnequalRoller)}
+    return [
+        (drawing.circle("roller", roller), f"Ø {'+' if larger > 0.0 else '−'}{abs(larger):.3g} µm")
+        for roller, larger in deviations.items()
     ]
-    inner_dent, outer_dent = (1.0 - on_inner) * inner_dent, (1.0 - on_outer) * outer_dent
-    for j, turn in enumerate(instant.roller_turn):
-        dent = np.zeros((disc.n_nodes, 2))
-        for angle, depth in ((instant.inner_angle[j] + pi, inner_dent[j]), (instant.outer_angle[j], outer_dent[j])):
-            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn)
-            direction = np.array([np.cos(angle), np.sin(angle)])
-            np.add.at(dent, disc.first_surface_node + nodes, -depth * np.outer(share, direction))
-        dents.append(dent)
-    return dents
 
 
-def _share(ring: RingBody, disc: DiscBody) -> float:
-    """How much of a contact's indentation is drawn on the ring: half, but nothing of it on a rigid body."""
-    return 0.5 + 0.5 * (disc.material.rigid - ring.material.rigid)
+def _entered(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:
+    """How deep other bodies reach into a circle's material along its radii, m; negative where they end before it."""
+    if circle.roller is None:
+        others = [drawing.circle("roller", j) for j in range(drawing.bearing.n_rollers)]
+    else:
+        others = [drawing.circle(body, None) for body in ("inner_ring", "outer_ring")]
+    deepest = np.full_like(angle, -np.inf)
+    unit = circle.points(angle, 0.0) - circle.centre
+    unit /= np.hypot(*unit.T)[:, None]
+    for other in others:
+        to_centre = circle.centre - other.centre
+        along = unit @ to_centre
+        inside = along**2 - (to_centre @ to_centre - other.radius**2)
+        root = np.sqrt(np.maximum(inside, 0.0))
+        is_outside = circle.into < 0.0 and other.into < 0.0  # two discs: the ray comes to the other one from outside
+        end = -along - root if is_outside else -along + root
+        hit = (inside > 0.0) & (end > 0.0)
+        deepest = np.maximum(deepest, np.where(hit, circle.into * (end - circle.radius), -np.inf))
+    return deepest
 
 
-def _ring_dents(ring: RingBody, angles, depths) -> np.ndarray:
-    """Radial displacement of a raceway's nodes at every contact, (n_rows, 2, n_sectors), m."""
-    dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
-    for angle, depth in zip(angles, depths, strict=True):
-        nodes, share = _patch_shape(ring.n_sectors, angle)
-        np.add.at(dents, (ring.raceway_row, 0, nodes), depth * share)
-    return dents
-
-
-def _patch_shape(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of a patch and how much of the indentation each one shows: 1 at the contact."""
-    nodes, weight, _ = patch(n_surface, angle)
-    return nodes, weight / LARGEST_WEIGHT
+def _sinkage(bearing: Bearing, faults: tuple, body: Body, roller: int | None, angle: np.ndarray) -> np.ndarray:
+    """What rollers reach of a body with these faults at angles of its frame, rad; of rollers what the outer does."""
+    surfaces = profiles(replace(bearing, faults=faults))
+    own = {"inner_ring": surfaces.inner_ring, "outer_ring": surfaces.outer_ring}
+    profile = own.get(body, surfaces.rollers_outside)
+    at = profile.at(np.repeat(angle[:, None], profile.row.size, axis=1))
+    return (at.sinkage if at.part is None else at.sinkage + at.part.sinkage)[:, roller or 0]

@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import log10
 from typing import Literal
 
 import numpy as np
+from matplotlib.ticker import LogLocator, MaxNLocator
 
-from fem.pictures.bodies import body_motions
+from fem.pictures.bodies import DrawnBearing, body_motions, rounded_down
 from fem.pictures.recover import StoredRun
-from fem.pictures.scale import Field, Scale, rounded_down
 from fem.pictures.stress_below import LARGEST_SHEAR
-from lagrange import Bearing
 from lagrange.errors import UsageError
 
 LARGEST_SHARE = 0.03  # of the outside radius: the largest displacement as drawn
@@ -20,6 +20,40 @@ LOOKED_AT = 5  # frames of an animation that decide its magnification
 LONGEST_ARROW = 0.85  # of a roller's radius
 MOST_ORBIT_POINTS = 4000
 LARGEST_MISES = 0.56  # of p₀, under a line contact in plane strain with ν = 0.3
+Field = Literal["von-mises", "max-shear", "displacement"]
+FIELDS = {  # title, unit, its size in SI, colours, fit for colour-blind eyes
+    "von-mises": ("Von Mises stress", "MPa", 1e6, "viridis"),
+    "max-shear": ("Max. shear stress", "MPa", 1e6, "viridis"),
+    "displacement": ("Displacement", "µm", 1e-6, "cividis"),
+}
+FAINTEST = 1.0 / 500.0  # of the end of a logarithmic scale
+ROUND = MaxNLocator(5, steps=[1, 2, 2.5, 5, 10])  # intervals of a linear scale
+ROUND_TIMES = LogLocator(subs=(1.0, 2.0, 5.0))
+
+
+class Scale:
+    """From a quantity in its unit to colours, up to a round number that is not below `largest`, Pa or m."""
+
+    def __init__(self, field: Field, largest: float, logarithmic: bool):
+        self.field, self.logarithmic = field, logarithmic
+        self.title, self.unit, self._size, self.colours = FIELDS[field]
+        self.end = float(ROUND.tick_values(0.0, largest / self._size or 1.0)[-1])  # in its unit
+        # values at the colour map's ends
+        self.limits = (log10(FAINTEST * self.end), log10(self.end)) if logarithmic else (0.0, self.end)
+
+    def values(self, drawn: DrawnBearing) -> np.ndarray:
+        """The nodes' values, to be coloured between `limits`."""
+        found = drawn.quantity(self.field) / self._size
+        return np.log10(np.maximum(found, 1e-3 * FAINTEST * self.end)) if self.logarithmic else found
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Share of the bar's length and label."""
+        low, high = self.limits
+        locator, start = (ROUND_TIMES, FAINTEST * self.end) if self.logarithmic else (ROUND, 0.0)
+        values = locator.tick_values(start, self.end)
+        shares = ((np.log10(values) if self.logarithmic else values) - low) / (high - low)
+        inside = (shares > -1e-9) & (shares < 1.0 + 1e-9)
+        return [(share, f"{value:.4g}") for share, value in zip(shares[inside], values[inside], strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +75,7 @@ class Look:
     contact_scale: Scale  # of a close-up's contacts
     magnification: float
     largest_force: float  # N
-    arrow_length: float  # outside radii per N
+    arrow_length: float  # m of the bearing per N
     orbit: np.ndarray | None  # (n, 2), µm, of the hub; None: it does not move
     load_zone: tuple[float, float] | None  # rad
     roller: int  # of a close-up
@@ -56,55 +90,38 @@ def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: 
     ------
     UsageError: no such roller.
     """
-    forces = run.contact_forces(samples)
-    largest = float(forces.max())
+    forces, model, roller = run.contact_forces(samples), run.model, request.roller
+    largest, n = float(forces.max()), forces.shape[-1]
+    if roller is not None and not 0 <= roller < n:
+        raise UsageError(f"--roller {roller}: the run has rollers 0 to {n - 1}")
     some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
     motions = (motion for k in some for motion in body_motions(run.instant(samples[k])))
     displacement = max(float(np.hypot(*motion.T).max()) for motion in motions)
-    model = run.model
-    half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
-    scale, contact_scale = _scales(request, run, largest, displacement)
+    pairs = model.inner_law.pair, model.outer_law.pair
+    closeup = request.view == "close-up"
+    field = request.field or ("max-shear" if closeup else "von-mises")
+    if field == "displacement":
+        scales = (Scale(field, displacement, logarithmic=False),) * 2
+    else:
+        pressure = max(pair.peak_pressure(max(largest, 1e-3)) for pair in pairs)
+        most = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
+        scales = Scale(field, most, logarithmic=True), Scale(field, most, logarithmic=False)
     magnification = request.magnification
     if magnification is None:
-        outside = model.bearing.outside_radius
-        magnification = 1.0 if request.view == "close-up" else chosen_magnification(displacement, outside)
+        magnification = 1.0 if closeup else chosen_magnification(displacement, model.bearing.outside_radius)
     orbit = 1e6 * run.orbit[:: max(1, len(run.orbit) // MOST_ORBIT_POINTS)]
     return Look(
-        scale=scale,
-        contact_scale=contact_scale,
+        scale=scales[0],
+        contact_scale=scales[1],
         magnification=magnification,
         largest_force=largest,
-        arrow_length=_arrow_length(model.bearing, largest),
+        arrow_length=LONGEST_ARROW * model.bearing.roller_radius / largest if largest > 0.0 else 0.0,
         orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None,
         load_zone=run.load_zone,
-        roller=_roller(request, forces),
-        half_width=half_width,
+        roller=int(np.argmax(forces[:, 0].max(axis=0))) if roller is None else roller,
+        half_width=max(pair.half_width(max(largest, 1e-3)) for pair in pairs),
         pace=pace,
     )
-
-
-def _roller(request: Request, forces: np.ndarray) -> int:
-    n = forces.shape[-1]
-    if request.roller is None:
-        return int(np.argmax(forces[:, 0].max(axis=0)))
-    if not 0 <= request.roller < n:
-        raise UsageError(f"--roller {request.roller}: the run has rollers 0 to {n - 1}")
-    return request.roller
-
-
-def _scales(request: Request, run: StoredRun, force: float, displacement: float) -> tuple[Scale, Scale]:
-    """Scales of the picture and of a close-up's contacts."""
-    field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
-    if field == "displacement":
-        return (Scale(field=field, largest=displacement, logarithmic=False),) * 2
-    pressure = max(law.pair.peak_pressure(max(force, 1e-3)) for law in (run.model.inner_law, run.model.outer_law))
-    largest = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
-    of_body, of_contacts = (Scale(field=field, largest=largest, logarithmic=each) for each in (True, False))
-    return of_body, of_contacts
-
-
-def _arrow_length(bearing: Bearing, largest: float) -> float:
-    return LONGEST_ARROW * bearing.roller_radius / bearing.outside_radius / largest if largest > 0.0 else 0.0
 
 
 def chosen_magnification(largest: float, outside_radius: float) -> float:

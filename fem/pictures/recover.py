@@ -15,7 +15,6 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from fem.contacts.model import Model
-from fem.elastic.bodies import RingBody
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
 from fem.solver.elements.plan import model_of
@@ -166,25 +165,28 @@ class StoredRun:
     def instant(self, sample: int) -> Instant:
         """A sample with its fields, the run's own where the file has them. UsageError: damaged."""
         values = {name: self.column(name)[sample] for name in OF_INSTANT}
-        time = float(self.times[sample])
+        time, model = float(self.times[sample]), self.model
         values |= {name: self._closed(values[name]) for name in FORCES}
-        model = self.model
+        hub = np.array([values["inner_x"], values["inner_y"]])
+        centres = np.column_stack([values["roller_x"], values["roller_y"]])
+        way = turned(model.bearing, self.scene.ideal_operation(), time)
+        turns = float(way.shaft), float(way.outer_ring)
         if sample in self._frames:
-            way = turned(model.bearing, self.scene.ideal_operation(), time)
-            frame = self._values.frame(self._frames[sample], model, (float(way.shaft), float(way.outer_ring)))
+            frame = self._values.frame(self._frames[sample], model, turns)
         else:
-            frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
-        cage = None if self.scene.cage is None else np.array([self.column(name)[sample] for name in OF_CAGE])
-        same = ("inner_force", "outer_force", "inner_traction", "outer_traction")
+            frame = Frame(
+                sample=sample, time=time, roller_turn=self._turns[sample], ring_turn=turns[0], outer_turn=turns[1],
+                **_recovered(self.scene, model, values, time, (hub, centres), (*turns, self._turns[sample])),
+            )  # fmt: skip
         return Instant(
             **vars(frame),
-            **{name: values[name] for name in same},
+            **{name: values[name] for name in ("inner_force", "outer_force", "inner_traction", "outer_traction")},
             scene=self.scene,
             model=model,
-            hub=np.array([values["inner_x"], values["inner_y"]]),
-            centres=_centres(values),
+            hub=hub,
+            centres=centres,
             roller_force=values["roller_roller_force"],
-            cage=cage,
+            cage=None if self.scene.cage is None else np.array([self.column(name)[sample] for name in OF_CAGE]),
             stored=sample in self._frames,
             stored_elastic_energy=float(values["energy_elastic"]),
         )
@@ -196,55 +198,40 @@ def read_instant(path: Path, time: float | None = None) -> Instant:
     return run.instant(run.nearest(time))
 
 
-def _centres(values: dict) -> np.ndarray:
-    return np.column_stack([values["roller_x"], values["roller_y"]])
+def _recovered(scene: Scene, model: Model, values: dict, time: float, places, turns) -> dict[str, np.ndarray]:
+    """The quasi-static displacements under the stored forces.
 
-
-def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: float, turns: np.ndarray) -> Frame:
-    """The quasi-static displacements under the stored forces."""
-    hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
-    inner, outer = model.inner_ring, model.outer_ring
+    Parameters
+    ----------
+    places : hub and rollers' centres, m
+    turns : how far inner ring, outer ring and rollers have turned, rad
+    """
+    (hub, centres), (ring_turn, outer_turn, roller_turns) = places, turns
+    inner, outer, disc, n = model.inner_ring, model.outer_ring, model.roller, len(centres)
     operation = scene.ideal_operation()
     speed, outer_speed = (float(each) for each in operation.at(time).ring_speeds)
-    way = turned(model.bearing, operation, time)
-    ring_turn, outer_turn = float(way.shaft), float(way.outer_ring)
-
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
     outer_load = outer.body_load(operation.gravity, outer_turn, outer_speed)
-    on_rings = zip(_angle(centres - hub) - ring_turn, _angle(centres) - outer_turn, strict=True)
-    for j, (on_inner, on_outer) in enumerate(on_rings):
-        _push_ring(model, inner, inner_load, on_inner, -values["inner_force"][j], -values["inner_traction"][j])
-        _push_ring(model, outer, outer_load, on_outer, values["outer_force"][j], -values["outer_traction"][j])
-    return Frame(
-        sample=sample,
-        time=time,
-        roller_turn=turns,
-        ring_turn=ring_turn,
-        outer_turn=outer_turn,
-        rollers=_roller_fields(model, hub, centres, turns, values),
-        inner_ring=inner.held(inner_load),
-        outer_ring=outer.rested(outer_load),
-    )
-
-
-def _roller_fields(model: Model, hub, centres, turns, values) -> np.ndarray:
-    n, disc = len(centres), model.roller
     load = values["roller_spin"][:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
-    inner, outer = _angle(centres - hub) + pi - turns, _angle(centres) - turns
+    at_inner, at_outer = _angle(centres - hub), _angle(centres)
     ahead = _angle(np.roll(centres, -1, axis=0) - centres)
-    for j in range(n):
-        i = (j + 1) % n
-        push = values["roller_roller_force"][j]
-        _push_disc(model, INNER, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
-        _push_disc(model, OUTER, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
-        _push_disc(model, ROLLER, load[j], ahead[j] - turns[j], -push, 0.0)
-        _push_disc(model, ROLLER, load[i], ahead[j] + pi - turns[i], -push, 0.0)
-    return disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
+    for j, turn in enumerate(roller_turns):
+        i, push = (j + 1) % n, values["roller_roller_force"][j]
+        inner_force, inner_traction = values["inner_force"][j], values["inner_traction"][j]
+        outer_force, outer_traction = values["outer_force"][j], values["outer_traction"][j]
+        _push_ring(model, INNER, inner_load, at_inner[j] - ring_turn, -inner_force, -inner_traction)
+        _push_ring(model, OUTER, outer_load, at_outer[j] - outer_turn, outer_force, -outer_traction)
+        _push_disc(model, INNER, load[j], at_inner[j] + pi - turn, -inner_force, -inner_traction)
+        _push_disc(model, OUTER, load[j], at_outer[j] - turn, -outer_force, outer_traction)
+        _push_disc(model, ROLLER, load[j], ahead[j] - turn, -push, 0.0)
+        _push_disc(model, ROLLER, load[i], ahead[j] + pi - roller_turns[i], -push, 0.0)
+    rollers = disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
+    return dict(rollers=rollers, inner_ring=inner.held(inner_load), outer_ring=outer.rested(outer_load))
 
 
-def _push_ring(model: Model, ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+def _push_ring(model: Model, kind: int, load: np.ndarray, angle: float, outward: float, along: float) -> None:
     """Add a contact force, N, outward and counter-clockwise at `angle`, to polar nodal loads."""
-    kind = INNER if ring is model.inner_ring else OUTER
+    ring = model.inner_ring if kind == INNER else model.outer_ring
     nodes, weight, offset = model.carried(kind, ring.n_sectors, angle, ring.raceway_radius, outward)
     cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
     np.add.at(load, (ring.raceway_row, 0, nodes), outward * cosine - along * sine)

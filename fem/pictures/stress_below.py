@@ -24,17 +24,26 @@ Johnson, Contact Mechanics (1985), (4.49), (7.8).
 from dataclasses import dataclass
 from functools import cache
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contacts.model import Model
-from fem.elastic.bodies import DiscBody, RingBody, turned
+from fem.elastic.bodies import max_shear, turned
 from fem.pictures.recover import Instant
 from fem.solver.frames import global_fields, rotated
 from lagrange import Material
 
+if TYPE_CHECKING:
+    from fem.pictures.bodies import DrawnBearing
+
 LARGEST_SHEAR, AT_DEPTH = 0.3003, 0.7861  # of Hertz's p₀ and b: McEwen's maximum under a line contact
 SOURCES = 8  # Gauss points in each of the patch's four intervals
+WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
+BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
+INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
+DEPTHS = np.linspace(0.0, 2.0, 401)[1:]  # half-widths, of the search for the largest shear
+ACROSS = np.linspace(-1.0, 1.0, 41)
+FITTED_WITHIN = 2.2  # node spacings: there the smooth part is a straight function of position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,11 +146,6 @@ def _spline_logarithm(z: np.ndarray) -> np.ndarray:
     return total
 
 
-WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
-BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
-INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
-
-
 @dataclass(frozen=True, kw_only=True)
 class BodyLoad:
     """A contact force on a body, `load` in the body's axes: from its centre, not turned with it."""
@@ -177,54 +181,52 @@ class BodyLoad:
 
 def contact_loads(instant: Instant) -> list[BodyLoad]:
     """All contact forces on all bodies, two for each contact."""
-    model, length = instant.model, instant.model.bearing.roller_length
-    disc, inner, outer = model.roller, model.inner_ring, model.outer_ring
-    n = model.bearing.n_rollers
-    loads = []
+    model, n, loads = instant.model, instant.model.bearing.n_rollers, []
 
-    def add(contact, body, shape, angle, force, half_width):
-        convex = -1.0 if body == OUTER_RING else 1.0
-        radius, nodes = _surface(shape)
-        outward = np.array([np.cos(angle), np.sin(angle)])
+    def add(kind: str, roller: int, body: int, angle: float, force: np.ndarray, half_width: float) -> None:
+        shape = model.inner_ring if body == INNER_RING else model.outer_ring if body == OUTER_RING else model.roller
+        radius, nodes = (
+            (shape.shape.radius, shape.shape.surface_nodes) if body >= FIRST_ROLLER
+            else (shape.raceway_radius, shape.n_sectors)
+        )  # fmt: skip
+        convex, outward = -1.0 if body == OUTER_RING else 1.0, np.array([np.cos(angle), np.sin(angle)])
         load = SurfaceLoad(
-            point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
-        )
-        spacing, (kind, roller) = model.smeared(2.0 * np.pi * radius / nodes, half_width), contact
-        about = dict(body=body, kind=kind, roller=roller, load=load, is_rigid=shape.material.rigid)
-        loads.append(BodyLoad(**about, radius=convex * radius, spacing=spacing))
+            point=radius * outward, inward=-convex * outward, force=force / model.bearing.roller_length,
+            half_width=half_width,
+        )  # fmt: skip
+        spacing = model.smeared(2.0 * np.pi * radius / nodes, half_width)
+        loads.append(
+            BodyLoad(
+                body=body, kind=kind, roller=roller, load=load, radius=convex * radius, spacing=spacing,
+                is_rigid=shape.material.rigid,
+            )
+        )  # fmt: skip
 
-    for kind, ring, body, sign in (("inner", inner, INNER_RING, 1.0), ("outer", outer, OUTER_RING, -1.0)):
-        law = getattr(model, f"{kind}_law")
+    for kind, body, sign in (("inner", INNER_RING, 1.0), ("outer", OUTER_RING, -1.0)):
         angles, forces, tractions = (getattr(instant, f"{kind}_{name}") for name in ("angle", "force", "traction"))
         for j in np.flatnonzero(forces > 0.0):
             c, s = np.cos(angles[j]), np.sin(angles[j])
             push = sign * forces[j] * np.array([c, s]) + tractions[j] * np.array([-s, c])  # on the roller
-            b = law.pair.half_width(forces[j])
-            add((kind, j), body, ring, angles[j], -push, b)
-            add((kind, j), FIRST_ROLLER + j, disc, angles[j] + (np.pi if sign > 0.0 else 0.0), push, b)
+            b = getattr(model, f"{kind}_law").pair.half_width(forces[j])
+            add(kind, j, body, angles[j], -push, b)
+            add(kind, j, FIRST_ROLLER + j, angles[j] + (np.pi if sign > 0.0 else 0.0), push, b)
     for j in np.flatnonzero(instant.roller_force > 0.0):
         angle, b = instant.next_angle[j], model.roller_law.pair.half_width(instant.roller_force[j])
         push = instant.roller_force[j] * np.array([np.cos(angle), np.sin(angle)])
-        add(("next", j), FIRST_ROLLER + j, disc, angle, -push, b)
-        add(("next", j), FIRST_ROLLER + (j + 1) % n, disc, angle + np.pi, push, b)
+        add("next", j, FIRST_ROLLER + j, angle, -push, b)
+        add("next", j, FIRST_ROLLER + (j + 1) % n, angle + np.pi, push, b)
     return loads
-
-
-def _surface(body: DiscBody | RingBody) -> tuple[float, int]:
-    """Radius, m, and node count of the circle that carries contacts."""
-    if isinstance(body, DiscBody):
-        return body.shape.radius, body.shape.surface_nodes
-    return body.raceway_radius, body.n_sectors
 
 
 def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     """Nodal stress of every body less its patches' near the contacts, (n_nodes, 3), Pa, fixed axes; by body number."""
     model, fields = instant.model, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
+    turns = (instant.ring_turn, instant.outer_turn, *map(float, instant.roller_turn))
     for item in loads:
         if item.is_resolved or item.is_rigid:
             continue
-        body, turn = _body(model, instant, item.body)
+        body, turn = (model.inner_ring, model.outer_ring, model.roller)[min(item.body, FIRST_ROLLER)], turns[item.body]
         points = rotated(body.points, turn)
         near = np.hypot(*(points - item.load.point).T) < BEYOND * abs(item.radius)
         near |= item.body >= FIRST_ROLLER
@@ -233,14 +235,6 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
         stress = turned((body.stress @ rotated(displacement, -turn).ravel()).reshape(-1, 3), turn)
         stresses[item.body] -= item.share(points)[:, None] * stress
     return stresses
-
-
-def _body(model: Model, instant: Instant, number: int) -> tuple[DiscBody | RingBody, float]:
-    if number == INNER_RING:
-        return model.inner_ring, instant.ring_turn
-    if number == OUTER_RING:
-        return model.outer_ring, instant.outer_turn
-    return model.roller, float(instant.roller_turn[number - FIRST_ROLLER])
 
 
 def add_hertz(stress: np.ndarray, points: np.ndarray, body: np.ndarray, loads: list[BodyLoad]) -> None:
@@ -255,3 +249,44 @@ def add_hertz(stress: np.ndarray, points: np.ndarray, body: np.ndarray, loads: l
         share = item.share(points[at])
         at, share = at[share > 0.0], share[share > 0.0]
         stress[at] += share[:, None] * hertz_stress(points[at], item.load)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearPeak:
+    """The largest shear stress below one contact of one body, and what Hertz's theory says of the contact."""
+
+    shear: float  # Pa, in the plane
+    depth: float  # m
+    across: float  # m, from the contact's middle, along the surface
+    pressure: float  # Hertz's p₀, Pa
+    half_width: float  # b, m
+
+
+def shear_peak(drawn: "DrawnBearing", item: BodyLoad) -> ShearPeak:
+    """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
+
+    A mesh that resolves the contact is searched itself, node by node.
+    """
+    load, b = item.load, item.load.half_width
+    at = np.flatnonzero(drawn.body == item.body)
+    nodes = drawn.local[at] - load.point
+    distance, along = np.hypot(*nodes.T), np.array([load.inward[1], -load.inward[0]])
+    if item.is_resolved:
+        near = distance < DEPTHS[-1] * b
+        depth, across = nodes[near] @ load.inward, nodes[near] @ along
+        shear = max_shear(drawn.smooth_stress[at[near]])
+    else:
+        depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
+        points = load.point + depth[:, None] * load.inward + across[:, None] * along
+        near = distance < FITTED_WITHIN * item.spacing
+        matrix, wanted = (
+            np.column_stack([np.ones(len(places)), places / item.spacing])
+            for places in (nodes[near], points - load.point)
+        )
+        smooth = wanted @ np.linalg.lstsq(matrix, drawn.smooth_stress[at[near]], rcond=None)[0]
+        shear = max_shear(smooth + hertz_stress(points, load))
+    k = int(np.argmax(shear))
+    pressure = 2.0 * float(np.hypot(*load.force)) / (pi * b)
+    return ShearPeak(
+        shear=float(shear[k]), depth=float(depth[k]), across=float(across[k]), pressure=pressure, half_width=b
+    )

@@ -18,10 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from residual.measured.diagnosis import BODIES, DEEP, Diagnosis, Geometry, diagnose
-from residual.measured.envelope import HARMONICS
+from residual.measured.diagnosis import BODIES, DEEP, HARMONICS, Diagnosis, Geometry, damage_width, diagnose
 from residual.measured.signals import Signal
-from residual.measured.strikes import damage_width
 from tests.reference.synthetic_record import Truth, drawn, synthetic_record
 
 SPEEDS_OFF = 0.05  # of synthetic records, at most

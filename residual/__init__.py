@@ -1,11 +1,11 @@
 """The check of Lagrange's equations against a simulated or measured run.
 
-record, sources, table_source   `Record`, the arrays all else works on: from a result file, from a table
+record, sources                 `Record`, the arrays all else works on: from a result file, from a table
 sampling                        soundness of a record: its interval, its positions, its beginning
-laws, budget, differentiate     laws, fitted ones too; error forces of equations (22) and (23), their terms and ranking
+laws, budget                    laws, fitted ones too; error forces of equations (22) and (23), their terms and ranking
 load_zone                       passages through the load zone, static equilibria, pressures along rollers
-spectrum, lines, orders         spectra over time and over the shaft's angle, levels of kinematic lines
-vibration                       vibration of sensor, housing or hub as bearing engineers read it
+spectrum                        derivatives and spectra of signals
+vibration                       lines over time and the shaft's angle; vibration as bearing engineers read it
 fault_finding                   spalls found in trajectories alone
 evaluation                      the whole check as one call -> `Evaluation`
 findings, formatting            tables and sentences of the numbers
@@ -23,7 +23,7 @@ _HOME = {
     "Record": "record",
     "InputError": "errors",
     "read_result": "sources",
-    "read_table": "table_source",
+    "read_table": "sources",
     "Evaluation": "evaluation",
     "evaluate": "evaluation",
     "write_report": "report",

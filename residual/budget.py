@@ -30,10 +30,9 @@ from lagrange.equations import Overlaps, approaches, contact_resultant, error_fo
 from lagrange.load_history import load_share
 from lagrange.motion import State
 from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
-from residual.differentiate import derivative
 from residual.laws import Identification, Law, Pushes, inner_law, misaligned, moment_resultant, sliced
 from residual.record import Record
-from residual.spectrum import Statistics, rms
+from residual.spectrum import Statistics, derivative, rms
 
 Pair = tuple[np.ndarray, np.ndarray]  # along x and y
 

@@ -68,7 +68,7 @@ def _command(
     if more:
         if against is not None:
             raise InputError("--against: only with one record; a series is compared with itself")
-        from residual.measured.trend import print_trend, trend_of, write_trend
+        from residual.measured.report import print_trend, trend_of, write_trend
 
         trend = trend_of((record, *more), question, options)
         write_trend(trend, folder, not no_figures)

@@ -175,8 +175,7 @@ def _newest() -> Path:
 def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):
     """Read a record from a result file, or from a table and its scene."""
     from lagrange.scene.scene import read_scene
-    from residual.sources import is_result, read_result
-    from residual.table_source import read_table
+    from residual.sources import is_result, read_result, read_table
 
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):

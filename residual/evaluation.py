@@ -19,15 +19,12 @@ from residual.budget import (
     rank_laws,
     tilt_errors,
 )  # fmt: skip
-from residual.differentiate import Floor, derivative, floor
 from residual.errors import InputError
 from residual.formatting import NOISE
 from residual.laws import FITTED, Identification, Law, has_tilts, identify, inner_law
-from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
-from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, first_sample, varies
 from residual.sampling import (
     WITHIN,
@@ -41,15 +38,30 @@ from residual.sampling import (
 )
 from residual.spectrum import (
     Envelope,
+    Floor,
     Peak,
     Spectrum,
     Statistics,
+    derivative,
     envelope,
     find_peaks,
+    floor,
     kinematic_lines,
     power_spectrum,
 )
-from residual.vibration import Vibration, measured, vibration
+from residual.vibration import (
+    LineLevel,
+    OrderSpectra,
+    Tracking,
+    Vibration,
+    line_levels,
+    measured,
+    named_peaks,
+    order_spectra,
+    tracking_of,
+    vibration,
+    watched_level,
+)
 
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
 LOADED = 0.01  # of the largest force: a roller with more is loaded

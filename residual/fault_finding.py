@@ -72,6 +72,9 @@ RESAMPLED = 200  # sets of passages drawn with replacement
 SIGMAS = 2.0
 MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond that of passages
 
+# a body, and spalls of it, (n_spalls, 3): angle of the middle, rad; width, m; depth, m
+Spalled = tuple["Place", np.ndarray]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
@@ -121,16 +124,16 @@ class RollerMotion:
         One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on the
         average. 1 where the load is small beside the contacts' forces, as with a preload.
         """
-        force, load = self.law(self.inner), np.hypot(*self.load)
+        force, load, (load_x, load_y) = self.law(self.inner), np.hypot(*self.load), self.load
         loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))
-        angle, (load_x, load_y) = self.inner_angle, self.load
-        along = np.sum(force * np.cos(angle), axis=1) * load_x + np.sum(force * np.sin(angle), axis=1) * load_y  # N²
+        along = [np.sum(force * part(self.inner_angle), axis=1) for part in (np.cos, np.sin)]
+        along = along[0] * load_x + along[1] * load_y  # N²
         carried = float(np.median(along[loaded] / load[loaded] ** 2)) if loaded.any() else 0.0  # of the load
         return float(np.clip(1.0 / carried, *SCALES)) if carried > 0.0 else 1.0
 
     @cached_property
     def contact(self) -> "Contact":
-        return Contact(self.bearing, lambda overlap: self.scale * self.law(overlap))
+        return Contact(self.bearing, self.law, self.scale)
 
     @property
     def stride(self) -> int:
@@ -151,7 +154,7 @@ class RollerMotion:
         return float(np.median(np.abs(np.diff(self.angles(place, place.sides[0]), axis=0)))) * place.radius
 
     def places(self) -> list[Place]:
-        """Every surface that may have a spall."""
+        """Every surface that may have a spall: outer ring, inner ring, rollers."""
         b = self.bearing
         outer = Place(body="outer_ring", roller=None, radius=b.outer_raceway_radius)
         inner = Place(body="inner_ring", roller=None, radius=b.inner_raceway_radius)
@@ -165,57 +168,45 @@ def roller_motion(record: Record) -> RollerMotion:
     """
     bearing, operation = replace(record.bearing, faults=()), record.operation
     found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
-    rho = np.hypot(record.roller_x, record.roller_y)
     theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
     way = turned(bearing, operation, record.time[:, None])
-    outer_turn, roller_turn = np.asarray(way.outer_ring), np.asarray(way.roller)
-    turn = record.roller_turn
+    outer_turn, roller_turn, turn = np.asarray(way.outer_ring), np.asarray(way.roller), record.roller_turn
     if turn is None:
         track = bearing.outer_raceway_radius - bearing.roller_radius
         surface = (outer_turn - outer_turn[0]) * bearing.outer_raceway_radius
         turn = roller_turn[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
     return RollerMotion(
         bearing=bearing, operation=operation, law=contact_laws(record.scene.lagrange.law, bearing).inner.force,
-        load=record.whole_load, interval=record.interval, rho=rho, outer_angle=theta,
-        inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
-        inner_turn=np.asarray(way.shaft), outer_turn=outer_turn, roller_turn=turn,
-        inner=found.inner, outer=found.outer,
-    )  # fmt: skip
-
-
-Spalled = tuple[Place, np.ndarray]  # a body, and spalls of it, (n_spalls, 3): angle of the middle, rad; width, depth, m
-NONE = 0.0  # no edges
+        load=record.whole_load, interval=record.interval, rho=np.hypot(record.roller_x, record.roller_y),
+        outer_angle=theta, inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
+        inner_turn=np.asarray(way.shaft), outer_turn=outer_turn, roller_turn=turn, inner=found.inner,
+        outer=found.outer)  # fmt: skip
 
 
 class Contact:
     """Force of a contact over its overlap, tabulated; near the edges of spalls it is softer."""
 
-    def __init__(self, bearing: Bearing, law: Callable[[np.ndarray], np.ndarray]):
-        """`law` : force, N, by overlap, m."""
+    def __init__(self, bearing: Bearing, law: Callable[[np.ndarray], np.ndarray], scale: float):
+        """`law` : force, N, by overlap, m, times `scale`."""
+        self.mass, r = bearing.roller_mass, bearing.roller_radius
         deep = np.geomspace(SOFTEST, STIFFEST, TABULATED)
-        self._overlap, self._force = np.append(0.0, deep), np.append(0.0, law(deep))
-        self.mass = bearing.roller_mass
-        self.fastest = float(np.sqrt(2.0 * law(np.array([STIFF]))[0] / STIFF / bearing.roller_mass))  # rad/s
-        r, inside, outside = bearing.roller_radius, *contact_pairs(bearing)[:2]
-        self._way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
+        self.table = np.append(0.0, deep), np.append(0.0, scale * law(deep))
+        self.fastest = float(np.sqrt(2.0 * (scale * law(np.array([STIFF]))[0]) / STIFF / self.mass))  # rad/s
+        self.way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
         wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
-        edge, self._soft = wide.half_opening(r) - self._way, {}
-        for side, pair, circles in (
-            ("inner", inside, Circles(bearing.inner_raceway_radius, r, "outside", r)),
-            ("outer", outside, Circles(bearing.outer_raceway_radius, r, "bore", r)),
-        ):
-            self._soft[side] = np.zeros_like(edge)
-            if not isinstance(bearing, BallBearing):
-                self._soft[side] = pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own))
+        edge, inside, outside = wide.half_opening(r) - self.way, *contact_pairs(bearing)[:2]
+        self.soft: dict[str, np.ndarray] = {"inner": np.zeros_like(edge), "outer": np.zeros_like(edge)}  # m/N
+        if not isinstance(bearing, BallBearing):
+            for side, pair, circles in (
+                ("inner", inside, Circles(bearing.inner_raceway_radius, r, "outside", r)),
+                ("outer", outside, Circles(bearing.outer_raceway_radius, r, "bore", r)),
+            ):
+                self.soft[side] = pair.line_compliance * softening(wide, circles, np.arcsin(edge / circles.own))
 
-    def softness(self, side: Side, inside: np.ndarray) -> np.ndarray:
-        """Compliance that an edge adds, m/N, by the way that a contact has gone over it, m, negative before it."""
-        return np.interp(inside, self._way, self._soft[side])
-
-    def push(self, overlap: np.ndarray, softness: np.ndarray | float) -> np.ndarray:
-        """Acceleration of the roller, m/s²."""
-        force = np.interp(overlap, self._overlap, self._force)
-        if softness is not NONE:
+    def push(self, overlap: np.ndarray, softness) -> np.ndarray:
+        """Acceleration of the roller, m/s²; softness, m/N, of edges, or 0 without any."""
+        force = np.interp(overlap, *self.table)
+        if np.ndim(softness):
             force = force * overlap / np.maximum(overlap + softness * force, SOFTEST)
         return force / self.mass
 
@@ -234,28 +225,28 @@ class ThreeSamples:
         self.motion, self.middle, self.roller = motion, middle, roller
         self.lapse = motion.stride * motion.interval
         self.steps = int(np.ceil(self.lapse * motion.contact.fastest / PHASE_STEP))
-        self._before, self._now, self._after = (motion.rho[middle + k * motion.stride, roller] for k in (-1, 0, 1))
+        self.before, self.now, self.after = (motion.rho[middle + k * motion.stride, roller] for k in (-1, 0, 1))
         angle = self._through(motion.outer_angle, roller)
-        rate = angle[1] / self.lapse
-        self._pull = motion.bearing.pitch_radius * rate**2 - motion.operation.gravity * np.sin(angle[0])
-        self._inside = self._through(motion.inner + motion.rho, roller)  # place at which the inner contact opens
-        self._outside = self._through(motion.rho - motion.outer, roller)
+        self.pull = motion.bearing.pitch_radius * (angle[1] / self.lapse) ** 2
+        self.pull = self.pull - motion.operation.gravity * np.sin(angle[2])
+        self.inside = self._through(motion.inner + motion.rho, roller)  # place at which the inner contact opens
+        self.outside = self._through(motion.rho - motion.outer, roller)
         # velocities at the middle over the first surfaces asked for, from which others are a step away, and the change
         # of the outer samples' difference by them
-        self._settled: tuple[np.ndarray, np.ndarray] | None = None
+        self.settled: tuple[np.ndarray, np.ndarray] | None = None
 
-    def _through(self, of: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Coefficients of the parabola through three samples, over time from −1 to 1."""
+    def _through(self, of: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """Coefficients of the parabola through three samples, over time from −1 to 1, highest first."""
         before, now, after = (of[self.middle + k * self.motion.stride, column] for k in (-1, 0, 1))
-        return now, 0.5 * (after - before), 0.5 * (after + before) - now
+        return np.array([0.5 * (after + before) - now, 0.5 * (after - before), now])
 
     def angle(self, place: Place, side: Side) -> np.ndarray:
         """Angles of the contacts at the middle samples in the place's own frame, (n,), rad; of a roller, its own."""
         return self.motion.angles(place, side)[self.middle, self.roller if place.roller is None else 0]
 
-    def _ends(self, spalled: Sequence[Spalled], more: tuple[float, float]) -> Callable[[np.ndarray, int], np.ndarray]:
-        """Places at the samples after (1) and before (−1), by the velocity at the middle one and that sign."""
-        b, contact, n, step, met = self.motion.bearing, self.motion.contact, self.steps, self.lapse / self.steps, []
+    def _surfaces(self, spalled: Sequence[Spalled], more: tuple[float, float]) -> list[tuple]:
+        """At each step the places at which both contacts open, m, each with what edges add to its compliance, m/N."""
+        b, contact, met, found = self.motion.bearing, self.motion.contact, [], []
         for place, spalls in spalled:
             column, own = self.roller, 1.0
             if place.roller is not None:
@@ -266,31 +257,29 @@ class ThreeSamples:
                 path = self._through(self.motion.angles(place, side), column)
                 met.append((side, path, angle, place.radius, half, depth, own))
         raceways = {"outer": (b.outer_raceway_radius, -1.0), "inner": (b.inner_raceway_radius, 1.0)}
-        surfaces = []  # low and high at each step, and what edges add to their compliance
-        for t in np.arange(-n, n + 1) / n:
-            sunk: dict[str, tuple] = {"inner": (more[0], NONE), "outer": (more[1], NONE)}
+        for t in np.arange(-self.steps, self.steps + 1) / self.steps:
+            sunk: dict[Side, tuple] = {"inner": (more[0], 0.0), "outer": (more[1], 0.0)}
             for side, path, angle, radius, half, depth, own in met:
-                inside = half - np.abs(np.mod(_at(path, t) - angle + np.pi, 2.0 * np.pi) - np.pi) * radius
+                inside = half - np.abs(_around(np.polyval(path, t) - angle)) * radius
                 fallen = edge_sinkage(np.maximum(inside, 0.0), b.roller_radius, *raceways[side])
-                deep, soft = sunk[side]
-                sunk[side] = deep + own * np.minimum(fallen, depth), soft + own * contact.softness(side, inside)
+                soft = np.interp(inside, contact.way, contact.soft[side])
+                sunk[side] = sunk[side][0] + own * np.minimum(fallen, depth), sunk[side][1] + own * soft
             (low, soft_low), (high, soft_high) = sunk["inner"], sunk["outer"]
-            surfaces.append((_at(self._inside, t) - low, soft_low, _at(self._outside, t) + high, soft_high))
+            found.append((np.polyval(self.inside, t) - low, soft_low, np.polyval(self.outside, t) + high, soft_high))
+        return found
 
-        def rate(place, k):
-            low, soft_low, high, soft_high = surfaces[n + k]
-            return contact.push(low - place, soft_low) - contact.push(place - high, soft_high) + self._pull
-
-        first = rate(self._now, 0)
-
-        def outer(velocity, sign):
-            place, speed = self._now, sign * velocity + 0.5 * step * first
-            for k in range(1, n):
+    def _ends(self, surfaces: list[tuple], velocity: np.ndarray) -> list[np.ndarray]:
+        """Places at the samples after and before, by the velocity at the middle one."""
+        step, push, found = self.lapse / self.steps, self.motion.contact.push, []
+        for sign in (1, -1):
+            place, speed = self.now, sign * velocity
+            for k in range(self.steps):
+                low, soft_low, high, soft_high = surfaces[self.steps + sign * k]
+                rate = push(low - place, soft_low) - push(place - high, soft_high) + self.pull
+                speed = speed + (step if k else 0.5 * step) * rate
                 place = place + step * speed
-                speed = speed + step * rate(place, sign * k)
-            return place + step * speed
-
-        return outer
+            found.append(place)
+        return found
 
     def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Excess of the outer samples' sum over that of the equation of motion, (n_spalls, n), m.
@@ -300,35 +289,33 @@ class ThreeSamples:
         spalled : each place with as many spalls, or with one
         more : m, that the inner and the outer surface lie deeper than that everywhere
         """
-        apart = self._after - self._before
-        if self._settled is None:
-            outer = self._ends([(place, spalls[:1]) for place, spalls in spalled], more)
+        apart, each, parts = self.after - self.before, max(1, AT_ONCE // max(1, self.middle.size)), []
+
+        def better(velocity, ends, slope):
+            short = apart - (ends[0] - ends[1])
+            move = short * slope / (slope**2 + (INSENSITIVE * self.lapse) ** 2)
+            return velocity + np.clip(move, -LONGEST_VELOCITY_STEP, LONGEST_VELOCITY_STEP)
+
+        if self.settled is None:
+            surfaces = self._surfaces([(place, spalls[:1]) for place, spalls in spalled], more)
             last = 0.5 * apart / self.lapse
-            new, moved = last + FIRST_VELOCITY_STEP, outer(last, 1) - outer(last, -1)
+            new, ends = last + FIRST_VELOCITY_STEP, self._ends(surfaces, last)
             for _ in range(VELOCITY_STEPS):
-                change, before = new - last, moved
-                moved = outer(new, 1) - outer(new, -1)
-                slope = (moved - before) / np.where(change == 0.0, 1.0, change)
-                last, new = new, new + _move(apart - moved, slope, self.lapse)
-            self._settled = new, slope
-        settled, slope = self._settled
-        each, parts = max(1, AT_ONCE // max(1, self.middle.size)), []
+                change, before, ends = new - last, ends, self._ends(surfaces, new)
+                slope = (ends[0] - ends[1] - (before[0] - before[1])) / np.where(change == 0.0, 1.0, change)
+                last, new = new, better(new, ends, slope)
+            self.settled = new, slope
         for k in range(0, max((len(spalls) for _, spalls in spalled), default=1), each):
-            outer = self._ends([(at, s if len(s) == 1 else s[k : k + each]) for at, s in spalled], more)
-            velocity = settled + _move(apart - (outer(settled, 1) - outer(settled, -1)), slope, self.lapse)
-            parts.append(np.atleast_2d(self._after + self._before - outer(velocity, 1) - outer(velocity, -1)))
+            surfaces = self._surfaces([(at, s if len(s) == 1 else s[k : k + each]) for at, s in spalled], more)
+            settled, slope = self.settled
+            ends = self._ends(surfaces, better(settled, self._ends(surfaces, settled), slope))
+            parts.append(np.atleast_2d(self.after + self.before - ends[0] - ends[1]))
         return np.concatenate(parts)
 
 
-def _move(short: np.ndarray, slope: np.ndarray, lapse: float) -> np.ndarray:
-    """Change of the velocities for a difference of the outer samples, m/s."""
-    move = short * slope / (slope**2 + (INSENSITIVE * lapse) ** 2)
-    return np.clip(move, -LONGEST_VELOCITY_STEP, LONGEST_VELOCITY_STEP)
-
-
-def _at(coefficients: tuple[np.ndarray, ...], time: float) -> np.ndarray:
-    level, slope, curve = coefficients
-    return level + (slope + curve * time) * time
+def _around(angle):
+    """The same angle, rad, from −π to π."""
+    return np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
 
 
 def edge_sinkage(inside: np.ndarray, roller_radius: float, raceway_radius: float, sign: float) -> np.ndarray:
@@ -338,10 +325,8 @@ def edge_sinkage(inside: np.ndarray, roller_radius: float, raceway_radius: float
     ------
     The edge's rounding is `EDGE_ROUNDING` whatever it is; ways beyond 0.95 of the roller's radius count as that.
     """
-    turned = roller_radius * (1.0 + EDGE_ROUNDING)
-    way = np.minimum(inside, 0.95 * roller_radius)
-    fallen = turned - np.sqrt(turned**2 - way**2)
-    return fallen + sign * (raceway_radius - np.sqrt(raceway_radius**2 - way**2))
+    edge, way = roller_radius * (1.0 + EDGE_ROUNDING), np.minimum(inside, 0.95 * roller_radius)
+    return edge - np.sqrt(edge**2 - way**2) + sign * (raceway_radius - np.sqrt(raceway_radius**2 - way**2))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -380,29 +365,29 @@ def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[Si
     stride, (n_times, n_rollers), places = motion.stride, motion.rho.shape, motion.places()
     thinned = max(1, int(0.5 * BIN / max(motion.travel(places[0]), 1e-9)))
     times = np.arange(stride, n_times - stride, thinned)
-    middle, roller = (index.ravel() for index in np.meshgrid(times, np.arange(n_rollers), indexing="ij"))
-    every, sunk = ThreeSamples(motion, middle, roller), {}
+    middle, roller = np.repeat(times, n_rollers), np.tile(np.arange(n_rollers), times.size)
+    every, sunk, maps = ThreeSamples(motion, middle, roller), {}, []
     missed = every.over(known)[0]
     for side, overlap, deeper, sign in (
-        ("outer", motion.outer, (0.0, PROBE), 1.0),
-        ("inner", motion.inner, (PROBE, 0.0), -1.0),
-    ):
+        ("outer", motion.outer, (0.0, PROBE), 1.0), ("inner", motion.inner, (PROBE, 0.0), -1.0)
+    ):  # fmt: skip
         gain = (missed - every.over(known, deeper)[0]) / PROBE
         gain = np.where(np.abs(gain) < LEAST_GAIN, sign * LEAST_GAIN, gain)
         touches = overlap[middle, roller] > -OFF_RACEWAY
         sunk[side] = np.where(touches, np.clip(missed / gain, -MOST, MOST), np.nan)  # m, that explains three samples
-    maps = []
     for place in places:
         travel = thinned * motion.travel(place)
         if travel == 0.0:
             continue
         own = slice(None) if place.roller is None else roller == place.roller
-        angle = np.concatenate([every.angle(place, side)[own] for side in place.sides])
-        depth = np.concatenate([sunk[side][own] for side in place.sides])
+        angle, depth = (
+            np.concatenate([of[own] for of in each])
+            for each in ((every.angle(place, side) for side in place.sides), (sunk[side] for side in place.sides))
+        )
         found = SinkageMap(place=place, height=_height(angle, depth, 2.0 * np.pi * place.radius / max(BIN, travel)))
         for at, spalls in known:
             if at == place:
-                away = np.abs(np.mod(found.angle - spalls[0, 0] + np.pi, 2.0 * np.pi) - np.pi) * place.radius
+                away = np.abs(_around(found.angle - spalls[0, 0])) * place.radius
                 found.height[away < spalls[0, 1] + MAP_BESIDE[1]] = np.nan
         maps.append(found)
     return maps
@@ -410,8 +395,7 @@ def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[Si
 
 def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:
     """Smoothed median by bins around the circumference; samples that are NaN do not count."""
-    n = max(SMOOTHED, int(bins))
-    used = np.isfinite(depth)
+    n, used = max(SMOOTHED, int(bins)), np.isfinite(depth)
     label = np.minimum((np.mod(angle[used], 2.0 * np.pi) * (n / (2.0 * np.pi))).astype(np.int64), n - 1)
     height = np.full(n, np.nan)
     enough = np.flatnonzero(np.bincount(label, minlength=n) >= FEWEST_IN_BIN)
@@ -474,7 +458,7 @@ def find_faults(record: Record) -> FaultSearch:
     InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
     A spall that no roller presses on in the run is not seen; the maps show which parts of a body are.
     """
-    motion = roller_motion(record)
+    motion, found = roller_motion(record), list[FoundSpall]()
     travel = motion.travel(motion.places()[1])
     if motion.operation.fastest == 0.0 or travel == 0.0:
         raise InputError(f"{record.source}: --find-faults: the bearing stands still; rollers pass over nothing")
@@ -484,7 +468,6 @@ def find_faults(record: Record) -> FaultSearch:
             f"{1e3 * FARTHEST:g} mm can be distinguished from a spall; store more often (numerics.output_interval_us)"
         )
     maps = left = sinkage_maps(motion)
-    found: list[FoundSpall] = []
     while len(found) < MOST_SPALLS:
         known = [each.spalled for each in found]
         suspects = sorted((m for m in left if m.deepest[1] >= MAP_STANDS_OUT), key=lambda m: -m.deepest[1])
@@ -496,17 +479,16 @@ def find_faults(record: Record) -> FaultSearch:
     again = []  # each made finer with the others known
     for mine in found if len(found) > 1 else ():
         fit = _refined(motion, mine.place, mine.spall, [each.spalled for each in found if each is not mine])
-        spall, angle_error, width_error = fit or (mine.spall, mine.angle_error, mine.width_error)
-        again.append(replace(mine, spall=spall, angle_error=angle_error, width_error=width_error))
+        again.append(mine if fit is None else replace(mine, spall=fit[0], angle_error=fit[1], width_error=fit[2]))
     return FaultSearch(motion=motion, maps=maps, left=left, found=tuple(again or found))
 
 
 class Near:
     """Three samples near a place of a body, by passages, and what is between them and spalls there."""
 
-    def __init__(self, motion: RollerMotion, place: Place, angle: float, half: float, rest):
+    def __init__(self, motion: RollerMotion, place: Place, angle: float, half: float, rest: Sequence[Spalled]):
         """As far as `half`, m, on either side of an angle, rad; `rest` : other spalls of the bearing."""
-        stride, found = motion.stride, []
+        self.place, self.rest, stride, found = place, rest, motion.stride, []
         for side in place.sides:
             turns = (motion.angles(place, side)[stride:-stride] - angle) / (2.0 * np.pi)
             number = np.round(turns)
@@ -517,19 +499,17 @@ class Near:
         every = np.concatenate(found)
         every = every[:: max(1, -(-len(every) // MOST_SAMPLES))]
         self.beyond = every[:, 4]  # m, of the contacts from the angle at the middle samples
-        every = every[:, :4].astype(np.int64)
-        _, self.passage = np.unique(every[:, 1:], axis=0, return_inverse=True)
+        whole = every[:, :4].astype(np.int64)
+        _, self.passage = np.unique(whole[:, 1:], axis=0, return_inverse=True)
         self.passages = int(self.passage.max(initial=-1)) + 1
-        self.place, self.rest = place, rest
-        self.samples = ThreeSamples(motion, every[:, 0], every[:, 1])
+        self.samples = ThreeSamples(motion, whole[:, 0], whole[:, 1])
 
     def misfit(self, spalls: np.ndarray) -> np.ndarray:
         """Misfit with spalls, (n_spalls, n_passages), 0 for a perfect fit.
 
         Sums of √(1 + z²) − 1, z the mismatch over the usual one: nearly its magnitude, because strikes shake all.
         """
-        missed = self.samples.over([(self.place, spalls), *self.rest])
-        cost = np.hypot(1.0, missed / UNREST) - 1.0
+        cost = np.hypot(1.0, self.samples.over([(self.place, spalls), *self.rest]) / UNREST) - 1.0
         return np.stack([np.bincount(self.passage, each, self.passages) for each in cost])
 
 
@@ -547,26 +527,26 @@ def _match(motion: RollerMotion, suspect: SinkageMap, rest: Sequence[Spalled]) -
         return None
     half = max(0.5 * spall[1] + BESIDE + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
     near = Near(motion, place, angle, half, rest)
-    misfit = near.misfit(np.array([*(fit[0] for fit in fits), (angle, 0.0, 0.0)])).sum(axis=1)
-    best = int(np.argmin(misfit[:-1]))
-    gain = float(misfit[-1] - misfit[best])
+    *misfits, without = near.misfit(np.array([*(fit[0] for fit in fits), (angle, 0.0, 0.0)])).sum(axis=1)
+    best = int(np.argmin(misfits))
+    gain = float(without - misfits[best])
     if gain <= 0.0:
         return None
     spall, angle_error, width_error = fits[best]
     return gain, FoundSpall(
         place=place, spall=spall, angle_error=angle_error, width_error=width_error, stands_out=ratio,
-        explained=gain / float(misfit[-1]), passages=near.passages, seen=suspect,
-    )  # fmt: skip
+        explained=gain / float(without), passages=near.passages, seen=suspect)  # fmt: skip
 
 
-def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, rest) -> tuple[np.ndarray, float, float] | None:
+def _refined(
+    motion: RollerMotion, place: Place, spall: np.ndarray, rest: Sequence[Spalled]
+) -> tuple[np.ndarray, float, float] | None:
     """A spall's edges and depth made finer step by step; half intervals (95 %) of its angle, rad, and width, m.
 
     The mismatch of three samples depends on the surface between them: one edge at a time. The intervals are by other
     draws of the passages, and the model's own scatter. None without passages.
     """
-    step, edges = FIRST_STEP * spall[1], list[tuple[np.ndarray, np.ndarray]]()
-    moves = np.array(sorted(range(-MOVED, MOVED + 1), key=abs))
+    step, moves, edges = FIRST_STEP * spall[1], np.array(sorted(range(-MOVED, MOVED + 1), key=abs)), list[tuple]()
     for ratio in DEPTH_RATIOS:
         near = Near(motion, place, spall[0], 0.5 * spall[1] + MOVED * step + BESIDE, rest)
         if not near.passages:
@@ -576,9 +556,8 @@ def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, rest) -> tup
             widths = np.maximum(spall[1] + sign * step * moves, NARROWEST)
             angles = spall[0] + 0.5 * (moves * step) / place.radius
             grid = np.column_stack([angles, widths, np.full(moves.size, spall[2])])
-            misfit = near.misfit(grid)
-            spall = grid[np.argmin(misfit.sum(axis=1))]
-            edges.append((grid, misfit))
+            edges.append((grid, near.misfit(grid)))
+            spall = grid[np.argmin(edges[-1][1].sum(axis=1))]
         if spall[1] > DEPTH_TELLS:
             deeper = spall * np.array([(1.0, 1.0, 1.0), (1.0, 1.0, ratio), (1.0, 1.0, 1.0 / ratio)])
             spall = deeper[np.argmin(near.misfit(deeper).sum(axis=1))]

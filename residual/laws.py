@@ -21,11 +21,10 @@ from lagrange.equations import Overlaps, contact_resultant
 from lagrange.surface.deviation import Falls, SurfaceDeviation
 from lagrange.surface.edges import softened
 from lagrange.tilt import falls, met
-from residual.differentiate import derivative
 from residual.errors import InputError
 from residual.load_zone import load_zones
 from residual.record import FEWEST_SAMPLES, Record
-from residual.spectrum import rms
+from residual.spectrum import derivative, rms
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import product
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -37,15 +38,6 @@ class CageMotion:
     guidance_y: np.ndarray
     force: np.ndarray  # (n_times, n_rollers), N, on the rollers, forward
     moment: np.ndarray  # (n_times, n_rollers), N m, on the rollers about their centres
-
-    @property
-    def by_column(self) -> dict[str, np.ndarray]:
-        """The arrays by the result file's names."""
-        return {column: getattr(self, name) for column, name in COLUMNS.items()}
-
-    def samples(self, part: slice) -> "CageMotion":
-        """Restrict the cage to some samples."""
-        return CageMotion(**{name: value[part] for name, value in vars(self).items()})
 
     def speed(self, interval: float) -> float:
         """Mean angular speed, rad/s; samples are so many s apart."""
@@ -134,7 +126,7 @@ class Record:
     def operation(self) -> Operation:
         return self.scene.ideal_operation()
 
-    @property
+    @cached_property
     def acting(self) -> Operation:
         """Speed and loads of the samples, arrays (n_times,) where they change."""
         return self.operation.at(self.time)
@@ -146,7 +138,7 @@ class Record:
         down = acting.radial_load + acting.inner_mass * acting.gravity
         return np.broadcast_to(acting.side_load, self.time.shape), np.broadcast_to(-down, self.time.shape)
 
-    @property
+    @cached_property
     def load(self) -> float:
         """Rms of the whole load's magnitude, N: the force that all others are compared with."""
         return float(np.sqrt(np.mean(np.square(self.whole_load).sum(axis=0))))
@@ -164,7 +156,7 @@ class Record:
         """Whether a ring turns both ways, so that means of signed speeds say nothing."""
         return any(bool(np.min(speed) < 0.0 < np.max(speed)) for speed in self.acting.ring_speeds)
 
-    @property
+    @cached_property
     def varies_speed(self) -> bool:
         """Whether a ring's speed changes so much that no line in Hz stays where it is."""
         return any(varies(speed) for speed in self.acting.ring_speeds)
@@ -174,7 +166,7 @@ class Record:
         """Sampling interval, s."""
         return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
 
-    @property
+    @cached_property
     def cage_speed(self) -> float:
         """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
         angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
@@ -201,10 +193,18 @@ class Record:
         """Overlaps of the scene's surfaces, which are the approaches of rigid bodies."""
         return approaches(self.bearing, self.inner_x, self.inner_y, self.roller_x, self.roller_y, self.turns)
 
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All samples, by their names here, energies and the cage's by those of the result file."""
+        cage = {} if self.cage is None else {column: getattr(self.cage, name) for column, name in COLUMNS.items()}
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {k: v for k, v in {**own, **self.energies, **cage}.items() if isinstance(v, np.ndarray)}
+
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        cut: dict[str, Any] = {name: v[part] for name, v in vars(self).items() if isinstance(v, np.ndarray)}
-        cage = None if self.cage is None else self.cage.samples(part)
+        of_record = {each.name for each in fields(self)}
+        cut: dict[str, Any] = {name: value[part] for name, value in self.arrays.items() if name in of_record}
+        cage = self.cage and CageMotion(**{name: value[part] for name, value in vars(self.cage).items()})
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
@@ -213,8 +213,6 @@ def first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
 
     `start` : s, of what is skipped; None: the load ramp of a run from rest
 
-    Errors
-    ------
     InputError: fewer than 32 samples are left.
     """
     numerics, notes, time = record.scene.numerics, [], record.time
@@ -232,11 +230,6 @@ def first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
     return first, notes
 
 
-def after_ramp(record: Record) -> Record:
-    """The record without the load ramp of a run from rest."""
-    return record.samples(slice(first_sample(record, None)[0], None))
-
-
 def varies(speed) -> bool:
     """Whether a speed changes by more than lines in Hz bear; any shape."""
     return bool(np.ptp(np.abs(speed)) > SAME_SPEED * np.max(np.abs(speed)))
@@ -250,26 +243,19 @@ def angle_from_load(angle):
 def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, np.ndarray]:
     """Arrays of a source by the names of a `Record`, with all places from the outer ring's centre.
 
-    Parameters
-    ----------
-    centre : what the source calls the outer ring's places and accelerations, `Mounting.centre`
+    `centre` : what the source calls the outer ring's places and accelerations, `Mounting.centre`
 
-    Errors
-    ------
     InputError: arrays that do not fit each other.
     """
     called = dict(zip(centre, OF_OUTER_RING, strict=False))
     found = {called.get(name, name): array for name, array in arrays.items()}
-    for axis in "xy":
-        for body in ("inner", "roller", "cage"):
-            moved, place = found.get(f"outer_ring_{axis}"), arrays.get(f"{body}_{axis}")
-            if moved is None or place is None:
-                continue
-            if place.shape[0] != moved.shape[0]:
-                raise InputError(
-                    f"the outer ring's {axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}"
-                )
-            found[f"{body}_{axis}"] = (place.T - moved).T
+    for axis, body in product("xy", ("inner", "roller", "cage")):
+        moved, place = found.get(f"outer_ring_{axis}"), arrays.get(f"{body}_{axis}")
+        if moved is None or place is None:
+            continue
+        if place.shape[0] != moved.shape[0]:
+            raise InputError(f"the outer ring's {axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
+        found[f"{body}_{axis}"] = (place.T - moved).T
     return found
 
 
@@ -282,74 +268,61 @@ def checked(record: Record) -> Record:
     InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
     scene's, rollers are nowhere near the pitch circle, or there are too few samples.
     """
-    source, time = record.source, record.time
-    n_times, n_rollers = time.size, record.bearing.n_rollers
-    if n_times < FEWEST_SAMPLES:
-        raise InputError(
-            f"{source}: {n_times} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or "
-            "store more often"
-        )
-    cage = {} if record.cage is None else record.cage.by_column
-    for name, value in {**vars(record), **record.energies, **cage}.items():
-        if isinstance(value, np.ndarray):
-            _check_array(source, name, value, n_times, n_rollers)
-    _check_time(source, time, record.interval)
-    rho = np.hypot(record.roller_x, record.roller_y)
-    pitch = record.bearing.pitch_radius
-    farthest = farthest_place(record.bearing)
-    worst = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape)
-    if abs(rho[worst] - pitch) > farthest:
-        raise InputError(
-            f"{source}: roller {worst[1]} is {rho[worst]:.4g} m from the centre at sample {worst[0]}, the "
-            f"scene's pitch radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
-        )
-    hub = np.hypot(record.inner_x, record.inner_y)
-    if hub.max() > farthest:
-        i = int(np.argmax(hub))
-        raise InputError(
-            f"{source}: the inner ring's centre (inner_x, inner_y) is {hub[i]:.4g} m off at sample {i}, the scene's "
-            f"pitch radius is {pitch:.4g} m; are the positions in metres?"
-        )
-    return record
+    source, time, n_rollers, pitch = record.source, record.time, record.bearing.n_rollers, record.bearing.pitch_radius
 
+    def refuse_if(wrong, words: str) -> None:
+        if wrong:
+            raise InputError(f"{source}: {words}")
 
-def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rollers: int) -> None:
-    """Refuse an array of the wrong shape, or with values that are not finite or absurdly large."""
-    wanted = (n_times, n_rollers) if per_roller(name) else (n_times,)
-    if per_roller(name) and value.ndim == 2 and value.shape[1] != n_rollers:
-        raise InputError(f"{source}: {name} holds {value.shape[1]} rollers, its scene says {n_rollers}")
-    if value.shape != wanted:
-        raise InputError(f"{source}: {name} has shape {value.shape}, expected {wanted}; the file is damaged")
-    if value.size and np.abs(value[np.isfinite(value)]).max(initial=0.0) > LARGEST:
-        raise InputError(f"{source}: {name} exceeds {LARGEST:g} in SI units; are the units right?")
-    bad = ~np.isfinite(value)
-    if bad.any():
+    refuse_if(
+        time.size < FEWEST_SAMPLES,
+        f"{time.size} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or store more often",
+    )
+    for name, value in record.arrays.items():
+        wanted = (time.size, n_rollers) if per_roller(name) else (time.size,)
+        rollers = value.shape[-1] if per_roller(name) and value.ndim == 2 else n_rollers
+        refuse_if(rollers != n_rollers, f"{name} holds {rollers} rollers, its scene says {n_rollers}")
+        refuse_if(value.shape != wanted, f"{name} has shape {value.shape}, expected {wanted}; the file is damaged")
+        bad = ~np.isfinite(value)
+        refuse_if(
+            np.abs(value[~bad]).max(initial=0.0) > LARGEST,
+            f"{name} exceeds {LARGEST:g} in SI units; are the units right?",
+        )
         where = np.unravel_index(np.argmax(bad), value.shape)
-        raise InputError(
-            f"{source}: {name} is {value[where]} at sample {where[0]}"
-            + (f", roller {where[1]}" if len(where) > 1 else "")
-            + f" ({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out"
+        refuse_if(
+            bad.any(),
+            f"{name} is {value[where]} at sample {where[0]}"
+            + "".join(f", roller {j}" for j in where[1:])
+            + f" ({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out",
         )
-
-
-def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
-    """Refuse time that does not rise in equal steps."""
     steps = np.diff(time)
-    if np.any(steps <= 0.0):
-        i = int(np.argmax(steps <= 0.0))
-        raise InputError(
-            f"{source}: time does not rise after sample {i} ({time[i]:.9g} s is followed by "
-            f"{time[i + 1]:.9g} s); sort it"
-        )
-    if interval < SHORTEST_INTERVAL:
-        raise InputError(
-            f"{source}: the sampling interval is {interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time "
-            "in seconds?"
-        )
-    uneven = np.abs(steps - interval)
-    i = int(np.argmax(uneven))
-    if uneven[i] > TIME_JITTER * interval:
-        raise InputError(
-            f"{source}: the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one "
-            f"{interval:.6g} s (may differ by {TIME_JITTER:g} of it); --resample brings a table to equal steps"
-        )
+    i = int(np.argmax(steps <= 0.0))
+    refuse_if(
+        steps[i] <= 0.0,
+        f"time does not rise after sample {i} ({time[i]:.9g} s is followed by {time[i + 1]:.9g} s); sort it",
+    )
+    refuse_if(
+        record.interval < SHORTEST_INTERVAL,
+        f"the sampling interval is {record.interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time in "
+        "seconds?",
+    )
+    i = int(np.argmax(np.abs(steps - record.interval)))
+    refuse_if(
+        abs(steps[i] - record.interval) > TIME_JITTER * record.interval,
+        f"the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one {record.interval:.6g} s (may differ "
+        f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps",
+    )
+    rho, hub = np.hypot(record.roller_x, record.roller_y), np.hypot(record.inner_x, record.inner_y)
+    i, j = divmod(int(np.argmax(np.abs(rho - pitch))), n_rollers)
+    refuse_if(
+        abs(rho[i, j] - pitch) > farthest_place(record.bearing),
+        f"roller {j} is {rho[i, j]:.4g} m from the centre at sample {i}, the scene's pitch radius is {pitch:.4g} m; "
+        "are the positions in metres and the scene the right one?",
+    )
+    k = int(np.argmax(hub))
+    refuse_if(
+        hub[k] > farthest_place(record.bearing),
+        f"the inner ring's centre (inner_x, inner_y) is {hub[k]:.4g} m off at sample {k}, the scene's pitch radius is "
+        f"{pitch:.4g} m; are the positions in metres?",
+    )
+    return record

@@ -30,11 +30,10 @@ from residual.evaluation import Evaluation
 from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
 from residual.formatting import LINE_COLOURS, family, hertz, term_label, text
 from residual.laws import CONFIDENCE, Identification, Interval
-from residual.lines import LineLevel
 from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import Level, Peak, Spectrum, Statistics, power_spectrum, rms
 from residual.store import Page, write_folder
-from residual.vibration import FaultLine, Vibration
+from residual.vibration import FaultLine, LineLevel, Vibration
 
 if TYPE_CHECKING:
     from residual.figures import Saved

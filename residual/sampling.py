@@ -8,11 +8,10 @@ import numpy as np
 from lagrange.step_size import SAMPLES_OF_ROLLERS
 from lagrange.surface.passages import SAMPLES, spalls
 from residual.budget import Budget
-from residual.differentiate import response, stencil
 from residual.formatting import length, text
 from residual.laws import Law
 from residual.record import Record
-from residual.spectrum import Statistics, power_spectrum, rms
+from residual.spectrum import Statistics, power_spectrum, response, rms, stencil
 
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
 WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period resolve force and acceleration alike
@@ -22,6 +21,7 @@ NORMAL = 1.4826  # standard deviation over median magnitude
 WHOLE = 0.02  # of a step: gaps between rounded numbers are multiples of it but for their own round-off
 ENOUGH = 20_000  # samples that show a step
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
+UNIFORM = np.sqrt(1.0 / 12.0)  # rms of the rounding to a step, over the step
 WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
 QUARTERS = 4
 PASSAGES = 2.0  # of rollers in a quarter: in less, what varies is the passage itself
@@ -64,10 +64,8 @@ class TooCoarse:
         """Why the balance fails, and the remedy."""
         better = self.remedy if self.seldom else "a shorter interval"
         samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration; {better} does"
-        if 2.0 * self.own < self.left:
-            return samples
         rings = "the elastic rings vibrate, with an inertia other than M at the hub"
-        return f"{rings}, and {samples}" if self.seldom else rings
+        return samples if 2.0 * self.own < self.left else f"{rings}, and {samples}" if self.seldom else rings
 
     @property
     def note(self) -> str:
@@ -80,14 +78,9 @@ class TooCoarse:
 
 
 def too_coarse(
-    record: Record,
-    law: Law,
-    budget: Budget,
-    balances: tuple[Statistics | None, Statistics | None],
-    floors: tuple[float, float],
-    least: float,
-    most: float,
-) -> TooCoarse | None:
+    record: Record, law: Law, budget: Budget, balances: tuple[Statistics | None, Statistics | None],
+    floors: tuple[float, float], least: float, most: float,
+) -> TooCoarse | None:  # fmt: skip
     """Find vibration of a run of ours beyond its samples; of a table from elsewhere forces may be missing.
 
     Parameters
@@ -100,21 +93,21 @@ def too_coarse(
     -------
     None where nothing shows, or where the balance fails at frequencies too that the samples follow well.
     """
-    directions = (budget.x, budget.y)
-    left = [each.rms for each in balances if each is not None]
-    motion = [d.momentum for d in directions if d.momentum is not None]
+    directions, left = (budget.x, budget.y), [each.rms for each in balances if each is not None]
     if not record.attributes or not left or any("differentiation" not in d.terms for d in directions):
         return None
     # of a roller between its two contacts, both taken as stiff as the inner one
     stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
     mode = float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))
     worst = max(range(2), key=lambda i: left[i] - FOLDED * floors[i])
-    below = WELL_SAMPLED / record.interval
+    below, slow = WELL_SAMPLED / record.interval, []
+    for force in (d.momentum for d in directions if d.momentum is not None):  # of its part below, with its mean
+        spectrum = power_spectrum(force, record.interval)
+        part = spectrum.psd[(spectrum.frequency > 0.0) & (spectrum.frequency < below)]
+        slow.append(hypot(float(np.mean(force)), float(np.sqrt(np.sum(part) * spectrum.resolution))))
     found = TooCoarse(
-        left=left[worst], axis="xy"[worst], floor=floors[worst],
-        own=hypot(*(rms(d.terms["ring_flexibility"]) for d in directions)),
-        slow=hypot(*(_rms_below(each, record.interval, below) for each in motion)), below=below, mode=mode,
-        interval=record.interval,
+        left=left[worst], axis="xy"[worst], floor=floors[worst], slow=hypot(*slow), below=below, mode=mode,
+        own=hypot(*(rms(d.terms["ring_flexibility"]) for d in directions)), interval=record.interval,
         enough=1.0 / ((SAMPLES if spalls(record.bearing) else SAMPLES_OF_ROLLERS) * mode) if mode > 0.0 else np.inf,
     )  # fmt: skip
     if hypot(*left) > most:
@@ -122,30 +115,20 @@ def too_coarse(
     return found if found.seldom and left[worst] > max(FOLDED * floors[worst], least) else None
 
 
-def _rms_below(force: np.ndarray, interval: float, frequency: float) -> float:
-    """Rms of a force's part below a frequency, Hz, with its mean."""
-    spectrum = power_spectrum(force, interval)
-    slow = spectrum.psd[(spectrum.frequency > 0.0) & (spectrum.frequency < frequency)]
-    return hypot(float(np.mean(force)), float(np.sqrt(np.sum(slow) * spectrum.resolution)))
-
-
 def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
     """Say whether the record is sampled too coarsely for the inner ring's own vibration."""
-    nyquist = 0.5 / interval
-    if resonance == 0.0:
-        return []
+    nyquist, lower = 0.5 / interval, "lower numerics.output_interval_us"
     if resonance >= nyquist:
         return [
             f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about {resonance:.3g} Hz: "
-            "vibration there is aliased and the inertia force is wrong; lower numerics.output_interval_us"
+            f"vibration there is aliased and the inertia force is wrong; {lower}"
         ]
-    gain = float(response(resonance, interval, order))
-    if gain < STENCIL_GAIN:
-        return [
-            f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads {100 * (1 - gain):.0f} % of "
-            "the inertia force too low; lower numerics.output_interval_us or use a higher --order"
-        ]
-    return []
+    if resonance == 0.0 or (gain := float(response(resonance, interval, order))) >= STENCIL_GAIN:
+        return []
+    return [
+        f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads {100 * (1 - gain):.0f} % of "
+        f"the inertia force too low; {lower} or use a higher --order"
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,18 +148,18 @@ class PositionNoise:
     @property
     def error(self) -> tuple[float, float]:
         """Floor of error_x and error_y, N rms."""
-        x, y = (float(np.hypot(*pair)) for pair in zip(self.inertia, self.law, strict=True))
+        x, y = np.hypot(self.inertia, self.law).tolist()
         return x, y
 
     @property
     def balance(self) -> float:
         """Floor of the momentum balance, which takes no law's forces, N rms of both directions."""
-        return float(np.hypot(*self.inertia))
+        return hypot(*self.inertia)
 
     @property
     def source(self) -> str:
         """The cause in words."""
-        if self.step > 0.0 and self.step / np.sqrt(12.0) >= 0.5 * max(*self.hub, self.roller):
+        if self.step > 0.0 and self.step * UNIFORM >= 0.5 * max(*self.hub, self.roller):
             return f"their rounding to {length(self.step, 3)}"
         hub, roller = length(max(self.hub), 2), length(self.roller, 2)
         return f"noise, or vibration too fast for the sampling (hub {hub} rms, rollers {roller})"
@@ -204,35 +187,32 @@ def position_noise(record: Record, law: Law, budget: Budget, order: int) -> Posi
     """
     if record.attributes:
         return None
-    x, y, hub = record.roller_x, record.roller_y, (record.inner_x, record.inner_y)
-    rollers = max(rounding_step(x), rounding_step(y), rounding_step(np.hypot(x, y)))
-    steps = [rounding_step(place) if np.ptp(place) > 0.0 else rollers for place in hub]
-    white = [float(noise_level(place)) for place in hub]
-    hub_x, hub_y = (max(noise, step / np.sqrt(12.0)) for noise, step in zip(white, steps, strict=True))
-    roller = max(float(np.median(noise_level(place))) for place in (x, y))
-    roller = max(roller, rollers / np.sqrt(12.0))
+    x, y = record.roller_x, record.roller_y
+    rollers = max(map(_rounding_step, (x, y, np.hypot(x, y))))
+    roller = max(rollers * UNIFORM, *(float(np.median(_noise_level(place))) for place in (x, y)))
     mass_rate, weights = record.operation.inner_mass / record.interval**2, stencil(order)  # N/m
     gain = float(np.linalg.norm(weights))
     jump = float(np.linalg.norm(np.cumsum(weights)))  # of a step from one sample to the next
-    inertia_x, inertia_y = (
-        mass_rate * max(noise * gain, step * min(gain / np.sqrt(12.0), jump * np.sqrt(np.mean(np.diff(place) != 0.0))))
-        for place, noise, step in zip(hub, white, steps, strict=True)
-    )
     slope = law.slope(budget.contacts.inner)
-    along = budget.contacts.direction_x, budget.contacts.direction_y
-    shared = [[np.mean(np.sum(slope * a * b, axis=1) ** 2) for b in along] for a in along]  # (N/m)²
-    each = [np.mean(np.sum((slope * a) ** 2, axis=1)) for a in along]
-    law_x, law_y = (
-        float(np.sqrt(of_x * hub_x**2 + of_y * hub_y**2 + single * roller**2))
-        for (of_x, of_y), single in zip(shared, each, strict=True)
-    )
+    along, steps, hub, inertia = (budget.contacts.direction_x, budget.contacts.direction_y), [], [], []
+    for place in (record.inner_x, record.inner_y):
+        white, step = float(_noise_level(place)), _rounding_step(place) if np.ptp(place) > 0.0 else rollers
+        seldom = min(gain * UNIFORM, jump * np.sqrt(np.mean(np.diff(place) != 0.0)))
+        inertia.append(mass_rate * max(white * gain, step * seldom))
+        hub.append(max(white, step * UNIFORM))
+        steps.append(step)
+    of_law = []
+    for a in along:
+        shared = [np.mean(np.sum(slope * a * b, axis=1) ** 2) for b in along]  # (N/m)²
+        single = np.mean(np.sum((slope * a) ** 2, axis=1))
+        of_law.append(float(np.sqrt(shared[0] * hub[0] ** 2 + shared[1] * hub[1] ** 2 + single * roller**2)))
     return PositionNoise(
-        step=max(*steps, rollers), hub=(hub_x, hub_y), roller=roller, inertia=(inertia_x, inertia_y),
-        law=(law_x, law_y),
+        step=max(*steps, rollers), hub=(hub[0], hub[1]), roller=roller, inertia=(inertia[0], inertia[1]),
+        law=(of_law[0], of_law[1]),
     )  # fmt: skip
 
 
-def noise_level(places: np.ndarray) -> np.ndarray:
+def _noise_level(places: np.ndarray) -> np.ndarray:
     """Rms of the white noise in signals, (n_times, ...), by differences of a high order; in their unit, (...).
 
     Source: differences that leave no trend, J. von Neumann et al., Annals of Mathematical Statistics 12 (1941) 153.
@@ -241,17 +221,13 @@ def noise_level(places: np.ndarray) -> np.ndarray:
     return NORMAL * np.median(np.abs(left), axis=0) / np.sqrt(comb(2 * DIFFERENCES, DIFFERENCES))
 
 
-def rounding_step(places: np.ndarray) -> float:
+def _rounding_step(places: np.ndarray) -> float:
     """Step to which values are rounded, by the gaps between them, in their unit; 0 where none shows."""
     values = np.unique(places[:ENOUGH])
-    size = float(np.abs(values).max(initial=0.0))
     gaps = np.diff(values)
-    gaps = gaps[gaps > ROUND_OFF * size]
-    if gaps.size == 0:
-        return 0.0
-    step = float(gaps.min())
-    counts = gaps / step
-    return step if np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
+    gaps = gaps[gaps > ROUND_OFF * float(np.abs(values).max(initial=0.0))]
+    counts = gaps / gaps.min(initial=np.inf)
+    return float(gaps.min()) if gaps.size and np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -288,11 +264,10 @@ def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) 
     parts = np.array_split(np.arange(record.time.size), QUARTERS)
     if passing <= 0.0 or parts[0].size * record.interval * passing < PASSAGES:
         return None
-    hub = {name: np.array([values[part].std() for part in parts]) for name, values in
-           (("x", record.inner_x), ("y", record.inner_y))}  # fmt: skip
-    swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
+    places = {"x": record.inner_x, "y": record.inner_y}
+    hub = {name: np.array([values[part].std() for part in parts]) for name, values in places.items()}
     error = {name: np.array([rms(values[part]) for part in parts]) for name, values in errors.items()}
-    start = record.time[[part[0] for part in parts]]
-    firsts = range(QUARTERS - 1)  # from which all swings are alike
-    settled = next((k for k in firsts if swing[k:].max() <= SETTLED * swing[k:].min()), None)
-    return Stationarity(start=start, hub=hub, error=error, settled=0 if swing.max() < SMALLEST else settled)
+    swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
+    alike = (k for k in range(QUARTERS - 1) if swing[k:].max() <= SETTLED * swing[k:].min())
+    settled = 0 if swing.max() < SMALLEST else next(alike, None)
+    return Stationarity(start=record.time[[part[0] for part in parts]], hub=hub, error=error, settled=settled)

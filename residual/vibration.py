@@ -1,33 +1,49 @@
-"""Vibration as bearing engineers read it: levels of an acceleration, and fault lines in its envelope."""
+"""Lines of a bearing and levels of its vibration: in spectra, in envelopes, and in orders where its speed changes.
 
+A density in N²/Hz is for noise; a line's height in it depends on the record's length. A line is stated as the rms of
+its main lobe, which does not; in the unit of the signal: N of an error force, m/s² of an acceleration.
+
+Computed order tracking: a signal is resampled at equal angles of the shaft, and its spectrum taken as of any other; in
+place of Hz then stands the order, cycles per turn of the shaft, and in place of s the turn.
+
+Source: Fyfe and Munck, Analysis of computed order tracking, Mechanical Systems and Signal Processing 11 (1997) 187-205.
+"""
+
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from lagrange.kinematics import OUTER_RING
+from lagrange.kinematics import OUTER_RING, kinematics, turned
+from residual import spectrum as spectra
 from residual.budget import Accelerations
 from residual.errors import InputError
-from residual.lines import first_sidebands, half_band, nearest_line
-from residual.record import Record
-from residual.spectrum import (
-    MAIN_LOBE,
-    TOP_OF_NYQUIST,
-    Envelope,
-    Level,
-    Spectrum,
-    band_envelope,
-    power_spectrum,
-)
+from residual.record import FEWEST_SAMPLES, Record
+from residual.spectrum import MAIN_LOBE, Envelope, Level, Peak, ShortTime, Spectrum, band_envelope, power_spectrum
 
-Measured = tuple[str, Any]  # a body and its acceleration along an axis, (n_times,), m/s²; None: the source has none
+# of spectra
+CAGE_HARMONICS = (2, 3)
+SIDES = tuple(product(("BPFO", "2×BPFO", "BPFI", "2×BPFI"), ("shaft", OUTER_RING, "FTF")))  # carrier, modulator
+BOTH_SIDES = (-1, "−"), (1, "+")
+HUB = "hub on its contacts"
+NEAR_RESONANCE = 0.08  # of it: of rollers without mass, whose two contacts are taken as equally stiff
+MOST_PASSAGES = 4  # named in a product with the hub's vibration: further ones are weak
+SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
+# what passes a place of the outer ring, the inner ring, a roller, and what swells and fades its force
+PASSES = ("BPFO", 1, ("FTF", OUTER_RING)), ("BPFI", 1, ("shaft",)), ("BSF", 2, ("FTF",))
+APART = 20  # bins between harmonics of one family: by chance a peak lies within half a bin of one in twenty
+SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
+# of envelopes and levels
 VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
 BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
 NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
-HARMONICS = (("BPFO", 3), ("BPFI", 2))
-SIDES = (
+FAULT_HARMONICS = (("BPFO", 3), ("BPFI", 2))
+FAULT_SIDES = (
     ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"),
 )  # fmt: skip
 NEIGHBOURS = 8  # cage multiples on either side that a line is compared with
@@ -35,6 +51,189 @@ FEWEST_NEIGHBOURS = 4
 # times its neighbours' median, 12 dB: a perfect bearing's BPFO, of passing rollers, reaches 3.7 (docs/surfaces.md)
 STANDS_OUT = 4.0
 SIDE_LOBE = 0.03  # of the highest line, Hann's first side lobe: less may be that line's leakage
+# of orders
+FEWEST_TURNS = 1.0  # in fewer no order is resolved
+SLOWEST = 1.0 / 8.0  # of the highest speed: below, so many samples go to one turn that nothing new is in them
+DEGREE = 5  # of the spline through a signal's samples
+TURNS_PER_PIECE = 10.0  # of short-time spectra: FTF, some 0.4, is then four bins off order 0
+HIGHEST = 2.2  # times BPFI: as far as lines are looked for in short-time spectra
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineLevel:
+    """Level of one line in one signal."""
+
+    name: str
+    frequency: float  # Hz, from kinematics or as asked for
+    rms: float  # in low … high
+    background: float  # rms that the smooth background alone has in that band
+    low: float  # Hz
+    high: float
+    stands_out: bool
+    resolved: bool  # no other line, nor zero frequency, within the main lobe
+    obstacle: str  # the nearest of them, "zero frequency" or a line's name
+    record_needed: float  # s, of a record that resolves it
+
+    def unresolved_note(self, resolution: float) -> str:
+        """Why the line can't be resolved at a resolution, Hz, and the record length that would."""
+        return (
+            f"{self.name} can't be resolved from this record: with Δf = {resolution:.4g} Hz it lies "
+            f"{self.frequency / resolution:.2g} bins up, and {self.obstacle} lies within two bins of it; it takes a "
+            f"record of at least {self.record_needed:.2g} s"
+        )
+
+
+def sidebands(lines: dict[str, float]) -> dict[str, float]:
+    """Frequencies, Hz, by name, of lines that only a long record separates: "2×FTF", "BPFO+shaft", ...
+
+    The sidebands are the first ones of the ball-pass lines, modulated by shaft and cage.
+    """
+    return {f"{k}×FTF": k * lines["FTF"] for k in CAGE_HARMONICS if "FTF" in lines} | _first_sidebands(lines, SIDES)
+
+
+def _first_sidebands(lines: dict[str, float], sides: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """First sidebands above 0 Hz, by name, of pairs of carrier and modulator, where `lines` holds both."""
+    found = {
+        f"{carrier}{symbol}{modulator}": lines[carrier] + sign * lines[modulator]
+        for carrier, modulator in sides if carrier in lines and modulator in lines for sign, symbol in BOTH_SIDES
+    }  # fmt: skip
+    return {name: frequency for name, frequency in found.items() if frequency > 0.0}
+
+
+def _surroundings(frequency: float, among: dict[str, float], resolution: float) -> tuple[str, float, float]:
+    """Nearest other line, or "zero frequency"; how far off it is, and half of the band that is a line's own, Hz.
+
+    That is its main lobe, less where another line is nearer.
+    """
+    gaps = {key: abs(value - frequency) for key, value in (among | {"zero frequency": 0.0}).items()}
+    nearest = min((key for key, gap in gaps.items() if gap > SAME_LINE * frequency), key=lambda key: gaps[key])
+    return nearest, gaps[nearest], max(min(MAIN_LOBE * resolution, 0.5 * gaps[nearest]), 0.75 * resolution)
+
+
+def _in_band(spectrum: Spectrum, low: float, high: float) -> tuple[float, float, bool]:
+    """Rms in a band, Hz, rms of the background alone there, and whether the first exceeds what noise would be."""
+    from scipy.special import chdtri  # scipy.stats costs half a second to import
+
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
+    background = spectrum.smooth_background[inside].sum() * spectrum.resolution
+    rms = float(np.sqrt(spectrum.psd[inside].sum() * spectrum.resolution))
+    freedom = 2.0 * spectrum.segments * max(1.0, inside.sum() / spectra.NOISE_BINS)
+    return rms, float(np.sqrt(background)), bool(rms**2 > background * (chdtri(freedom, 1.0 - SURE) / freedom))
+
+
+def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
+    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line of `among`."""
+    obstacle, gap, half = _surroundings(frequency, among, spectrum.resolution)
+    rms, background, stands_out = _in_band(spectrum, frequency - half, frequency + half)
+    return LineLevel(
+        name=name, frequency=frequency, rms=rms, background=background, low=frequency - half, high=frequency + half,
+        stands_out=stands_out, resolved=bool(gap >= MAIN_LOBE * spectrum.resolution), obstacle=obstacle,
+        record_needed=MAIN_LOBE / gap,
+    )  # fmt: skip
+
+
+def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
+    """Levels of all lines and all resolved sidebands below the Nyquist frequency, by frequency."""
+    every = lines | sidebands(lines)
+    levels = [_level(spectrum, name, every[name], lines if name in lines else every) for name in every]
+    shown = (x for x in levels if x.high <= spectrum.frequency[-1] and (x.name in lines or x.resolved))
+    return sorted(shown, key=lambda level: level.frequency)
+
+
+def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> LineLevel:
+    """Level of a line that the user asks for: "22" (Hz), "BPFO", "2xBPFO", "BPFO-shaft".
+
+    InputError: neither a line's name nor a frequency within the spectrum.
+    """
+    sides, top = sidebands(lines), float(spectrum.frequency[-1])
+    among = lines | sides
+    name = re.sub(r"(?<=\d)x", "×", wanted.strip().replace("-", "−").replace("*", "×"))
+    frequency = {key.lower(): value for key, value in among.items()}.get(name.lower())
+    if frequency is None:
+        try:
+            frequency = float(wanted)
+        except ValueError:
+            raise InputError(
+                f"--line {wanted}: neither a frequency in Hz nor a line; lines here are {', '.join(among) or 'none'}"
+            ) from None
+        name = f"{frequency:g} Hz"
+    if not spectra.LOWEST < frequency < top:
+        limits = f"{spectra.LOWEST:g} Hz and the Nyquist frequency {top:.4g} Hz"
+        raise InputError(f"--line {wanted}: must lie between {limits}")
+    return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sides) else lines)
+
+
+def named_peaks(
+    peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float], resonance: float, noise: float
+) -> list[Peak]:
+    """Name peaks without a line after a resolved sideband within half a bin, or after higher multiples of passes.
+
+    Those near the hub's resonance in the spectrum's direction, Hz, are named so too, and what passing rollers make of a
+    higher one of them; peaks of no more than the noise, N rms, are left out. Peaks: highest first.
+    """
+    bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
+    named, hubs = list[Peak](), list[float]()  # Hz
+    for peak in peaks:
+        if peak.rms <= noise:
+            continue
+        modulated = None if peak.line else _modulated_hub(peak.frequency, hubs, lines, spectrum.resolution)
+        if modulated:
+            peak = replace(peak, also=(*peak.also, modulated))
+        elif abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
+            peak = replace(peak, also=(*peak.also, HUB))
+            hubs += [] if peak.line else [peak.frequency]
+        if peak.line is None and not modulated:
+            near = [level.name for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
+            names = near[:1] or high_lines(peak.frequency, spectrum, lines)
+            peak = replace(peak, line=names[0], also=(*names[1:], *peak.also)) if names else peak
+        named.append(peak)
+    return named
+
+
+def high_lines(frequency: float, spectrum: Spectrum, lines: dict[str, float]) -> list[str]:
+    """Multiples of passes beyond `lines`, Hz, and their sidebands within half a bin of a frequency, nearest first.
+
+    "10×BPFO": a spall's strikes are short, and strongest where they meet a resonance, many harmonics up. A name needs
+    evidence: of a multiple that another one stands out too, the next below or above it or the first; of a sideband its
+    multiple, or the same sideband of the next multiples. None of a family whose multiples lie so near each other that
+    chance would name peaks.
+    """
+    found, reach = [], MAIN_LOBE * spectrum.resolution
+    for name, every, modulators in PASSES:
+        spacing = every * lines.get(name, 0.0)
+        if spacing < APART * spectrum.resolution:
+            continue
+        shifts = [(f"{symbol}{m}", sign * lines[m]) for m in modulators if m in lines for sign, symbol in BOTH_SIDES]
+        for side, shift in [("", 0.0), *shifts]:
+            k = round((frequency - shift) / spacing)
+            away = abs(frequency - shift - k * spacing)
+            full = name if k * every == 1 else f"{k * every}×{name}"
+            if k < 1 or away > 0.5 * spectrum.resolution or (not side and full in lines):
+                continue
+            witnesses = [*((n * spacing + shift) for n in (k - 1, k + 1) if n > 0), k * spacing if side else spacing]
+            if any(  # stands out, so far from the peak that it is no part of that
+                abs(w - frequency) >= 2.0 * reach and _in_band(spectrum, w - reach, w + reach)[2] for w in witnesses
+            ):
+                found.append((away, f"{full}{side}"))
+    return [full for _, full in sorted(found)]
+
+
+def _modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float], resolution: float) -> str | None:
+    """Which multiple of BPFO a frequency lies below or above one of the hub's, within half a bin: "2×BPFO − hub ...".
+
+    A free vibration, Hz, of a hub on contacts whose stiffness every passing roller changes alike is a product of its
+    own oscillation and of what repeats with BPFO (Floquet), so it shows at |k BPFO ± f|, too: near half-odd multiples
+    of BPFO where f lies near one. None where these lie so near each other that chance would name peaks.
+    """
+    passing = lines.get("BPFO", 0.0)
+    if not hubs or passing < 2 * len(hubs) * APART * resolution:
+        return None
+    for hub, (sign, symbol) in product(hubs, BOTH_SIDES):
+        k = round((frequency - sign * hub) / passing)
+        if 0 < abs(k) <= MOST_PASSAGES and abs(k * passing + sign * hub - frequency) <= 0.5 * resolution:
+            multiple = "BPFO" if abs(k) == 1 else f"{abs(k)}×BPFO"
+            return f"{HUB} − {multiple}" if k < 0 else f"{multiple} {symbol} {HUB}"
+    return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,38 +279,39 @@ class Vibration:
         return any(line.resolved for line in self.lines)
 
 
-def measured(record: Record, accelerations: Accelerations | None = None) -> tuple[Measured, Measured]:
-    """Body and acceleration along x and along y, in the fixed frame: what an accelerometer on the machine would show.
+def measured(record: Record, accelerations: Accelerations | None = None) -> list[tuple[str, Any]]:
+    """Body and acceleration, (n_times,), m/s², along x and along y, in the fixed frame, as an accelerometer shows it.
 
     The sensor's where a run has one, else the housing's (that of the outer ring in it, or its own beside a ring with a
-    fit), else the hub's; the integrator's own where the source holds it, else from positions. A sensor measures along y
-    alone; along x stands the housing beside it.
+    fit), else the hub's; the integrator's own where the source holds it, else from positions, or None. A sensor
+    measures along y alone; along x stands the housing beside it.
 
     `accelerations` : from positions; None: the integrator's own alone count
     """
-    mounting, found, none = record.scene.mounting(), [], (None, None)
-    hubs, rings = (none, none) if accelerations is None else (accelerations.whole, accelerations.outer_ring)
-    for axis, hub, ring in zip("xy", hubs, rings, strict=True):
-        own = {name: getattr(record, f"{name}_a{axis}") for name in ("inner", "outer_ring", "housing")}
-        place = "hub", hub if own["inner"] is None else own["inner"]
-        moved = (
-            own["housing"] if mounting.bore is not None else ring if own["outer_ring"] is None else own["outer_ring"]
-        )
-        if mounting.housing is not None and moved is not None:
-            place = "housing", moved
-        found.append(place)
-    return found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)
+    mounting, found = record.scene.mounting(), []
+    for i, axis in enumerate("xy"):
+        hub, ring, housing = (getattr(record, f"{name}_a{axis}") for name in ("inner", "outer_ring", "housing"))
+        if accelerations is not None:
+            hub = accelerations.whole[i] if hub is None else hub
+            ring = accelerations.outer_ring[i] if ring is None else ring
+        moved = None if mounting.housing is None else ring if mounting.bore is None else housing
+        found.append(("hub", hub) if moved is None else ("housing", moved))
+    return [found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)]
+
+
+def _fault_band(acceleration, interval: float, inner: float, cage: float) -> Envelope | None:
+    """Envelope of what lies above the passages of rollers, Hz, as far as accelerometers go; None: no band is left."""
+    found = band_envelope(acceleration, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage)
+    return None if found is None or found.high - found.low < NARROWEST * inner else found
 
 
 def vibration(
     acceleration, interval: float, lines: dict[str, float], body: str = "hub", band: tuple[float, float] | None = None
 ) -> Vibration:
-    """Levels and fault lines of one component of a body's acceleration.
+    """Levels and fault lines of one component of a body's acceleration, (n_times,), m/s².
 
     Parameters
     ----------
-    acceleration : ndarray, (n_times,), m/s²
-    interval : float, s
     lines : kinematic lines, Hz, as `spectrum.kinematic_lines` names them; none for a standing bearing
     band : Hz, that is demodulated; None: from 3 BPFI to 50 kHz, or 0.9 of the Nyquist frequency
 
@@ -121,38 +321,29 @@ def vibration(
     Band levels are weighted by the spectrum's window, so those of a vibration that dies away are its middle's.
     InputError: the record has no such band, or is too short for its envelope.
     """
-    motion = np.asarray(acceleration, dtype=float)
-    motion = motion - motion.mean()
-    cage, inner = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0))
-    low, high = (ENVELOPE_FROM * inner, ENVELOPE_TO) if band is None else band
-    found = band_envelope(motion, interval, low, high, cage) if cage > 0.0 else None
-    if band is not None and (found is None or found.high < high):
-        raise InputError(
-            f"--band {low:g}-{high:g}: no envelope of this record; it needs a bearing that turns at one speed, a band "
-            f"below {TOP_OF_NYQUIST * 0.5 / interval:.5g} Hz, and some periods of the band's width"
-        )
-    if band is None and found is not None and found.high - found.low < NARROWEST * inner:
-        found = None
-    spectrum = power_spectrum(motion, interval, cage)
-    return Vibration(
-        body=body, acceleration=motion, level=Level.of(motion),
-        bands=band_levels(motion, interval, spectrum), velocity=velocity_level(spectrum), spectrum=spectrum,
-        envelope=found,
-        lines=[] if found is None else envelope_lines(found, lines),
-    )  # fmt: skip
-
-
-def band_levels(motion: np.ndarray, interval: float, spectrum: Spectrum) -> dict[tuple[float, float], Level]:
-    """Levels in the bands that engineers use, as far as the spectrum goes, by their limits, Hz."""
     from scipy import fft
 
-    top = float(spectrum.frequency[-1])
-    transform, frequency = fft.rfft(motion), fft.rfftfreq(motion.size, interval)
-    found = {}
-    for low, high in ((low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top):
+    motion = np.asarray(acceleration, dtype=float)
+    motion = motion - motion.mean()
+    cage, inner, found = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0)), None
+    if cage > 0.0:
+        found = _fault_band(motion, interval, inner, cage)
+    if cage > 0.0 and band is not None:
+        found = band_envelope(motion, interval, band[0], band[1], cage)
+    if band is not None and (found is None or found.high < band[1]):
+        raise InputError(
+            f"--band {band[0]:g}-{band[1]:g}: no envelope of this record; it needs a bearing that turns at one speed, "
+            f"a band below {spectra.TOP_OF_NYQUIST * 0.5 / interval:.5g} Hz, and some periods of the band's width"
+        )
+    spectrum, bands = power_spectrum(motion, interval, cage), {}
+    top, transform, frequency = spectrum.frequency[-1], fft.rfft(motion), fft.rfftfreq(motion.size, interval)
+    for low, high in ((low, min(high, float(top))) for low, high in BANDS if low + spectrum.resolution < top):
         part = fft.irfft(np.where((frequency >= low) & (frequency < high), transform, 0.0), motion.size)
-        found[low, high] = replace(Level.of(part), rms=spectrum.band_rms(low, high))
-    return found
+        bands[low, high] = replace(Level.of(part), rms=spectrum.band_rms(low, high))
+    return Vibration(
+        body=body, acceleration=motion, level=Level.of(motion), bands=bands, velocity=velocity_level(spectrum),
+        spectrum=spectrum, envelope=found, lines=[] if found is None else envelope_lines(found, lines),
+    )  # fmt: skip
 
 
 def velocity_level(spectrum: Spectrum) -> float | None:
@@ -174,13 +365,12 @@ def fault_lines(lines: dict[str, float]) -> dict[str, float]:
     A ring's fault goes through the load zone as the ring turns, a roller's with the cage; a roller's strikes both
     raceways in each of its turns.
     """
-    found: dict[str, float] = {}
-    for name, count in HARMONICS:
-        if name in lines:
-            found |= {name if k == 1 else f"{k}×{name}": k * lines[name] for k in range(1, count + 1)}
-    if "BSF" in lines:
-        found["2×BSF"] = 2.0 * lines["BSF"]
-    return found | first_sidebands(lines | found, SIDES)
+    found = {
+        name if k == 1 else f"{k}×{name}": k * lines[name]
+        for name, count in FAULT_HARMONICS if name in lines for k in range(1, count + 1)
+    }  # fmt: skip
+    found |= {"2×BSF": 2.0 * lines["BSF"]} if "BSF" in lines else {}
+    return found | _first_sidebands(lines | found, FAULT_SIDES)
 
 
 def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
@@ -189,27 +379,106 @@ def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
     The floor is the median level at multiples of the cage's frequency from the line, not of all bins between them: a
     run repeats nearly, once a revolution of the cage, so its spectrum is a comb of them even where nothing is wrong.
     """
-    spectrum = found.spectrum
-    wanted, cage, step = fault_lines(lines), lines["FTF"], spectrum.resolution
+    spectrum, described = found.spectrum, []
+    wanted, cage, step, top = fault_lines(lines), lines["FTF"], spectrum.resolution, found.high - found.low
     spacing = cage * np.ceil(2.0 * MAIN_LOBE * step / cage)
-    top, levels = found.high - found.low, {}
     for name, frequency in wanted.items():
-        half = half_band(nearest_line(frequency, wanted)[1], step)
+        nearest, gap, half = _surroundings(frequency, wanted, step)
         beside = frequency + spacing * np.array([k for k in range(-NEIGHBOURS, NEIGHBOURS + 1) if k])
         beside = beside[(beside > half + step) & (beside < top - half)]
         if beside.size >= FEWEST_NEIGHBOURS and frequency + half < top:
             amplitude, *others = (np.sqrt(2.0) * spectrum.band_rms(f - half, f + half) for f in (frequency, *beside))
-            levels[name] = float(amplitude), float(np.median(others))
-    least = SIDE_LOBE * max((amplitude for amplitude, _ in levels.values()), default=0.0)
-    described = []
-    for name, (amplitude, floor) in levels.items():
-        ratio = amplitude / floor if floor > 0.0 else 0.0
-        nearest, gap = nearest_line(wanted[name], wanted)
-        resolved = gap >= MAIN_LOBE * step
-        described.append(
-            FaultLine(
-                name=name, frequency=wanted[name], amplitude=amplitude, floor=floor, ratio=ratio, resolved=resolved,
-                is_high=ratio >= STANDS_OUT and amplitude >= least, nearest=nearest, record_needed=MAIN_LOBE / gap,
-            )
-        )  # fmt: skip
+            floor = float(np.median(others))
+            ratio = float(amplitude) / floor if floor > 0.0 else 0.0
+            described.append(FaultLine(
+                name=name, frequency=frequency, amplitude=float(amplitude), floor=floor, ratio=ratio,
+                resolved=gap >= MAIN_LOBE * step, is_high=ratio >= STANDS_OUT, nearest=nearest,
+                record_needed=MAIN_LOBE / gap,
+            ))  # fmt: skip
+    least = SIDE_LOBE * max((line.amplitude for line in described), default=0.0)
+    described = [replace(line, is_high=line.is_high and line.amplitude >= least) for line in described]
     return sorted(described, key=lambda line: line.frequency)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracking:
+    """A part of a record in which a ring turns on, and its equal angles."""
+
+    ring: str  # "shaft", or the outer ring where that stands
+    part: slice  # of the record's samples
+    time: np.ndarray  # (n_times,), s, of the part
+    turn: np.ndarray  # (n_times,), rising, turns of the ring at the samples
+    angles: np.ndarray  # (n_angles,), turns, equally spaced
+    lines: dict[str, float]  # orders, by the run's own cage
+
+    def resampled(self, signal: np.ndarray) -> np.ndarray:
+        """A signal of the whole record, (n_record,), at the equal angles.
+
+        Errors
+        ------
+        Angles are as near to each other as samples are where the ring is slowest, so that nothing is folded down.
+        """
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.turn, signal[self.part], k=DEGREE)(self.angles)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrderSpectra:
+    """Order spectra of one direction; `frequency` of spectra, peaks and levels is an order, a density is per order."""
+
+    tracking: Tracking
+    error: Spectrum  # of the error force, N²
+    path: Spectrum  # of the hub's place, m²
+    peaks: list[Peak]  # of that
+    short_time: ShortTime | None  # of that, over turns; None: the record is too short
+    envelope: Spectrum | None  # of the envelope of the measured acceleration, (m/s²)²; None: no band is free for it
+
+
+def tracking_of(record: Record) -> Tracking | None:
+    """The longest part of a record with equal angles; None where speeds stay, or nothing turns that is counted.
+
+    Angles are those of the shaft, or of an outer ring that turns about a standing one. What is slower than an eighth of
+    the highest speed, or turns back, is left out. Lines go by the run's own cage where it turns with the rings.
+    """
+    if not record.varies_speed:
+        return None
+    inner, outer = (np.asarray(each) for each in record.acting.ring_speeds)
+    ring, speed = ("shaft", inner) if np.any(inner) else (OUTER_RING, outer)
+    fast = np.sign(speed) * (np.abs(speed) >= SLOWEST * np.abs(speed).max())
+    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]])
+    first, last = max(((a, b) for a, b in pairwise(ends) if fast[a] != 0.0), key=lambda e: e[1] - e[0])
+    part = slice(int(first), int(last))
+    time, way = record.time[part], turned(record.bearing, record.operation, record.time[part])
+    turn = fast[first] * ((way.shaft if ring == "shaft" else way.outer_ring) / (2.0 * np.pi))
+    turns = turn[-1] - turn[0]
+    if time.size < FEWEST_SAMPLES or turns < FEWEST_TURNS:
+        return None
+    ways = (np.broadcast_to(of, time.shape) for of in (way.shaft, way.outer_ring))
+    ideal = kinematics(record.bearing, *((of[-1] - of[0]) / turns for of in ways))
+    seen = record.samples(part).cage_speed * (time[-1] - time[0]) / turns
+    lines = spectra.kinematic_lines(replace(ideal, cage=seen))
+    lines = lines if "FTF" in lines and seen * ideal.cage > 0.0 else spectra.kinematic_lines(ideal)
+    angles = np.linspace(turn[0], turn[-1], int(np.ceil(turns / np.diff(turn).min())) + 1)
+    return Tracking(ring=ring, part=part, time=time, turn=turn, angles=angles, lines=lines)
+
+
+def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:
+    """Order spectra of signals of the whole record: an error force, N, the hub's place, m, an acceleration, m/s²."""
+    from scipy.signal import decimate
+
+    lines, angles = tracking.lines, tracking.angles
+    step, slowest = float((angles[-1] - angles[0]) / (angles.size - 1)), lines["FTF"]
+    passing, place = max(lines["BPFO"], lines["BPFI"]), tracking.resampled(path)
+    spectrum = power_spectrum(place, step, slowest)
+    interval = float(tracking.time[1] - tracking.time[0])
+    fastest = float(np.gradient(tracking.turn, interval).max())  # 1/s
+    envelope = _fault_band(acceleration, interval, passing * fastest, slowest * fastest)
+    fewer = max(1, int(0.5 / (1.5 * HIGHEST * passing * step)))  # after a filter against what lies above
+    thinned = place if fewer == 1 else decimate(place, fewer, ftype="fir")
+    return OrderSpectra(
+        tracking=tracking, error=power_spectrum(tracking.resampled(error), step, slowest), path=spectrum,
+        peaks=named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
+        short_time=spectra.short_time_spectrum(thinned, step * fewer, spectra.PASSAGE_SHARE / TURNS_PER_PIECE),
+        envelope=None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
+    )  # fmt: skip

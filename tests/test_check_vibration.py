@@ -14,12 +14,10 @@ from scipy.stats import exponnorm
 
 from residual.check_vibration import main
 from residual.errors import InputError
-from residual.measured import simulated
-from residual.measured.diagnosis import BODIES, Geometry, diagnose
-from residual.measured.envelope import envelope_spectrum
+from residual.measured import checks
+from residual.measured.diagnosis import BODIES, Geometry, damage_width, diagnose, envelope_spectrum, mean_pulse
+from residual.measured.report import Entry, growth
 from residual.measured.signals import Signal
-from residual.measured.strikes import damage_width, mean_pulse
-from residual.measured.trend import Entry, growth
 from tests.reference.synthetic_record import drawn, synthetic_record
 
 NU206 = ("--bearing", "NU206", "--speed", "1480")
@@ -212,7 +210,7 @@ def test_scene_is_simulated_at_the_record_s_speed_and_rate(tmp_path):
 
 
 def test_scene_that_run_fem_refuses_is_refused_in_its_words(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(simulated, "RUN_FEM", (sys.executable, "-c", "raise SystemExit('error: no equilibrium')"))
+    monkeypatch.setattr(checks, "RUN_FEM", (sys.executable, "-c", "raise SystemExit('error: no equilibrium')"))
     written(tmp_path / "record.npz")
     (tmp_path / "motor.toml").write_text(MOTOR, encoding="utf-8")
     assert main([str(tmp_path / "record.npz"), *NU206, "--against", str(tmp_path / "motor.toml")]) == 2

@@ -5,9 +5,9 @@ import pytest
 
 from lagrange.kinematics import turned
 from residual.evaluation import evaluate
-from residual.orders import order_spectra, tracking_of
 from residual.record import Record
 from residual.spectrum import power_spectrum
+from residual.vibration import order_spectra, tracking_of
 from tests.reference.operation_tables import scene_with
 
 BPFO, FTF = 13 * 9 / 23, 9 / 23  # 5.087 and 0.3913 per turn: geometry of the paper's bearing

@@ -11,9 +11,8 @@ from PIL import Image
 
 from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
-from residual.measured.checks import Options, Question, check_record
+from residual.measured.checks import Options, Question, assumed, check_record
 from residual.measured.report import write_check
-from residual.measured.simulated import assumed
 from tests.waiting import GIVE_UP
 
 WIDTHS = (390, 1280)

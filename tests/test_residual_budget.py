@@ -9,11 +9,11 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw, steel_law
 from residual.budget import near_contact_change, traction_resultant
 from residual.cli import main
-from residual.differentiate import ORDERS, derivative, floor, response, stencil
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.laws import DampedLaw, fit_law, passage_numbers
 from residual.sources import read_result
+from residual.spectrum import ORDERS, derivative, floor, response, stencil
 from tests.reference.synthetic_run import exact_errors, make_run, recorded, run_variables, write_result
 
 

@@ -32,14 +32,13 @@ from residual.findings import (
     verdict,
 )
 from residual.formatting import hertz, length, text
-from residual.lines import HUB, named_peaks
 from residual.load_zone import quasi_static
 from residual.record import Record
 from residual.report import MOST_POINTS, TEMPLATE, ReportOptions, page_of, picture_of, spectra_json
 from residual.sampling import stationarity
-from residual.sources import read_result
+from residual.sources import read_result, read_table
 from residual.spectrum import find_peaks, power_spectrum
-from residual.table_source import read_table
+from residual.vibration import HUB, named_peaks
 from tests.reference.synthetic_run import (
     exact_errors,
     harris_force,

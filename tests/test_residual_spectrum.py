@@ -17,9 +17,9 @@ from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import passages
-from residual.lines import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import MOST_COLUMNS, envelope, find_peaks, kinematic_lines, power_spectrum, short_time_spectrum
+from residual.vibration import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
 from tests.reference.synthetic_run import harris_force, make_run, paper_lines, recorded, run_variables, write_result
 
 STEP = 1e-5

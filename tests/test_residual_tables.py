@@ -14,7 +14,7 @@ from lagrange.scene.scene import parse_scene_text, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.table_source import even_clock, read_table
+from residual.sources import even_clock, read_table
 from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
 
 MAPPING = """[table]

@@ -35,10 +35,10 @@ from residual.figures import (
 from residual.findings import body_name, named, reported_angle
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, length, text
 from residual.load_zone import along_rollers, chosen_roller, load_zones
-from residual.orders import SLOWEST
 from residual.record import Record, angle_from_load
 from residual.report import ReportOptions
 from residual.spectrum import power_spectrum
+from residual.vibration import SLOWEST
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 MOST_COMPARED = 6000  # the same of two

@@ -42,15 +42,13 @@ from residual.formatting import (
     term_label,
     text,
 )  # fmt: skip
-from residual.lines import HUB
 from residual.measured.diagnosis import DEEP
-from residual.orders import HIGHEST
 from residual.spectrum import Spectrum, rms, short_time_spectrum
-from residual.vibration import fault_lines
+from residual.vibration import HIGHEST, HUB, fault_lines
 
 if TYPE_CHECKING:
     from residual.measured.checks import Check
-    from residual.measured.trend import Trend
+    from residual.measured.report import Trend
 
 TINY = np.finfo(float).tiny
 PASSAGES_STACKED, PASSAGES_SHOWN, PASSES_SHOWN = 2.0, 5.0, 8.0  # of terms, of a run's and of a record's acceleration
@@ -458,7 +456,7 @@ def _record(check: "Check") -> Drawing:
 
 def _pulse(check: "Check") -> Drawing | None:
     """Mean power about a strike, of one record or of both; None where no line stands out."""
-    from residual.measured.strikes import PASSES_IN_BAND, SMOOTHING
+    from residual.measured.diagnosis import PASSES_IN_BAND, SMOOTHING
 
     own, other = check.record.pulse, None if check.other is None else check.other.pulse
     if own is None or not check.record.diagnosis.findings[0].stands_out:

@@ -1,6 +1,6 @@
 """Records of accelerometers.
 
-`signals` reads one, `formats` knows kinds of files, `envelope` finds lines in it and `diagnosis` judges what
-they say of a bearing, `strikes` measures pulses and the width of damage; `checks` and `report` make the whole of
-one record or two, `simulated` the second from a scene, `trend` that of a series.
+`formats` knows kinds of files, `signals` reads one channel of one, `diagnosis` finds lines in its envelope, judges what
+they say of a bearing and measures the width of damage; `checks` and `report` make the whole of one record, two (one of
+them simulated from a scene) or a series.
 """

@@ -44,7 +44,7 @@ LONGEST_STATEMENT = 300  # characters of a line that states a rate
 class Channels:
     """Signals by name as they are stored, their units as written, the rates, Hz, that the file states for each."""
 
-    values: dict[str, np.ndarray]  # (n_times,) each, of any length, real numbers of any kind
+    values: dict[str, np.ndarray] = field(default_factory=dict)  # (n_times,) each, of any length, real numbers
     units: dict[str, str] = field(default_factory=dict)
     rates: dict[str, frozenset[float]] = field(default_factory=dict)  # more than one: it contradicts itself
     line: int | None = None  # of a text: number of the line of the first sample
@@ -53,8 +53,47 @@ class Channels:
     @property
     def longest(self) -> list[str]:
         """Names of the longest signals."""
-        most = max((len(values) for values in self.values.values()), default=0)
+        most = max(map(len, self.values.values()), default=0)
         return [name for name, values in self.values.items() if len(values) == most]
+
+    def collect(self, value: Any, name: str = "", rates: frozenset[float] = frozenset(), unit: str = "", depth=0):
+        """Add the signals of a value, nested as structs are; rates, Hz, and unit are stated beside it or about it."""
+        if depth > DEEPEST or len(self.values) >= MOST_CHANNELS:
+            return self
+        if isinstance(value, dict) or hasattr(value, "_fieldnames"):
+            items = value if isinstance(value, dict) else {key: getattr(value, key) for key in value._fieldnames}
+            own = frozenset(rate for key, inner in items.items() if (rate := _rate_of(key, inner)) > 0.0)
+            said = (x for key, x in items.items() if re.fullmatch(r"(.*_)?units?", key, re.IGNORECASE))
+            words = {x for x in said if isinstance(x, str)}
+            unit = unit if not words else words.pop() if len(words) == 1 else ""  # of several none
+            for key, inner in items.items():
+                self.collect(inner, f"{name}.{key}" if name else key, own or rates, unit, depth + 1)
+            return self
+        array = np.asarray(value)
+        if array.dtype == object:
+            for k, inner in enumerate(array.ravel()[:MOST_CHANNELS], 1):
+                self.collect(inner, f"{name}[{k}]", rates, unit, depth + 1)
+        elif array.dtype.kind in "fiu" and array.size > 1:
+            array = array.squeeze()
+            columns: Any = [] if array.ndim != 2 else array if array.shape[0] < array.shape[1] else array.T
+            signals = {name: array} if array.ndim == 1 else {f"{name}[{k}]": x for k, x in enumerate(columns, 1)}
+            if len(signals) <= MOST_CHANNELS:
+                self.values |= signals
+                self.rates |= dict.fromkeys(signals, rates)
+                self.units |= dict.fromkeys(signals, unit)
+        return self
+
+
+def _rate_of(key: str, value: Any) -> float:
+    """The rate, Hz, that a number of this name states; 0: none."""
+    if re.sub(r"[^a-z]", "", key.lower()).removesuffix("hz") not in RATE_NAMES or isinstance(value, str | dict):
+        return 0.0
+    array = np.asarray(value)
+    return float(array.ravel()[0]) if array.dtype.kind in "fiu" and array.size == 1 else 0.0
+
+
+class _Refused(UsageError):
+    """A sentence of our own."""
 
 
 def read_channels(path: Path) -> Channels:
@@ -74,48 +113,11 @@ def read_channels(path: Path) -> Channels:
         kinds = [("an HDF5 file (MATLAB 7.3)", _hdf5)]
     elif UNIVERSAL.match(data):
         kinds = [("a universal file (UFF58)", _universal)]
-    elif path.suffix.lower() == ".mat":  # version 4 has no mark of its own
+    elif not kinds and path.suffix.lower() == ".mat":  # version 4 has no mark of its own
         kinds = [("a MATLAB file", _matlab)]
     if not kinds:
         return _text(data)
-    return _guarded(*kinds[0], data, path)
-
-
-def _text(data: bytes) -> Channels:
-    """Columns of a text's numbers, and the rate that is stated before them."""
-    table = TextTable.sniffed(decoded(data))
-    values, said = table.numbers(), [_stated_rate(line[:LONGEST_STATEMENT], table.decimal) for line in table.before]
-    stated = [each for each in said if each is not None]
-    rates = frozenset(rate for rate, sampled in stated if sampled) or frozenset(rate for rate, _ in stated)
-    return Channels(
-        values={name: values[:, k] for k, name in enumerate(table.names)}, units=table.units,
-        rates=dict.fromkeys(table.names, rates), line=table.line,
-    )  # fmt: skip
-
-
-def _stated_rate(line: str, decimal: str) -> tuple[float, bool] | None:
-    """The rate that a line before the numbers states, Hz, and whether it says that it is one of samples."""
-    for form in RATES:
-        said = form.search(line)
-        if said is not None and not OTHER.search(line[max(0, said.start() - 40) : said.start()]):
-            thousand = 1e3 if said["kilo"] else 1.0
-            return thousand * _written(said["number"], decimal, bool(said["kilo"])), bool(OF_SAMPLES.search(said[0]))
-    return None
-
-
-def _written(number: str, decimal: str, kilo: bool) -> float:
-    """A number whose marks are decimal signs or of thousands: 25,600 Hz in a file of decimal points is 25600 Hz."""
-    marks = re.findall("[.,]", number)
-    whole, last = number, ""
-    if len(set(marks)) == 2:
-        whole, _, last = number.rpartition(marks[-1])
-    elif len(marks) == 1 and (kilo or marks[0] == decimal or not GROUPS.fullmatch(number)):
-        whole, _, last = number.partition(marks[0])
-    return float(f"{re.sub('[.,]', '', whole)}.{last}")
-
-
-def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, path: Path) -> Channels:
-    """Read by a library, whose every failure on a damaged file becomes a sentence."""
+    kind, read = kinds[0]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a library finds odd but reads
@@ -130,8 +132,36 @@ def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, pa
     return found
 
 
-class _Refused(UsageError):
-    """A sentence of our own."""
+def _text(data: bytes) -> Channels:
+    """Columns of a text's numbers, and the rate that is stated before them."""
+    table = TextTable.sniffed(decoded(data))
+    values, said = table.numbers(), [_stated_rate(line[:LONGEST_STATEMENT], table.decimal) for line in table.before]
+    stated = [each for each in said if each is not None]
+    rates = frozenset(rate for rate, sampled in stated if sampled) or frozenset(rate for rate, _ in stated)
+    return Channels(
+        values=dict(zip(table.names, values.T, strict=True)), units=table.units,
+        rates=dict.fromkeys(table.names, rates), line=table.line,
+    )  # fmt: skip
+
+
+def _stated_rate(line: str, decimal: str) -> tuple[float, bool] | None:
+    """The rate that a line before the numbers states, Hz, and whether it says that it is one of samples.
+
+    Marks in its number are decimal signs or of thousands: 25,600 Hz in a file of decimal points is 25600 Hz.
+    """
+    for form in RATES:
+        said = form.search(line)
+        if said is None or OTHER.search(line[max(0, said.start() - 40) : said.start()]):
+            continue
+        number, kilo = said["number"], bool(said["kilo"])
+        marks, whole, last = re.findall("[.,]", number), number, ""
+        if len(set(marks)) == 2:
+            whole, _, last = number.rpartition(marks[-1])
+        elif len(marks) == 1 and (kilo or marks[0] == decimal or not GROUPS.fullmatch(number)):
+            whole, _, last = number.partition(marks[0])
+        rate = float(f"{re.sub('[.,]', '', whole)}.{last}")
+        return 1e3 * rate if kilo else rate, bool(OF_SAMPLES.search(said[0]))
+    return None
 
 
 def _check_size(size: int) -> None:
@@ -151,18 +181,15 @@ def _wav(data: bytes, path: Path) -> Channels:
     from scipy.io import wavfile
 
     rate, values = wavfile.read(io.BytesIO(data))
-    values = values.reshape(len(values), -1)
     if values.size > MOST_NUMBERS:
         raise _Refused(f"a WAV file of more than {MOST_NUMBERS} samples; cut a part of it")
-    found = values.astype(float)
-    notes = []
-    if values.dtype.kind == "u":
+    kind, found = values.dtype.kind, values.reshape(len(values), -1).astype(float)
+    if kind == "u":
         found = found / 128.0 - 1.0  # 8 bits have no sign
-    elif values.dtype.kind == "i":
+    elif kind == "i":
         found /= float(1 << (8 * values.dtype.itemsize - 1))
-    if values.dtype.kind in "iu":
-        notes.append("integers were taken as fractions of full scale")
-    channels = {f"channel {k}": found[:, k - 1] for k in range(1, found.shape[1] + 1)}
+    channels = {f"channel {k}": column for k, column in enumerate(found.T, 1)}
+    notes = ["integers were taken as fractions of full scale"] if kind in "iu" else []
     return Channels(values=channels, rates=dict.fromkeys(channels, frozenset([float(rate)])), notes=notes)
 
 
@@ -171,11 +198,11 @@ def _matlab(data: bytes, path: Path) -> Channels:
     from scipy.io import loadmat
 
     file = loadmat(io.BytesIO(data), squeeze_me=True, struct_as_record=False)
-    return _collected({name: value for name, value in file.items() if not name.startswith("__")})
+    return Channels().collect({name: value for name, value in file.items() if not name.startswith("__")})
 
 
 def _numpy(data: bytes, path: Path) -> Channels:
-    return _collected({"x": np.load(io.BytesIO(data), allow_pickle=False)})
+    return Channels().collect(np.load(io.BytesIO(data), allow_pickle=False), "x")
 
 
 def _archive(data: bytes, path: Path) -> Channels:
@@ -186,53 +213,7 @@ def _archive(data: bytes, path: Path) -> Channels:
             raise _Refused("an Excel workbook or an archive; save the sheet as CSV")
         _check_size(sum(entry.file_size for entry in entries))
     with np.load(io.BytesIO(data), allow_pickle=False) as file:
-        return _collected({name: file[name] for name in file.files})
-
-
-def _collected(tree: dict[str, Any]) -> Channels:
-    """Signals and their rates among values of any kind, nested as structs are."""
-    found = Channels(values={})
-    _collect(tree, "", found, 0, frozenset())
-    return found
-
-
-def _collect(value: Any, name: str, found: Channels, depth: int, rates: frozenset[float], unit: str = "") -> None:
-    """Values below a name; rates, Hz, and unit are those stated beside it, else about it."""
-    if depth > DEEPEST or len(found.values) >= MOST_CHANNELS:
-        return
-    if isinstance(value, dict) or hasattr(value, "_fieldnames"):
-        items = value if isinstance(value, dict) else {key: getattr(value, key) for key in value._fieldnames}
-        own = frozenset(rate for key, inner in items.items() if (rate := _rate_of(key, inner)) > 0.0)
-        words = {
-            x for key, x in items.items() if isinstance(x, str) and re.fullmatch(r"(.*_)?units?", key, re.IGNORECASE)
-        }
-        unit = (words.pop() if len(words) == 1 else "") if words else unit  # of several none
-        for key, inner in items.items():
-            _collect(inner, f"{name}.{key}" if name else key, found, depth + 1, own or rates, unit)
-        return
-    array = np.asarray(value)
-    if array.dtype == object:
-        for k, inner in enumerate(array.ravel()[:MOST_CHANNELS], 1):
-            _collect(inner, f"{name}[{k}]", found, depth + 1, rates, unit)
-        return
-    if array.dtype.kind not in "fiu" or array.size <= 1:
-        return
-    array = array.squeeze()
-    signals = {name: array}
-    if array.ndim == 2:
-        signals = {f"{name}[{k}]": x for k, x in enumerate(array if array.shape[0] < array.shape[1] else array.T, 1)}
-    if array.ndim <= 2 and len(signals) <= MOST_CHANNELS:
-        found.values |= signals
-        found.rates |= dict.fromkeys(signals, rates)
-        found.units |= dict.fromkeys(signals, unit)
-
-
-def _rate_of(key: str, value: Any) -> float:
-    """The rate, Hz, that a number of this name states; 0: none."""
-    if re.sub(r"[^a-z]", "", key.lower()).removesuffix("hz") not in RATE_NAMES or isinstance(value, str | dict):
-        return 0.0
-    array = np.asarray(value)
-    return float(array.ravel()[0]) if array.dtype.kind in "fiu" and array.size == 1 else 0.0
+        return Channels().collect({name: file[name] for name in file.files})
 
 
 def _hdf5(data: bytes, path: Path) -> Channels:
@@ -240,7 +221,7 @@ def _hdf5(data: bytes, path: Path) -> Channels:
     import h5py
 
     with h5py.File(path, "r") as file:
-        return _collected(_hdf5_tree(file, 0))
+        return Channels().collect(_hdf5_tree(file, 0))
 
 
 def _hdf5_tree(group: Any, depth: int) -> dict[str, Any]:
@@ -252,12 +233,11 @@ def _hdf5_tree(group: Any, depth: int) -> dict[str, Any]:
         item = group[name]
         if type(item).__name__ == "Group" and depth < DEEPEST:
             tree[name] = _hdf5_tree(item, depth + 1)
-        elif type(item).__name__ == "Dataset" and item.dtype.kind in "fiu" and item.ndim in (1, 2):
-            if item.attrs.get("MATLAB_class", b"") in (b"char", "char") or item.shape[0] == 0:
-                continue
-            data = check_array(group, name, item.shape[0], kinds="fiu")
-            _check_size(data.size * data.dtype.itemsize)
-            tree[name] = data[()]
+        elif type(item).__name__ == "Dataset" and item.dtype.kind in "fiu" and item.ndim in (1, 2) and item.shape[0]:
+            if item.attrs.get("MATLAB_class", b"") not in (b"char", "char"):
+                data = check_array(group, name, item.shape[0], kinds="fiu")
+                _check_size(data.size * data.dtype.itemsize)
+                tree[name] = data[()]
     return tree
 
 
@@ -267,17 +247,14 @@ def _rates(step: float | None) -> frozenset[float]:
 
 def _universal(data: bytes, path: Path) -> Channels:
     """Data sets 58 over equal steps of time; spectra and the like are no signals."""
-    pyuff = _package("pyuff", "a universal file (UFF58)", "pyuff")
-    sets = pyuff.UFF(str(path)).read_sets()
+    sets = _package("pyuff", "a universal file (UFF58)", "pyuff").UFF(str(path)).read_sets()
     sets = [each for each in (sets if isinstance(sets, list) else [sets]) if each.get("type") == 58]
-    found = Channels(values={})
+    found = Channels()
     for k, each in enumerate(sets, 1):
-        over_time = each["func_type"] == TIME_RESPONSE or (
-            each["func_type"] == 0 and each.get("abscissa_spec_data_type") == TIME_AXIS
-        )
-        if over_time and np.isrealobj(each["data"]):
+        over_time = (each["func_type"], each.get("abscissa_spec_data_type")) == (0, TIME_AXIS)
+        if (over_time or each["func_type"] == TIME_RESPONSE) and np.isrealobj(each["data"]):
             step = each["abscissa_inc"] if each["abscissa_spacing"] == 1 else None
-            _collect(each["data"], f"{k} {each.get('id1', '')}".strip(), found, 0, _rates(step))
+            found.collect(each["data"], f"{k} {each.get('id1', '')}".strip(), _rates(step))
     if sets and not found.values:
         raise _Refused(
             f"a universal file (UFF58) of {len(sets)} data sets, none of them over time; spectra cannot be used"
@@ -286,32 +263,28 @@ def _universal(data: bytes, path: Path) -> Channels:
 
 
 def _tdms(data: bytes, path: Path) -> Channels:
-    nptdms = _package("nptdms", "a TDMS file", "nptdms")
-    found = Channels(values={})
-    with nptdms.TdmsFile.open(path) as file:
+    found = Channels()
+    with _package("nptdms", "a TDMS file", "nptdms").TdmsFile.open(path) as file:
         channels = [c for group in file.groups() for c in group.channels() if c.dtype.kind in "fiu"]
         _check_size(sum(len(channel) * channel.dtype.itemsize for channel in channels))
-        for channel in channels:
-            name = f"{channel.group_name}.{channel.name}"
-            _collect(channel[:], name, found, 0, _rates(channel.properties.get("wf_increment")))
-            found.units[name] = channel.properties.get("unit_string", "")
+        for each in channels:
+            about = each.properties
+            step, unit = _rates(about.get("wf_increment")), about.get("unit_string", "")
+            found.collect(each[:], f"{each.group_name}.{each.name}", step, unit)
     return found
 
 
 def _parquet(data: bytes, path: Path) -> Channels:
-    parquet = _package("pyarrow.parquet", "a Parquet file", "pyarrow")
-    file = parquet.ParquetFile(io.BytesIO(data))
+    file = _package("pyarrow.parquet", "a Parquet file", "pyarrow").ParquetFile(io.BytesIO(data))
     kinds = {each.name: str(each.type) for each in file.schema_arrow}
     numbers = [name for name, kind in kinds.items() if re.fullmatch(r"u?int\d+|float|double|halffloat", kind)]
     _check_size(8 * file.metadata.num_rows * len(numbers))
     table = file.read(columns=numbers, use_threads=False)
-    return _collected({name: np.asarray(table[name]) for name in table.column_names})
+    return Channels().collect({name: np.asarray(table[name]) for name in table.column_names})
 
 
 KINDS: tuple[tuple[bytes, str, Callable[[bytes, Path], Channels]], ...] = (
-    (b"RIFF", "a WAV file", _wav),
-    (b"RIFX", "a WAV file", _wav),
-    (b"RF64", "a WAV file", _wav),
+    *((start, "a WAV file", _wav) for start in (b"RIFF", b"RIFX", b"RF64")),
     (b"MATLAB", "a MATLAB file", _matlab),
     (b"\x93NUMPY", "an NPY file", _numpy),
     (b"PK\x03\x04", "an NPZ file", _archive),

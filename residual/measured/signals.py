@@ -18,8 +18,9 @@ TIME = re.compile(
 SPECTRAL = re.compile(r"(?:.*[._])?(?:f|freq|frequen\w{0,9})(?:[\s_]*[\[(]?k?Hz[\])]?)?", re.IGNORECASE)
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 UNITS = {  # as people write them: factor to SI, SI unit
-    "g": (G, "m/s²"), "gn": (G, "m/s²"), "mg": (1e-3 * G, "m/s²"), "m/s²": (1.0, "m/s²"), "m/s2": (1.0, "m/s²"),
-    "m/s^2": (1.0, "m/s²"), "m_s2": (1.0, "m/s²"), "mm/s": (1e-3, "m/s"), "mm_s": (1e-3, "m/s"), "m/s": (1.0, "m/s"),
+    **dict.fromkeys(("g", "gn"), (G, "m/s²")), "mg": (1e-3 * G, "m/s²"),
+    **dict.fromkeys(("m/s²", "m/s2", "m/s^2", "m_s2"), (1.0, "m/s²")),
+    **dict.fromkeys(("mm/s", "mm_s"), (1e-3, "m/s")), "m/s": (1.0, "m/s"),
 }  # fmt: skip
 VOLTS = {"v": 1.0, "mv": 1e-3}
 SENSITIVITY = re.compile(r"([\d.]+)\s*(m?)V\s*/\s*\(?\s*(g|m/s2|m/s²|m/s\^2|mm/s)\s*\)?", re.IGNORECASE)
@@ -53,12 +54,9 @@ class Signal:
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
 def read_signal(
-    path: str | Path,
-    rate: float | None = None,
-    channel: str | None = None,
-    unit: str | None = None,
+    path: str | Path, rate: float | None = None, channel: str | None = None, unit: str | None = None,
     sensitivity: str | None = None,
-) -> Signal:
+) -> Signal:  # fmt: skip
     """Read one channel of a record.
 
     Parameters
@@ -71,7 +69,7 @@ def read_signal(
     Errors
     ------
     InputError: no record, no such channel, no rate, a unit that is not known, fewer than 1024 samples, no vibration.
-    """  # fmt: skip
+    """
     path = Path(path)
     try:
         channels = read_channels(path)
@@ -130,11 +128,18 @@ def _times(channels: Channels) -> dict[str, np.ndarray]:
     for name, values in list(channels.values.items()):
         said = TIME.fullmatch(name.strip())
         unnamed = name == "column 1" and len(channels.values) > 1
-        if (said or unnamed) and _rises(values) and (said or _even(values)):
-            del channels.values[name]
+        if not ((said or unnamed) and _rises(values)):
+            continue
+        steps = np.diff(values)
+        if said or (np.all(np.isfinite(steps)) and np.mean(np.abs(steps / np.median(steps) - 1.0) > 0.1) < 0.01):
             unit = (said and said[1]) or channels.units.get(name, "s")
-            times[name] = values * SECONDS.get(unit.strip().lower(), 1.0)
+            times[name] = channels.values.pop(name) * SECONDS.get(unit.strip().lower(), 1.0)
     return times
+
+
+def _rises(values: np.ndarray) -> bool:
+    finite = values[np.isfinite(values)]
+    return bool(finite.size > 2 and np.all(np.diff(finite) > 0))
 
 
 def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], given: float | None) -> np.ndarray | None:
@@ -142,15 +147,15 @@ def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], giv
 
     InputError: several columns of times differ, and no rate is given.
     """
-    within = name.split(".")[:-1]
-    found: dict[str, list[np.ndarray]] = {each.rpartition(".")[0]: [] for each in times}
+    found: dict[str, list[np.ndarray]] = {}
     for each, values in times.items():
         if values.size == size:
-            found[each.rpartition(".")[0]].append(values)
+            found.setdefault(each.rpartition(".")[0], []).append(values)
+    within = name.split(".")[:-1]
     scopes = [".".join(within[:depth]) for depth in range(len(within), -1, -1)]
-    own = next((found[scope] for scope in scopes if found.get(scope)), [])
-    if not own and sum(map(len, found.values())) == 1:  # the only one: signals and times in structs of their own
-        own = next(columns for columns in found.values() if columns)
+    if len(times) and sum(map(len, found.values())) == 1:  # the only one: signals and times in structs of their own
+        scopes += found
+    own = next((found[scope] for scope in scopes if scope in found), [])
     steps = [float(np.median(np.diff(values[np.isfinite(values)]))) for values in own]
     if steps and max(steps) > (1.0 + RATES_AGREE) * min(steps):
         if given is None:
@@ -159,17 +164,8 @@ def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], giv
     return own[0] if own else None
 
 
-def _rises(values: np.ndarray) -> bool:
-    finite = values[np.isfinite(values)]
-    return bool(finite.size > 2 and np.all(np.diff(finite) > 0))
-
-
-def _even(values: np.ndarray) -> bool:
-    steps = np.diff(values)
-    return bool(np.all(np.isfinite(steps)) and np.mean(np.abs(steps / np.median(steps) - 1.0) > 0.1) < 0.01)
-
-
 def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
+    """The name of a channel that is asked for, or of the only one."""
     names = list(channels.values)
     first = channels.longest if wanted is None else names  # short ones are seldom what a record is of
     listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(first[:20], 1))
@@ -179,12 +175,10 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
         if len(first) == 1:
             return first[0]
         raise InputError(f"{path}: holds {len(first)} channels; add --channel and one of: {listed}")
-    for whole in (wanted, f"{wanted}_m_s2"):  # as exports of accelerations name them, beside the same in g
-        if whole in names:
-            return whole
+    whole = [name for name in (wanted, f"{wanted}_m_s2") if name in names]  # as exports name them, beside the same in g
     matches = [name for name in names if wanted.lower() in name.lower()]
     words = [name for name in matches if re.search(rf"(?<![^\W_]){re.escape(wanted)}(?![^\W_])", name, re.IGNORECASE)]
-    for found in (matches, words):  # "B" is a word of "Beschleunigung B", not of "Beschleunigung A"
+    for found in (whole[:1], matches, words):  # "B" is a word of "Beschleunigung B", not of "Beschleunigung A"
         if len(found) == 1:
             return found[0]
     if wanted.isdecimal() and 1 <= int(wanted) <= len(names):
@@ -229,19 +223,18 @@ def _longest(
 ) -> tuple[np.ndarray, str]:
     """The longest piece without a gap, and what is missing between pieces; `place`: numbers of lines or samples."""
     broken = ~(np.abs(values) < LARGEST)
-    missing = int(broken.sum())
     steps = np.diff(time) if time is not None else np.ones(1)
     ends = np.flatnonzero(steps > APART * float(np.median(steps))) + 1
-    if missing == 0 and len(ends) == 0:
+    if not broken.any() and not ends.size:
         return values, ""
-    edges = sorted({0, values.size, *map(int, ends), *map(int, np.flatnonzero(np.diff(broken.astype(int))) + 1)})
+    edges = np.unique([0, values.size, *ends, *(np.flatnonzero(np.diff(broken)) + 1)]).tolist()
     pieces = [(b - a, a, b) for a, b in pairwise(edges) if not broken[a]]
     if not pieces:
         raise InputError(f"{path}: no sample of it is a number")
     _, first, last = max(pieces)
     counts = (
-        (missing, "sample", f" without a number (the first: {word} {place[np.argmax(broken)]})"),
-        (len(ends), "gap", f" in time (the first before {word} {place[ends[0]] if len(ends) else 0})"),
+        (int(broken.sum()), "sample", f" without a number (the first: {word} {place[np.argmax(broken)]})"),
+        (ends.size, "gap", f" in time (the first before {word} {place[ends[0]] if ends.size else 0})"),
     )
     what = " and ".join(f"{n} {one}{'s' if n > 1 else ''}{which}" for n, one, which in counts if n)
     return values[first:last], what
@@ -251,9 +244,8 @@ def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitiv
     """Factor to SI and the SI unit, "" of a unit that is not stated."""
     bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name[-80:])
     ending = re.search(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$", name)
-    in_name = (bracketed[1] if bracketed else "") or (ending[1] if ending else "")
-    own = channels.units.get(name) or in_name
-    unit = (given if given is not None else own).strip().lower()
+    in_name = next((said[1] for said in (bracketed, ending) if said), "")
+    unit = (given if given is not None else channels.units.get(name) or in_name).strip().lower()
     if sensitivity is not None:
         said = SENSITIVITY.fullmatch(sensitivity.strip())
         if said is None or not float(said[1]) > 0.0:
@@ -262,34 +254,27 @@ def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitiv
             raise InputError(f"{path}: --sensitivity is for a record in V, but this one is in {shown(unit)}")
         factor, si = UNITS[said[3].lower()]
         return VOLTS.get(unit, 1.0) * factor / (float(said[1]) * (1e-3 if said[2] else 1.0)), si
-    if unit in VOLTS:
-        if given is not None:
-            raise InputError(f"--unit {given}: add the sensor's --sensitivity, as 100mV/g")
-        return VOLTS[unit], ""
-    if unit in UNITS:
-        return UNITS[unit]
-    if given is not None:
+    if given is not None and unit in VOLTS:
+        raise InputError(f"--unit {given}: add the sensor's --sensitivity, as 100mV/g")
+    if given is not None and unit not in UNITS:
         raise InputError(f"--unit {shown(given)}: not known; known are g, m/s2, mm/s, and V with --sensitivity")
-    return 1.0, ""
+    return UNITS.get(unit, (VOLTS.get(unit, 1.0), ""))
 
 
 def _faults(values: np.ndarray, rate: float) -> list[str]:
     """What is wrong with a record, as sentences."""
     notes = []
-    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
-    starts = np.concatenate([[0], changes])
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
     lengths = np.diff(np.concatenate([starts, [values.size]]))
     high, low = float(values.max()), float(values.min())
-    at_end = (values[starts] == high) | (values[starts] == low)
-    clipped = at_end & (lengths >= CLIPPED_RUN)
-    if 0 < clipped.sum() and clipped.sum() >= CLIPPED and high > low:
-        share = float(lengths[clipped].sum()) / values.size
-        word = "saturated" if share > SATURATED else "clipped"
-        notes.append(
-            f"The record is {word}: {int(clipped.sum())} runs of samples at its largest or smallest value "
-            f"({100.0 * share:.2g} % of it); lower the gain. Levels are too low."
-        )
+    clipped = ((values[starts] == high) | (values[starts] == low)) & (lengths >= CLIPPED_RUN)
     dropped = (lengths >= DROPPED) & ~clipped
+    if clipped.sum() >= CLIPPED and high > low:
+        share = float(lengths[clipped].sum()) / values.size
+        notes.append(
+            f"The record is {'saturated' if share > SATURATED else 'clipped'}: {int(clipped.sum())} runs of samples at "
+            f"its largest or smallest value ({100.0 * share:.2g} % of it); lower the gain. Levels are too low."
+        )
     if dropped.any() and high > low:
         longest = 1e3 * float(lengths[dropped].max()) / rate
         notes.append(

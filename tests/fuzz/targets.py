@@ -96,7 +96,7 @@ class Targets:
         """Read a trajectory table, and evaluate it where it is taken."""
         from lagrange.scene.scene import parse_scene_text
         from residual.errors import InputError
-        from residual.table_source import read_table
+        from residual.sources import read_table
 
         path = self._file("fuzzed.csv", data)
         try:

@@ -7,9 +7,9 @@ import numpy as np
 
 from fem.commands.run_fem import run_main
 from residual import Record, evaluate, read_result
-from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.load_zone import chosen_roller
+from residual.spectrum import derivative
 from tests.paper.supports import settings_held
 
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm

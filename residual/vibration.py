@@ -326,9 +326,9 @@ def vibration(
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
     cage, inner, found = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0)), None
-    if cage > 0.0:
+    if cage > 0.0 and band is None:
         found = _fault_band(motion, interval, inner, cage)
-    if cage > 0.0 and band is not None:
+    elif cage > 0.0 and band is not None:
         found = band_envelope(motion, interval, band[0], band[1], cage)
     if band is not None and (found is None or found.high < band[1]):
         raise InputError(

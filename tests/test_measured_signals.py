@@ -84,24 +84,18 @@ READ = {  # name: content, options, factor from the file's numbers to m/s²
     "24.wav": (wav(24), {"unit": "g"}, 0.5 * G),
     "32.wav": (wav(32), {"unit": "g"}, 0.5 * G),
     "float.wav": (saved(wavfile.write, int(RATE), WAVE.astype(np.float32)), {"unit": "g"}, G),
-    "double_stereo.wav": (
-        saved(wavfile.write, int(RATE), np.column_stack([TIME, WAVE])),
-        {"unit": "g", "channel": "channel 2"},
-        G,
-    ),
+    "double_stereo.wav": (saved(wavfile.write, int(RATE), np.column_stack([TIME, WAVE])),
+                          {"unit": "g", "channel": "channel 2"}, G),
     "five.mat": (saved(savemat, {"X097_DE_time": WAVE[:, None], "fs": RATE}), {"unit": "g"}, G),
-    "struct.mat": (
-        saved(savemat, {"fs": 3.0, "bearing": {"load": 3.0, "gs": WAVE, "rate": RATE, "note": "x"}}),
-        {"unit": "g"},
-        G,
-    ),
+    "struct.mat": (saved(savemat, {"fs": 3.0, "bearing": {"load": 3.0, "gs": WAVE, "rate": RATE, "note": "x"}}),
+                   {"unit": "g"}, G),
     "four.mat": (saved(savemat, {"a": WAVE}, format="4"), {"unit": "g", "rate": RATE}, G),
     "seven.mat": (matlab73(acc=WAVE[None, :], fs=[[RATE]]), {"unit": "g"}, G),
     "seven_struct.mat": (matlab73(**{"run/acc": WAVE[None, :], "run/fs": [[RATE]]}), {"unit": "g"}, G),
     "x.npy": (saved(np.save, WAVE), {"rate": RATE, "unit": "g"}, G),
     "x.npz": (saved(np.savez, acc=WAVE, rate=RATE), {"unit": "g"}, G),
     "whole.npz": (saved(np.savez_compressed, acc=np.round(1000 * WAVE).astype("i2"), fs=8000), {"unit": "mg"}, G),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", READ)
@@ -122,22 +116,12 @@ REFUSED = {  # name: content, options, words of the refusal
     "no_rate.txt": (rows(columns=(WAVE,)), {}, "--rate"),
     "two_rates.mat": (saved(savemat, {"b": {"sr": RATE, "gs": WAVE, "rate": 25.0}}), {}, "states 25 or 8000 Hz; give"),
     "two_rates.txt": (rows(head="fs = 8000\nSampling rate: 1 kHz\nacc\n", columns=(WAVE,)), {}, "states 1000 or 8000"),
-    "two_times.csv": (
-        rows(head="t [s],a,time [s],b\n", columns=(TIME, WAVE, 2.0 * TIME, WAVE)),
-        {"channel": "b"},
-        "2 columns of times with different steps; give --rate",
-    ),
-    "spectrum.csv": (
-        rows(head="Frequency [Hz],acc [g]\n", columns=(RATE * TIME, WAVE)),
-        {"rate": RATE, "channel": "acc"},
-        "a spectrum over Frequency",
-    ),
+    "two_times.csv": (rows(head="t [s],a,time [s],b\n", columns=(TIME, WAVE, 2.0 * TIME, WAVE)), {"channel": "b"},
+                      "2 columns of times with different steps; give --rate"),
+    "spectrum.csv": (rows(head="Frequency [Hz],acc [g]\n", columns=(RATE * TIME, WAVE)),
+                     {"rate": RATE, "channel": "acc"}, "a spectrum over Frequency"),
     "no_time.csv": (rows(head=HEAD).replace("\n0.", "\n#N/A,0.1\n0.", 3), {}, "line 2 has no time"),
-    "thousand_of_many.csv": (
-        rows(";", ",", HEAD.replace(",", ";")) + "0,3;1.234\n",
-        {},
-        "line 2002: acc_g = '1.234'",
-    ),
+    "thousand_of_many.csv": (rows(";", ",", HEAD.replace(",", ";")) + "0,3;1.234\n", {}, "line 2002: acc_g = '1.234'"),
     "which.csv": (rows(head="time,x,y\n", columns=(TIME, WAVE, WAVE)), {}, "add --channel"),
     "none_such.csv": (rows(head="time,x,y\n", columns=(TIME, WAVE, WAVE)), {"channel": "z"}, "no channel"),
     "broken.csv": (rows(head=HEAD) + "0.3,abc\n", {}, "'abc' is no number"),
@@ -159,7 +143,7 @@ REFUSED = {  # name: content, options, words of the refusal
     "a.tdms": (b"TDSm" + bytes(100), {}, "pip install nptdms"),
     "a.unv": ("    -1\n    58\nx\n", {}, "pip install pyuff"),
     "random.bin": (bytes(range(256)) * 20, {"rate": RATE}, "not UTF-8 text"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -175,11 +159,14 @@ def test_file_is_refused_in_a_sentence(name, tmp_path, monkeypatch):
     assert "\n" not in str(refusal.value)
 
 
+def signal_of(tmp_path, text, **options):
+    """The signal of a text."""
+    (tmp_path / "record.csv").write_text(text, encoding="utf-8")
+    return read_signal(tmp_path / "record.csv", **options)
+
+
 def told(tmp_path, values, time=TIME):
-    """Sentences on a record of these values."""
-    path = tmp_path / "record.csv"
-    path.write_text(rows(head=HEAD, columns=(time, values)).replace("nan", ""), encoding="utf-8")
-    return read_signal(path)
+    return signal_of(tmp_path, rows(head=HEAD, columns=(time, values)).replace("nan", ""))
 
 
 def test_missing_file_is_refused(tmp_path):
@@ -187,23 +174,14 @@ def test_missing_file_is_refused(tmp_path):
         read_signal(tmp_path / "none.csv")
 
 
-def test_good_record_has_no_faults(tmp_path):
-    assert told(tmp_path, WAVE).notes == ()
-
-
-def test_clipping_is_told(tmp_path):
-    assert "saturated" in told(tmp_path, np.clip(WAVE, -0.7, 0.7)).notes[0]
-
-
-def test_drop_outs_are_told(tmp_path):
-    values = WAVE.copy()
-    values[500:580] = values[500]
-    assert "drops out 1 times" in told(tmp_path, values).notes[0]
-
-
-def test_offset_is_told_and_removed(tmp_path):
-    signal = told(tmp_path, WAVE + 5.0)
-    assert "was removed" in signal.notes[0]
+@pytest.mark.parametrize(
+    ("values", "note"),
+    [(WAVE, None), (np.clip(WAVE, -0.7, 0.7), "saturated"), (WAVE + 5.0, "was removed"),
+     (np.where((np.arange(2000) >= 500) & (np.arange(2000) < 580), WAVE[500], WAVE), "drops out 1 times")],
+)  # fmt: skip
+def test_faults_of_a_record_are_told(tmp_path, values, note):
+    signal = told(tmp_path, values)
+    assert signal.notes == () if note is None else note in signal.notes[0]
     assert abs(signal.values.mean()) < 1e-9
 
 
@@ -217,8 +195,7 @@ def test_longest_piece_between_missing_samples_is_taken(tmp_path):
 
 def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
     signal = told(tmp_path, WAVE, np.where(np.arange(2000) < 300, TIME, TIME + 0.1))
-    assert "1 gap in time" in signal.notes[0]
-    assert signal.values.size == 1700
+    assert "1 gap in time" in signal.notes[0] and signal.values.size == 1700
     assert signal.rate == pytest.approx(RATE, rel=1e-4)
 
 
@@ -226,33 +203,31 @@ def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
 def test_a_line_without_a_number_is_a_missing_sample(tmp_path, missing):
     lines = rows(columns=(WAVE,)).splitlines()
     lines[500] = missing
-    (tmp_path / "record.csv").write_text("acc [g]\n" + "\n".join(lines), encoding="utf-8")
-    signal = read_signal(tmp_path / "record.csv", rate=RATE)
+    signal = signal_of(tmp_path, "acc [g]\n" + "\n".join(lines), rate=RATE)
     assert signal.values.size == 1499 and "1 sample without a number (the first: line 502)" in signal.notes[0]
     lines[1:-1:3] = [missing] * len(lines[1:-1:3])
-    (tmp_path / "record.csv").write_text("acc [g]\n" + "\n".join(lines), encoding="utf-8")
     with pytest.raises(InputError, match=r"[23] samples in one piece; .* 667 samples without"):
-        read_signal(tmp_path / "record.csv", rate=RATE)
+        signal_of(tmp_path, "acc [g]\n" + "\n".join(lines), rate=RATE)
 
 
 def test_blank_lines_between_rows_with_times_lose_nothing(tmp_path):
-    (tmp_path / "record.csv").write_text(rows(head=HEAD).replace("\n", "\n\n"), encoding="utf-8")
-    signal = read_signal(tmp_path / "record.csv")
+    signal = signal_of(tmp_path, rows(head=HEAD).replace("\n", "\n\n"))
     assert signal.values.size == 2000 and signal.rate == pytest.approx(RATE) and signal.notes == ()
 
 
 def test_a_given_rate_decides_with_a_note(tmp_path):
-    (tmp_path / "record.csv").write_text(rows(head=HEAD), encoding="utf-8")
-    signal = read_signal(tmp_path / "record.csv", rate=9000.0)
+    signal = signal_of(tmp_path, rows(head=HEAD), rate=9000.0)
     assert signal.rate == 9000.0 and signal.notes == ("The file says 8000 Hz; --rate 9000 Hz was taken.",)
 
 
-def test_marks_of_thousands_in_numbers_are_refused(tmp_path):
+def test_marks_of_thousands_and_dates_in_numbers_are_refused(tmp_path):
     values = "\n".join(f"{5000.0 * x:,.0f}" for x in WAVE)
-    for text in (values, values.replace(",", ".")):
-        (tmp_path / "record.txt").write_text(text, encoding="utf-8")
-        with pytest.raises(InputError, match="with a mark of thousands; write numbers without"):
-            read_signal(tmp_path / "record.txt", rate=RATE)
+    dates = "timestamp,ax\n" + "2024-03-12T10:00:00.0001,0.5\n" * 50
+    thousands = "with a mark of thousands; write numbers without"
+    dated = r"dates and clock times \(2024-03-12\) are none: leave that column out"
+    for text, words in ((values, thousands), (values.replace(",", "."), thousands), (dates, dated)):
+        with pytest.raises(InputError, match=words):
+            signal_of(tmp_path, text, rate=RATE)
 
 
 def test_each_channel_of_a_matlab_file_has_rate_times_and_unit_of_its_own_struct(tmp_path):
@@ -332,51 +307,29 @@ def test_a_hostile_record_is_refused_soon_and_in_little_memory(kind, tmp_path):
 @pytest.mark.parametrize(
     ("line", "rate"),
     [
-        ("Sampling rate: 8 kHz", 8000.0),
-        ("Abtastrate;8000 Hz", 8000.0),
-        ("# fs=8000", 8000.0),
-        ("Sampling frequency (Hz),8000", 8000.0),
-        ("Sample rate [kHz]: 8", 8000.0),
-        ("fs = 8000 Hz, speed 1480 rpm", 8000.0),
-        ("Sampling rate: 25,600 Hz", 25600.0),
-        ("Sampling rate: 1,024.5 Hz", 1024.5),
-        ("Sampling rate: 48.828 kHz", 48828.0),
-        ("Sampling rate: 25,6 kHz", 25600.0),
-        ("Frequency range: 10 kHz\nSampling rate: 8 kHz", 8000.0),
+        ("Sampling rate: 8 kHz", 8000.0), ("Abtastrate;8000 Hz", 8000.0), ("# fs=8000", 8000.0),
+        ("Sampling frequency (Hz),8000", 8000.0), ("Sample rate [kHz]: 8", 8000.0),
+        ("fs = 8000 Hz, speed 1480 rpm", 8000.0), ("Sampling rate: 25,600 Hz", 25600.0),
+        ("Sampling rate: 1,024.5 Hz", 1024.5), ("Sampling rate: 48.828 kHz", 48828.0),
+        ("Sampling rate: 25,6 kHz", 25600.0), ("Frequency range: 10 kHz\nSampling rate: 8 kHz", 8000.0),
+        ("Shaft frequency: 25 Hz", None), ("Drehfrequenz: 25 Hz", None), ("Samples: 2000", None),
+        ("cut-off frequency 5 kHz", None),
     ],
-)
-def test_rate_before_the_numbers(tmp_path, line, rate):
-    path = tmp_path / "record.csv"
-    path.write_text(rows(head=f"{line}\nacc [g]\n", columns=(WAVE,)), encoding="utf-8")
-    assert read_signal(path).rate == rate
-
-
-@pytest.mark.parametrize(
-    "line", ["Shaft frequency: 25 Hz", "Drehfrequenz: 25 Hz", "Samples: 2000", "cut-off frequency 5 kHz"]
-)
-def test_other_frequencies_are_no_rate(tmp_path, line):
-    path = tmp_path / "record.csv"
-    path.write_text(rows(head=f"{line}\nacc [g]\n", columns=(WAVE,)), encoding="utf-8")
+)  # fmt: skip
+def test_rate_before_the_numbers_and_frequencies_that_are_none(tmp_path, line, rate):
+    text = rows(head=f"{line}\nacc [g]\n", columns=(WAVE,))
+    if rate is not None:
+        assert signal_of(tmp_path, text).rate == rate
+        return
     with pytest.raises(InputError, match="neither a rate nor a column of times"):
-        read_signal(path)
+        signal_of(tmp_path, text)
 
 
 def test_a_whole_word_of_a_channels_name_goes_before_a_part(tmp_path):
-    path = tmp_path / "record.csv"
-    path.write_text(rows(head="time_s,band A,band B\n", columns=(TIME, WAVE, 2.0 * WAVE)), encoding="utf-8")
-    assert read_signal(path, channel="B").values.std() == pytest.approx(
-        2.0 * read_signal(path, channel="A").values.std()
-    )
+    text = rows(head="time_s,band A,band B\n", columns=(TIME, WAVE, 2.0 * WAVE))
+    a, b = (signal_of(tmp_path, text, channel=name).values.std() for name in "AB")
+    assert b == pytest.approx(2.0 * a)
 
 
 def test_unit_behind_a_columns_name(tmp_path):
-    path = tmp_path / "record.csv"
-    path.write_text(rows(head="time_s,velocity_mm/s\n", columns=(TIME, WAVE)), encoding="utf-8")
-    assert read_signal(path).unit == "m/s"
-
-
-def test_a_column_of_dates_is_named(tmp_path):
-    path = tmp_path / "record.csv"
-    path.write_text("timestamp,ax\n" + "2024-03-12T10:00:00.0001,0.5\n" * 50, encoding="utf-8")
-    with pytest.raises(InputError, match=r"dates and clock times \(2024-03-12\) are none: leave that column out"):
-        read_signal(path)
+    assert signal_of(tmp_path, rows(head="time_s,velocity_mm/s\n", columns=(TIME, WAVE))).unit == "m/s"

@@ -10,11 +10,10 @@ from tests import measurements
 from tests.reference.bearings import STEEL
 from tests.reference.disc_impact import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
 from tests.verification import __main__ as command
-from tests.verification import subjects, table
-from tests.verification.case import Case, Check, Origin, run_case
+from tests.verification.case import ANALYTIC, Case, Check, run_case
 
 
-@pytest.mark.parametrize("case", [case for case in subjects.all_cases() if case.fast], ids=lambda case: case.name)
+@pytest.mark.parametrize("case", [case for case in command.all_cases() if case.fast], ids=lambda case: case.name)
 def test_case(case):
     outcome = run_case(case)
     assert not outcome.trouble
@@ -23,10 +22,7 @@ def test_case(case):
 
 
 def check_of(computed, reference=2.0, tolerance=0.01, **more):
-    return Check(
-        quantity="length", unit="m", computed=computed, reference=reference, tolerance=tolerance,
-        origin=Origin.ANALYTIC, source="a book", **more,
-    )  # fmt: skip
+    return Check("length", "m", computed, reference, tolerance, ANALYTIC, "a book", **more)
 
 
 def test_a_check_passes_within_its_tolerance_only():
@@ -62,7 +58,7 @@ def empty():
 
 def pretend(monkeypatch, *cases):
     subject = SimpleNamespace(CASES=tuple(Case(checks=case) for case in cases))
-    monkeypatch.setattr(subjects, "SUBJECTS", (subject,))
+    monkeypatch.setattr(command, "SUBJECTS", (subject,))
 
 
 @pytest.mark.parametrize(
@@ -91,12 +87,12 @@ def test_an_unknown_name_is_refused_in_one_line(capsys):
 
 
 def test_a_subject_stands_for_its_cases():
-    assert [case.name for case in subjects.named(["impact"])] == ["bouncing-bar", "thrown-roller", "ball-impact"]
-    assert [case.name for case in subjects.named(["ring_modes", "disc-modes"])] == ["disc-modes", "ring-modes"]
+    assert [case.name for case in command.named(["impact"])] == ["bouncing-bar", "thrown-roller", "ball-impact"]
+    assert [case.name for case in command.named(["ring_modes", "disc-modes"])] == ["disc-modes", "ring-modes"]
 
 
 def test_every_case_says_what_it_does_and_has_a_name_of_its_own():
-    cases = subjects.all_cases()
+    cases = command.all_cases()
     assert len({case.name for case in cases}) == len(cases) >= 20
     assert all(len(case.description) > 40 for case in cases)
 
@@ -110,8 +106,9 @@ def test_a_subjects_table_is_written_and_says_how_it_was_made(tmp_path, monkeypa
     assert command.app(["--write"]) == 1
     text = page.read_text(encoding="utf-8")
     subject = Case(checks=good).subject
+    typed = f"python -m tests.verification {command.dashed(subject)} --write"
     assert text.startswith("# Verification\n\n## Impact\n\nkept\n") and f"## {subject.capitalize()}\n" in text
-    assert measurements.HEAD.search(text)["command"] == f"python -m tests.verification {table.dashed(subject)} --write"
+    assert measurements.HEAD.search(text)["command"] == typed
     assert "| `good` | length | 2.001 m | 2 m | +0.05 % | 1 % | analytic: a book |" in text
     assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text
 

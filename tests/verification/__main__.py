@@ -1,19 +1,35 @@
-"""`python -m tests.verification`: run cases, print what was found, exit 1 if one fails."""
+"""`python -m tests.verification`: run cases, print what was found, exit 1 if one fails.
+
+A subject is a module with a tuple CASES; a new one is a new module and a name in SUBJECTS.
+"""
 
 import sys
+from itertools import groupby
 from typing import Annotated
 
 from cyclopts import App, Parameter
 from rich.console import Console
+from rich.table import Table
 
-WIDTH = 160
+from tests.measurements import SUPERSCRIPT, markdown_table, publish
+from tests.verification import (
+    balances,
+    contact_statics,
+    elastic_bodies,
+    impact,
+    quadratic_statics,
+    resolved,
+    rolling,
+    varying_compliance,
+)
+from tests.verification.case import Case, Check, Outcome, run_case
+
+SUBJECTS = (elastic_bodies, contact_statics, quadratic_statics, resolved, impact, rolling, balances, varying_compliance)
+HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the reference's origin")
 OK, FAILED, UNUSABLE = 0, 1, 2
 
 app = App(
-    name="python -m tests.verification",
-    version_flags=[],
-    help_format="plaintext",
-    result_action="return_value",
+    name="python -m tests.verification", version_flags=[], help_format="plaintext", result_action="return_value",
     help="""Hold the solver's pieces against analytic solutions, published values and conservation laws.
 
 Example: python -m tests.verification disc-modes rolling
@@ -21,7 +37,7 @@ Example: python -m tests.verification disc-modes rolling
 
 Exit codes: 0 all passed; 1 a case failed; 2 unknown name.
 """,
-)
+)  # fmt: skip
 
 
 @app.default
@@ -33,19 +49,16 @@ def main(
         bool, Parameter(negative="", help="write the subjects' tables into docs/measurements/verification.md")
     ] = False,
 ) -> int:
-    from tests.verification import subjects, table  # loads the solver; --help does without
-    from tests.verification.case import run_case
-
-    console = Console(width=WIDTH, highlight=False)
+    console = Console(width=160, highlight=False)
     try:
-        cases = subjects.named(list(names)) if names else subjects.all_cases()
-        if write and (fast or not subjects.whole(cases)):
+        cases = named(list(names)) if names else all_cases()
+        touched = {case.subject for case in cases}
+        if write and (fast or set(cases) != {case for case in all_cases() if case.subject in touched}):
             raise ValueError("--write takes whole subjects: name subjects, and leave out --fast")
     except ValueError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
-    if fast:
-        cases = tuple(case for case in cases if case.fast)
+    cases = tuple(case for case in cases if case.fast or not fast)
     if list_cases:
         for case in cases:
             print(f"{case.name} ({case.subject}{'' if case.fast else ', slow'}): {case.description}")
@@ -53,11 +66,88 @@ def main(
     outcomes = []
     for case in cases:
         outcomes.append(run_case(case))
-        console.print(table.screen(outcomes[-1]))
-    console.print(table.verdict(outcomes))
-    if write:
-        table.write_sections(outcomes)
-    return OK if all(outcome.passed for outcome in outcomes) else FAILED
+        console.print(screen(outcomes[-1]))
+    checks, seconds = sum(len(each.checks) for each in outcomes), sum(each.seconds for each in outcomes)
+    failed = ", ".join(each.case.name for each in outcomes if not each.passed)
+    said = f"FAILED: {failed}" if failed else "all passed"
+    console.print(f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {said}")
+    for subject, group in groupby(outcomes if write else [], key=lambda outcome: outcome.case.subject):
+        write_section(subject, list(group))
+    return FAILED if failed else OK
+
+
+def all_cases() -> tuple[Case, ...]:
+    """Every case, by subject."""
+    return tuple(case for subject in SUBJECTS for case in subject.CASES)
+
+
+def named(names: list[str]) -> tuple[Case, ...]:
+    """The cases of these names, in the order of the suite; a subject's name stands for all of its cases.
+
+    ValueError: an unknown name; the message lists the known ones.
+    """
+    known, wanted = all_cases(), {name.replace("_", "-").replace(" ", "-") for name in names}
+    subjects = list(dict.fromkeys(dashed(case.subject) for case in known))
+    if unknown := sorted(wanted - {case.name for case in known} - set(subjects)):
+        raise ValueError(
+            f"unknown case {', '.join(unknown)}; cases: {', '.join(case.name for case in known)}; "
+            f"subjects: {', '.join(subjects)}"
+        )
+    return tuple(case for case in known if {case.name, dashed(case.subject)} & wanted)
+
+
+def dashed(subject: str) -> str:
+    """A subject's name as it is typed."""
+    return subject.replace(" ", "-")
+
+
+def screen(outcome: Outcome) -> Table:
+    """Table of one case for the terminal."""
+    verdict = "passed" if outcome.passed else "FAILED"
+    table = Table(title=f"{outcome.case.name}: {verdict}, {outcome.seconds:.1f} s", title_justify="left")
+    for i, heading in enumerate(HEADINGS):
+        table.add_column(heading, justify="left" if i in (0, 5) else "right", overflow="fold")
+    for check in outcome.checks:
+        table.add_row(*cells(check), style=None if check.passed else "bold red")
+    table.caption = outcome.trouble or None
+    return table
+
+
+def cells(check: Check) -> list[str]:
+    """Cells of a check's row."""
+    computed, reference = (
+        f"{_powers(f'{x:.5g}')} {check.unit}".strip() for x in (check.computed, check.reference)
+    )
+    fails = "" if check.passed else " FAILS"
+    return [check.quantity, computed, reference, _percent(check.error) + fails, _percent(check.tolerance, sign=False),
+            f"{check.origin}: {check.source}"]  # fmt: skip
+
+
+def _percent(share: float, sign: bool = True) -> str:
+    """Write a share in per cent with two digits, as a power of ten where it is tiny."""
+    value = 100.0 * share
+    text = f"{value:+.2g}" if sign and value else f"{value:.2g}"
+    if 0.0 < abs(value) < 1e-3:
+        text = f"{value:+.1e}" if sign else f"{value:.0e}"
+    return f"{_powers(text)} %"
+
+
+def _powers(number: str) -> str:
+    """Write 1.2e-07 as 1.2·10⁻⁷."""
+    digits, e, power = number.partition("e")
+    return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
+
+
+def write_section(subject: str, outcomes: list[Outcome]) -> None:
+    """Write a subject's section of docs/measurements/verification.md: what each case does, and its checks."""
+    said, rows = "\n".join(f"* `{each.case.name}`: {each.case.description}" for each in outcomes), []
+    for outcome in outcomes:
+        own = [cells(check) for check in outcome.checks]
+        if outcome.trouble:
+            own.append([f"FAILED: {outcome.trouble}", *[""] * (len(HEADINGS) - 1)])
+        rows += [[f"`{outcome.case.name}`" if k == 0 else "", *row] for k, row in enumerate(own)]
+    command = f"python -m tests.verification {dashed(subject)}"
+    publish("verification", subject.capitalize(), command, said, markdown_table(("case", *HEADINGS), rows), write=True)
 
 
 if __name__ == "__main__":

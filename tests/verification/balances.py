@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import CONSERVATION, Case, Check
 from tests.verification.collision import WIDE, collide
 from tests.verification.runs import every_step, plan_of, record, without_spin
 
@@ -28,8 +28,8 @@ def rubbing_collision():
             ("energy and dissipation", "J", abs(energy[-1] - energy[0]), energy[0], 2e-4),
         ):
             yield Check(
-                quantity=f"change of {quantity}, {how}", unit=unit, computed=float(change), reference=0.0,
-                scale=float(scale), tolerance=tolerance, origin=Origin.CONSERVATION, source="nothing acts from outside",
+                f"change of {quantity}, {how}", unit, change, 0.0, tolerance, CONSERVATION,
+                "nothing acts from outside", scale=scale
             )  # fmt: skip
 
 
@@ -52,8 +52,8 @@ def hub_momentum():
     ):
         left = operation.inner_mass * acceleration - force
         yield Check(
-            quantity=f"rms of Ma − ΣF, {axis}", unit="N", computed=float(np.sqrt(np.mean(left**2))), reference=0.0,
-            scale=operation.radial_load, tolerance=5e-5, origin=Origin.CONSERVATION, source=NEWTON,
+            f"rms of Ma − ΣF, {axis}", "N", np.sqrt(np.mean(left**2)), 0.0, 5e-5, CONSERVATION, NEWTON,
+            scale=operation.radial_load
         )  # fmt: skip
 
 
@@ -77,14 +77,10 @@ def angular_momentum():
     moment = push * (x * ny - y * nx) + rub * (x * nx + y * ny - radius) + hold * (np.hypot(x, y) + radius)
     moment -= mass * plan.operation.gravity * x
     gained = np.concatenate([[0.0], np.cumsum(moment.sum(axis=1)[1:-1]) * dt])
+    yield Check("angular momentum gained", "N m s", total[-1] - total[0], gained[-1], 1e-3, CONSERVATION, "Euler's law")
     yield Check(
-        quantity="angular momentum gained", unit="N m s", computed=float(total[-1] - total[0]),
-        reference=float(gained[-1]), tolerance=1e-3, origin=Origin.CONSERVATION, source="Euler's law",
-    )  # fmt: skip
-    yield Check(
-        quantity="largest difference on the way", unit="N m s",
-        computed=float(np.abs(total - total[0] - gained).max()), reference=0.0, scale=float(np.ptp(gained)),
-        tolerance=1e-3, origin=Origin.CONSERVATION, source="Euler's law",
+        "largest difference on the way", "N m s", np.abs(total - total[0] - gained).max(), 0.0, 1e-3, CONSERVATION,
+        "Euler's law", scale=np.ptp(gained)
     )  # fmt: skip
 
 
@@ -108,9 +104,8 @@ def _balance(duration_ms: float, speed_rpm: float = 4500.0) -> Check:
         )
     )
     return Check(
-        quantity=f"largest imbalance in {duration_ms:g} ms, {speed_rpm:g} rpm", unit="J",
-        computed=float(np.abs(found.imbalance).max()), reference=0.0, scale=found.largest_stored, tolerance=1e-4,
-        origin=Origin.CONSERVATION, source="energy against works and dissipation, of the stored energy",
+        f"largest imbalance in {duration_ms:g} ms, {speed_rpm:g} rpm", "J", np.abs(found.imbalance).max(), 0.0, 1e-4,
+        CONSERVATION, "energy against works and dissipation, of the stored energy", scale=found.largest_stored
     )  # fmt: skip
 
 

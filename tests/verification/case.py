@@ -3,39 +3,35 @@
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
-
-class Origin(StrEnum):
-    """Where a reference value comes from."""
-
-    ANALYTIC = "analytic"  # a closed formula, a series or a root of an exact equation, evaluated here
-    LITERATURE = "literature"  # a formula or figure as published, an approximation or a fit
-    CONSERVATION = "conservation"  # what must not change, or must balance
-    COMPUTED = "computed"  # a numerical solution by other means
-    MODEL = "other model"  # another idealisation: the difference is the models', and expected
+# where a reference value comes from
+ANALYTIC = "analytic"  # a closed formula, a series or a root of an exact equation, evaluated here
+LITERATURE = "literature"  # a formula or figure as published, an approximation or a fit
+CONSERVATION = "conservation"  # what must not change, or must balance
+COMPUTED = "computed"  # a numerical solution by other means
+MODEL = "other model"  # another idealisation: the difference is the models', and expected
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Check:
     """A computed number held against one that does not come from the code under test."""
 
     quantity: str
+    unit: str
     computed: float
     reference: float
     tolerance: float  # of `scale`
-    origin: Origin
+    origin: str
     source: str  # where formula or value stand
-    unit: str = ""
     scale: float | None = None  # what the error is measured by; None: the reference itself
 
     @property
     def error(self) -> float:
         """Signed, relative to the scale."""
         scale = self.reference if self.scale is None else self.scale
-        return (self.computed - self.reference) / abs(scale) if scale else np.nan
+        return float((self.computed - self.reference) / abs(scale)) if scale else np.nan
 
     @property
     def passed(self) -> bool:
@@ -81,8 +77,7 @@ class Outcome:
 
 def run_case(case: Case) -> Outcome:
     """Run a case; an exception is an outcome, so that the other cases are run too."""
-    began = time.perf_counter()
-    found, trouble = [], ""
+    began, found, trouble = time.perf_counter(), [], ""
     try:
         found.extend(case.checks())
     except Exception as error:  # that is a failed verification

@@ -37,7 +37,7 @@ from tests.reference.bearings import (
 )
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.reference.resolved_bearing import RESOLVED
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, COMPUTED, CONSERVATION, Case, Check
 
 # what presses on a squeezed disc: it has no compliance and no mesh
 RIGID = rigid_surface(1.0)
@@ -86,9 +86,8 @@ def compared(what: str, pairs: list, tolerance: float, source: str):
     worst = np.array([deviations(found, exact) for found, exact in pairs]).max(axis=0)
     for quantity, deviation in zip(("hub", "any load over the largest"), worst, strict=True):
         yield Check(
-            quantity=f"error of {quantity}, {what}", unit="%", computed=100.0 * float(deviation), reference=0.0,
-            scale=100.0, tolerance=tolerance, origin=Origin.COMPUTED, source=source,
-        )  # fmt: skip
+            f"error of {quantity}, {what}", "%", 100.0 * float(deviation), 0.0, tolerance, COMPUTED, source, scale=100.0
+        )
 
 
 def squeezed_disc():
@@ -101,17 +100,14 @@ def squeezed_disc():
     for force in (100.0, 628.0, 1000.0):
         b = half_width(force / LENGTH, 0.005, modulus)
         yield Check(
-            quantity=f"approach of one contact, {force:g} N", unit="µm",
-            computed=1e6 * float(grid[0] * force + law.approach(force)),
-            reference=1e6 * squeezed_disc_approach(force / LENGTH, 0.005, b, modulus),
-            tolerance=1e-3,  # the formula is the limit of b << R; b/R is 0.006 to 0.02
-            origin=Origin.ANALYTIC, source="q/(πE')(2 ln(4R/b) − 1) (Johnson 1985, 5.6)",
+            f"approach of one contact, {force:g} N", "µm", 1e6 * float(grid[0] * force + law.approach(force)),
+            1e6 * squeezed_disc_approach(force / LENGTH, 0.005, b, modulus), 1e-3, ANALYTIC,
+            "q/(πE')(2 ln(4R/b) − 1) (Johnson 1985, 5.6)"
         )  # fmt: skip
     approach = grid * 628.0 + law.approach(628.0)
     yield Check(
-        quantity="spread as the contact moves over the surface, 628 N", unit="µm",
-        computed=1e6 * float(np.ptp(approach)), reference=0.0, scale=1e6 * float(approach.mean()), tolerance=5e-4,
-        origin=Origin.CONSERVATION, source="a circle is the same everywhere",
+        "spread as the contact moves over the surface, 628 N", "µm", 1e6 * float(np.ptp(approach)), 0.0, 5e-4,
+        CONSERVATION, "a circle is the same everywhere", scale=1e6 * float(approach.mean())
     )  # fmt: skip
 
 
@@ -127,10 +123,9 @@ def roller_on_disc():
     for force in (100.0, 628.0, 1000.0):
         b = half_width(force / LENGTH, radius, 0.5 * modulus)
         yield Check(
-            quantity=f"approach of the two, {force:g} N", unit="µm",
-            computed=1e6 * float(law.approach(force) + grid * force),
-            reference=1e6 * sum(squeezed_disc_approach(force / LENGTH, R, b, modulus) for R in (0.005, 0.018)),
-            tolerance=1e-3, origin=Origin.ANALYTIC, source="Johnson 1985, 5.6; Tripp 1985",
+            f"approach of the two, {force:g} N", "µm", 1e6 * float(law.approach(force) + grid * force),
+            1e6 * sum(squeezed_disc_approach(force / LENGTH, R, b, modulus) for R in (0.005, 0.018)), 1e-3, ANALYTIC,
+            "Johnson 1985, 5.6; Tripp 1985"
         )  # fmt: skip
 
 
@@ -142,16 +137,14 @@ def resolved_bearing():
             ("series", exact_statics(paper(), LOAD, first)),
         ):
             yield Check(
-                quantity=f"hub displacement, load {place}, {how}", unit="µm",
-                computed=-1e6 * float(found.hub[1]), reference=microns, tolerance=8e-4,
-                origin=Origin.COMPUTED, source=RESOLVED_SOURCE,
+                f"hub displacement, load {place}, {how}", "µm", -1e6 * float(found.hub[1]), microns, 8e-4, COMPUTED,
+                RESOLVED_SOURCE
             )  # fmt: skip
             largest = np.sort(found.inner_force)[::-1][: len(loads)]
             worst = int(np.argmax(np.abs(largest - loads)))
             yield Check(
-                quantity=f"most deviating load, load {place}, {how}", unit="N",
-                computed=float(largest[worst]), reference=loads[worst], scale=max(loads), tolerance=3e-4,
-                origin=Origin.COMPUTED, source=RESOLVED_SOURCE,
+                f"most deviating load, load {place}, {how}", "N", largest[worst], loads[worst], 3e-4, COMPUTED,
+                RESOLVED_SOURCE, scale=max(loads)
             )  # fmt: skip
 
 
@@ -165,14 +158,12 @@ def bearing_shapes():
         exact = by_series(bearing, first)
         found = at_rest(bearing, ONE_MM[1] * bearing.roller_radius, first, fair_load(bearing))
         yield Check(
-            quantity=f"hub displacement, {name}", unit="µm",
-            computed=-1e6 * float(found.hub[1]), reference=-1e6 * float(exact.hub[1]), tolerance=2e-3,
-            origin=Origin.COMPUTED, source=SERIES,
+            f"hub displacement, {name}", "µm", -1e6 * float(found.hub[1]), -1e6 * float(exact.hub[1]), 2e-3, COMPUTED,
+            SERIES
         )  # fmt: skip
         yield Check(
-            quantity=f"largest load, {name}", unit="N", computed=float(found.inner_force.max()),
-            reference=float(exact.inner_force.max()), tolerance=2e-3, origin=Origin.COMPUTED, source=SERIES,
-        )  # fmt: skip
+            f"largest load, {name}", "N", found.inner_force.max(), exact.inner_force.max(), 2e-3, COMPUTED, SERIES
+        )
 
 
 def worst_of_shapes():

@@ -12,7 +12,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from lagrange import Material
 from tests.reference.bearings import LENGTH, STEEL, disc, ring
 from tests.reference.free_vibration import disc_frequency, ring_frequency
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, LITERATURE, Case, Check
 
 # ω R/c_T of the free disc at ν = 0.3 lies within 0.02 of these; pairs but for n = 0
 DISC_ROOTS = {2: 2.348, 1: 2.817, 3: 3.615, 0: 3.977}
@@ -72,10 +72,8 @@ def disc_modes():
     found, exact = disc_frequencies(body, 7), exact_disc_frequencies()
     for mode, n in zip((0, 2, 4, 6), DISC_ROOTS, strict=True):
         yield Check(
-            quantity=f"frequency, n = {n}", unit="kHz",
-            computed=1e-3 * hertz * found[mode], reference=1e-3 * hertz * exact[mode],
-            tolerance=7e-4,  # second order in the mesh: 0.4/layers², n = 2 a quarter of it
-            origin=Origin.ANALYTIC, source="root of Love's equation (Love 1927; Graff 1975, 8.2)",
+            f"frequency, n = {n}", "kHz", 1e-3 * hertz * found[mode], 1e-3 * hertz * exact[mode], 7e-4, ANALYTIC,
+            "root of Love's equation (Love 1927; Graff 1975, 8.2)"
         )  # fmt: skip
 
 
@@ -86,8 +84,8 @@ def ring_modes():
         omega = 2.0 * pi * near
         exact = ring_frequency(n, 0.028, 0.033, 0.98 * omega, 1.02 * omega, STEEL) / (2.0 * pi)
         yield Check(
-            quantity=f"frequency, n = {n}", unit="Hz", computed=ring_mode(body, n), reference=exact,
-            tolerance=0.002, origin=Origin.ANALYTIC, source="root of the exact frequency equation (Graff 1975, 8.2)",
+            f"frequency, n = {n}", "Hz", ring_mode(body, n), exact, 0.002, ANALYTIC,
+            "root of the exact frequency equation (Graff 1975, 8.2)"
         )  # fmt: skip
 
 
@@ -108,12 +106,12 @@ def code_aster_ring():
         exact = ring_frequency(n, inner, outer, 0.95 * omega, 1.0 * omega, flat) / (2.0 * pi)
         found = ring_mode(body, n)
         yield Check(
-            quantity=f"frequency, n = {n}", unit="Hz", computed=found, reference=exact, tolerance=0.002,
-            origin=Origin.ANALYTIC, source="root of the exact frequency equation (Graff 1975, 8.2)",
+            f"frequency, n = {n}", "Hz", found, exact, 0.002, ANALYTIC,
+            "root of the exact frequency equation (Graff 1975, 8.2)"
         )  # fmt: skip
         yield Check(
-            quantity=f"frequency, n = {n}, thin ring", unit="Hz", computed=found, reference=thin,
-            tolerance=thin_tolerance, origin=Origin.LITERATURE, source="thin-ring formula (Love 1927, article 293)",
+            f"frequency, n = {n}, thin ring", "Hz", found, thin, thin_tolerance, LITERATURE,
+            "thin-ring formula (Love 1927, article 293)"
         )  # fmt: skip
 
 
@@ -145,9 +143,8 @@ def pinched_ring():
     factors = {"along the load": 2.0 / pi - 0.25 * pi, "across it": 2.0 / pi - 0.5}
     for (name, factor), found in zip(factors.items(), (4.0 * fine - coarse) / 3.0, strict=True):
         yield Check(
-            quantity=f"change of the diameter {name}", unit="µm/N", computed=1e6 * found,
-            reference=1e6 * factor * radius**3 / bending, tolerance=2e-3,
-            origin=Origin.ANALYTIC, source="thin-ring bending (Timoshenko, Strength of Materials II)",
+            f"change of the diameter {name}", "µm/N", 1e6 * found, 1e6 * factor * radius**3 / bending, 2e-3, ANALYTIC,
+            "thin-ring bending (Timoshenko, Strength of Materials II)"
         )  # fmt: skip
 
 
@@ -155,9 +152,8 @@ def spinning_disc():
     """Growth of a disc of 18 mm radius at 4500 rpm, mesh 1.2 mm: centrifugal load of the disc body."""
     radius, speed = 0.018, 4500.0 * pi / 30.0
     yield Check(
-        quantity="radial growth", unit="nm", computed=1e9 * centrifugal_growth(disc(radius, 16), speed),
-        reference=1e9 * exact_growth(radius, speed, STEEL), tolerance=1.5e-3,
-        origin=Origin.ANALYTIC, source="Timoshenko and Goodier, article 32, plane strain",
+        "radial growth", "nm", 1e9 * centrifugal_growth(disc(radius, 16), speed),
+        1e9 * exact_growth(radius, speed, STEEL), 1.5e-3, ANALYTIC, "Timoshenko and Goodier, article 32, plane strain"
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from tests.reference.bearings import LENGTH, LOAD, ON_A_ROLLER, SHAPES, STEEL, f
 from tests.reference.line_contact import half_width
 from tests.reference.quadratic_statics import QuadraticStatics, quadratic_statics
 from tests.reference.resolved_bearing import RESOLVED
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, COMPUTED, Case, Check
 from tests.verification.contact_statics import ONE_MM, RESOLVED_SOURCE, TWO_MM, at_rest, by_series, compared
 
 QUICK, FINE = 5.0, 8.0  # elements per half-width
@@ -33,16 +33,12 @@ def quadratic_elements():
     """
     fine = resolved(paper(), QUICK)
     _, microns, loads = RESOLVED["on a roller"]
-    yield Check(
-        quantity="hub displacement", unit="µm", computed=-1e6 * float(fine.hub[1]), reference=microns,
-        tolerance=OWN, origin=Origin.COMPUTED, source=RESOLVED_SOURCE,
-    )  # fmt: skip
+    yield Check("hub displacement", "µm", -1e6 * float(fine.hub[1]), microns, OWN, COMPUTED, RESOLVED_SOURCE)
     largest = np.sort(fine.inner_force)[::-1][: len(loads)]
     worst = int(np.argmax(np.abs(largest - loads)))
     yield Check(
-        quantity="most deviating load", unit="N", computed=float(largest[worst]), reference=loads[worst],
-        scale=max(loads), tolerance=OWN, origin=Origin.COMPUTED, source=RESOLVED_SOURCE,
-    )  # fmt: skip
+        "most deviating load", "N", largest[worst], loads[worst], OWN, COMPUTED, RESOLVED_SOURCE, scale=max(loads)
+    )
     yield from hertz(fine)
     pair = [(resolved(paper(), 3.0), fine)]
     yield from compared("3 elements per half-width", pair, 2.0 * OWN, QUADRATIC.format(QUICK))
@@ -60,15 +56,11 @@ def hertz(found: QuadraticStatics):
     relative = 1.0 / (1.0 / paper().roller_radius + 1.0 / paper().inner_raceway_radius)
     b = half_width(load, relative, 0.5 * STEEL.plane_strain_modulus)
     source = "Hertz; Johnson, Contact Mechanics (1985), chapter 4"
-    yield Check(
-        quantity="peak pressure", unit="MPa", computed=1e-6 * float(pressure.max()),
-        reference=2e-6 * load / (pi * b), tolerance=5e-3, origin=Origin.ANALYTIC, source=source,
-    )  # fmt: skip
+    yield Check("peak pressure", "MPa", 1e-6 * float(pressure.max()), 2e-6 * load / (pi * b), 5e-3, ANALYTIC, source)
     share = pressure * np.gradient(found.across)
     yield Check(
-        quantity="half-width, twice the pressure's standard deviation", unit="µm",
-        computed=2e6 * float(np.sqrt(share @ found.across**2 / share.sum())), reference=1e6 * b, tolerance=1e-2,
-        origin=Origin.ANALYTIC, source=source,
+        "half-width, twice the pressure's standard deviation", "µm",
+        2e6 * float(np.sqrt(share @ found.across**2 / share.sum())), 1e6 * b, 1e-2, ANALYTIC, source
     )  # fmt: skip
 
 
@@ -86,14 +78,13 @@ def quadratic_shapes():
             pairs.append((found, exact))
         found = one_mm[-1][0]
         yield Check(
-            quantity=f"hub displacement, {name}, 1 mm", unit="µm", computed=-1e6 * float(found.hub[1]),
-            reference=-1e6 * float(exact.hub[1]), tolerance=2e-3, origin=Origin.COMPUTED, source=source,
+            f"hub displacement, {name}, 1 mm", "µm", -1e6 * float(found.hub[1]), -1e6 * float(exact.hub[1]), 2e-3,
+            COMPUTED, source
         )  # fmt: skip
         worst = int(np.argmax(np.abs(found.inner_force - exact.inner_force)))
         yield Check(
-            quantity=f"most deviating load, {name}, 1 mm", unit="N", computed=float(found.inner_force[worst]),
-            reference=float(exact.inner_force[worst]), scale=float(exact.inner_force.max()), tolerance=2e-3,
-            origin=Origin.COMPUTED, source=source,
+            f"most deviating load, {name}, 1 mm", "N", found.inner_force[worst], exact.inner_force[worst], 2e-3,
+            COMPUTED, source, scale=exact.inner_force.max()
         )  # fmt: skip
     yield from compared("1 mm, worst shape", one_mm, 2e-3, source)
     yield from compared("2 mm, worst shape", two_mm, 7e-3, source)

@@ -11,7 +11,7 @@ from lagrange import Bearing, Material
 from lagrange.kinematics import kinematics
 from tests.reference.contact_pressures import Pressures, contact_pressures
 from tests.reference.line_contact import half_width
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, CONSERVATION, LITERATURE, MODEL, Case, Check
 from tests.verification.runs import plan_of, record
 
 # D3613: a steel cylinder of 50 mm on an aluminium block, 35 kN per mm of width
@@ -42,19 +42,12 @@ def cylinder_on_a_block():
     model = ResolvedModel.build(bearing, PUBLISHED_HALF_WIDTH / 5.0)
     peak, width = peak_and_width(contact_pressures(model, standing(bearing, -0.5 * pi), LOAD)[0])
     scale = sqrt(relative / CYLINDER)
-    yield Check(
-        quantity="half-width a", unit="mm", computed=1e3 * width, reference=1e3 * PUBLISHED_HALF_WIDTH * scale,
-        tolerance=0.02, origin=Origin.LITERATURE, source=D3613,
-    )  # fmt: skip
-    yield Check(
-        quantity="peak pressure", unit="MPa", computed=1e-6 * peak, reference=1e-6 * PUBLISHED_PEAK / scale,
-        tolerance=0.03, origin=Origin.LITERATURE, source=D3613,
-    )  # fmt: skip
+    yield Check("half-width a", "mm", 1e3 * width, 1e3 * PUBLISHED_HALF_WIDTH * scale, 0.02, LITERATURE, D3613)
+    yield Check("peak pressure", "MPa", 1e-6 * peak, 1e-6 * PUBLISHED_PEAK / scale, 0.03, LITERATURE, D3613)
     modulus = 1.0 / (1.0 / STEEL.plane_strain_modulus + 1.0 / ALUMINIUM.plane_strain_modulus)
     yield Check(
-        quantity="half-width a", unit="mm", computed=1e3 * width,
-        reference=1e3 * half_width(LOAD / WIDTH, relative, modulus), tolerance=0.02, origin=Origin.ANALYTIC,
-        source="Hertz; Johnson, Contact Mechanics (1985), chapter 4",
+        "half-width a", "mm", 1e3 * width, 1e3 * half_width(LOAD / WIDTH, relative, modulus), 0.02, ANALYTIC,
+        "Hertz; Johnson, Contact Mechanics (1985), chapter 4"
     )  # fmt: skip
 
 
@@ -73,18 +66,14 @@ def rolled_some_degrees():
     size = float(np.abs(below["inner_y"]).mean())
     for axis in "xy":
         yield Check(
-            quantity=f"hub, {axis}, largest difference", unit="µm",
-            computed=1e6 * float(np.abs(resolved[f"inner_{axis}"] - below[f"inner_{axis}"]).max()), reference=0.0,
-            scale=1e6 * size, tolerance=0.01, origin=Origin.MODEL, source=source,
+            f"hub, {axis}, largest difference", "µm",
+            1e6 * float(np.abs(resolved[f"inner_{axis}"] - below[f"inner_{axis}"]).max()), 0.0, 0.01, MODEL, source,
+            scale=1e6 * size
         )  # fmt: skip
+    yield Check("largest load", "N", resolved["inner_force"].max(), below["inner_force"].max(), 0.01, MODEL, source)
     yield Check(
-        quantity="largest load", unit="N", computed=float(resolved["inner_force"].max()),
-        reference=float(below["inner_force"].max()), tolerance=0.01, origin=Origin.MODEL, source=source,
-    )  # fmt: skip
-    yield Check(
-        quantity="largest imbalance of energy", unit="J", computed=float(np.abs(resolved.imbalance).max()),
-        reference=0.0, scale=resolved.largest_stored, tolerance=1e-4, origin=Origin.CONSERVATION,
-        source="energy against works and dissipation, of the stored energy",
+        "largest imbalance of energy", "J", np.abs(resolved.imbalance).max(), 0.0, 1e-4, CONSERVATION,
+        "energy against works and dissipation, of the stored energy", scale=resolved.largest_stored
     )  # fmt: skip
 
 

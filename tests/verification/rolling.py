@@ -10,7 +10,7 @@ from fem.solver.elements.plan import ElementPlan
 from lagrange.kinematics import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.line_contact import carter_creep, half_width
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, CONSERVATION, Case, Check
 from tests.verification.runs import plan_of, record, without_spin
 
 FRICTION = 0.1
@@ -47,15 +47,11 @@ def carter_creep_curve():
         found, share, force = _creep(plan, stretched)
         b = half_width(force / bearing.roller_length, radius, modulus)
         yield Check(
-            quantity=f"creep at {share:.3g} of the limit", unit="‰", computed=1e3 * found,
-            reference=1e3 * carter_creep(share, FRICTION, b, radius), tolerance=1e-3,
-            origin=Origin.ANALYTIC, source="ξ = (μb/R)(1 − √(1 − T/μQ)) (Carter 1926; Johnson 1985, 8.3)",
+            f"creep at {share:.3g} of the limit", "‰", 1e3 * found, 1e3 * carter_creep(share, FRICTION, b, radius),
+            1e-3, ANALYTIC, "ξ = (μb/R)(1 − √(1 − T/μQ)) (Carter 1926; Johnson 1985, 8.3)"
         )  # fmt: skip
     _, share, _ = _creep(plan, 1e-5)
-    yield Check(
-        quantity="traction in full slip over μQ", computed=share, reference=1.0, tolerance=1e-9,
-        origin=Origin.ANALYTIC, source="Coulomb",
-    )  # fmt: skip
+    yield Check("traction in full slip over μQ", "", share, 1.0, 1e-9, ANALYTIC, "Coulomb")
 
 
 def spin_up():
@@ -79,19 +75,17 @@ def spin_up():
     push = FRICTION * np.mean(found["inner_force"][sliding] + found["outer_force"][sliding])
     gained = np.polyfit(found["time"][sliding], found["roller_spin"][sliding].mean(axis=1), 1)[0]
     yield Check(
-        quantity="angular acceleration while sliding", unit="rad/s²", computed=float(gained),
-        reference=float(np.sign(ideal.roller) * push * bearing.roller_radius / inertia), tolerance=1e-3,
-        origin=Origin.ANALYTIC, source="μ (Q_in + Q_out) r / ½mr²",
+        "angular acceleration while sliding", "rad/s²", gained,
+        np.sign(ideal.roller) * push * bearing.roller_radius / inertia, 1e-3, ANALYTIC, "μ (Q_in + Q_out) r / ½mr²"
     )  # fmt: skip
     yield Check(
-        quantity="energy lost by sliding", unit="J", computed=float(found["work_dissipated"][-1]),
-        reference=0.5 * inertia * ideal.roller**2 * bearing.n_rollers, tolerance=4e-3,
-        origin=Origin.ANALYTIC, source="½IΩ² a roller: sliding loses what it gives",
+        "energy lost by sliding", "J", found["work_dissipated"][-1],
+        0.5 * inertia * ideal.roller**2 * bearing.n_rollers, 4e-3, ANALYTIC,
+        "½IΩ² a roller: sliding loses what it gives"
     )  # fmt: skip
     yield Check(
-        quantity="spin once rolling", unit="rad/s", computed=float(found["roller_spin"][-100:].mean()),
-        reference=ideal.roller, tolerance=5e-4, origin=Origin.ANALYTIC, source=KINEMATICS,
-    )  # fmt: skip
+        "spin once rolling", "rad/s", found["roller_spin"][-100:].mean(), ideal.roller, 5e-4, ANALYTIC, KINEMATICS
+    )
     smooth = record(
         without_spin(
             plan_of(
@@ -101,8 +95,8 @@ def spin_up():
         )
     )  # fmt: skip
     yield Check(
-        quantity="spin without friction", unit="rad/s", computed=float(np.abs(smooth["roller_spin"]).max()),
-        reference=0.0, scale=ideal.roller, tolerance=1e-6, origin=Origin.CONSERVATION, source="no moment acts",
+        "spin without friction", "rad/s", np.abs(smooth["roller_spin"]).max(), 0.0, 1e-6, CONSERVATION,
+        "no moment acts", scale=ideal.roller
     )  # fmt: skip
 
 
@@ -116,10 +110,7 @@ def rolling_without_slip():
         ("cage speed", "Hz", cage / (2.0 * pi), ideal.cage / (2.0 * pi)),
         ("spin of the rollers", "Hz", float(found["roller_spin"].mean()) / (2.0 * pi), ideal.roller / (2.0 * pi)),
     ):
-        yield Check(
-            quantity=quantity, unit=unit, computed=computed, reference=reference, tolerance=2e-4,
-            origin=Origin.ANALYTIC, source=KINEMATICS,
-        )  # fmt: skip
+        yield Check(quantity, unit, computed, reference, 2e-4, ANALYTIC, KINEMATICS)
 
 
 def climbing_roller():
@@ -139,9 +130,9 @@ def climbing_roller():
         speed.append(rate * found["roller_rho"][window, free].mean())
     climbed = np.diff(found["roller_y"][at, free])[0]
     yield Check(
-        quantity="change of speed", unit="mm/s", computed=1e3 * float(speed[1] - speed[0]),
-        reference=1e3 * float(np.sqrt(speed[0] ** 2 - 4.0 / 3.0 * 9.81 * climbed) - speed[0]), tolerance=2e-3,
-        origin=Origin.ANALYTIC, source="energy of a rolling cylinder, ¾mv² + mgy",
+        "change of speed", "mm/s", 1e3 * float(speed[1] - speed[0]),
+        1e3 * float(np.sqrt(speed[0] ** 2 - 4.0 / 3.0 * 9.81 * climbed) - speed[0]), 2e-3, ANALYTIC,
+        "energy of a rolling cylinder, ¾mv² + mgy"
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from lagrange import contact_laws, static_equilibrium
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import read_scene
 from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
-from tests.verification.case import Case, Check, Origin
+from tests.verification.case import ANALYTIC, COMPUTED, MODEL, Case, Check
 from tests.verification.runs import RunSamples, plan_of, record
 
 SPEED_RPM = 900.0  # slow: a fifth of the paper's, whose dynamics would add 1 %
@@ -62,18 +62,17 @@ def varying_compliance():
     series = "our own exact series at each angle, at rest (fem.statics.exact_statics)"
     for i, axis in enumerate("xy"):
         yield Check(
-            quantity=f"amplitude of the ball-pass line, {axis}", unit="nm", computed=1e9 * float(abs(amplitude[i])),
-            reference=1e9 * float(abs(line(exact)[i])), tolerance=5e-3, origin=Origin.COMPUTED, source=series,
+            f"amplitude of the ball-pass line, {axis}", "nm", 1e9 * float(abs(amplitude[i])),
+            1e9 * float(abs(line(exact)[i])), 5e-3, COMPUTED, series
         )  # fmt: skip
     yield Check(
-        quantity="mean of y", unit="µm", computed=1e6 * float(last[:, 1].mean()),
-        reference=1e6 * float(exact[:, 1].mean()), tolerance=2e-3, origin=Origin.COMPUTED, source=series,
-    )  # fmt: skip
+        "mean of y", "µm", 1e6 * float(last[:, 1].mean()), 1e6 * float(exact[:, 1].mean()), 2e-3, COMPUTED, series
+    )
 
     turned = np.angle(amplitude[0] / line(periods[-2])[0]) / (2.0 * pi)  # of a period, beyond the expected one
     yield Check(
-        quantity="frequency of the line", unit="Hz", computed=float(ideal * (1.0 + turned)), reference=ideal,
-        tolerance=1e-3, origin=Origin.ANALYTIC, source="rolling without slip (Harris, chapter 8)",
+        "frequency of the line", "Hz", ideal * (1.0 + turned), ideal, 1e-3, ANALYTIC,
+        "rolling without slip (Harris, chapter 8)"
     )  # fmt: skip
 
     for law, tolerance in (("johnson", 0.1), ("harris", 0.15)):
@@ -86,9 +85,8 @@ def varying_compliance():
         rigid = over_a_pitch(hub_at)
         for i, axis in enumerate("xy"):
             yield Check(
-                quantity=f"amplitude, {axis}, rigid rings, law of {law.capitalize()}", unit="nm",
-                computed=1e9 * float(abs(amplitude[i])), reference=1e9 * float(abs(line(rigid)[i])),
-                tolerance=tolerance, origin=Origin.MODEL, source="statics of the Lagrange model",
+                f"amplitude, {axis}, rigid rings, law of {law.capitalize()}", "nm", 1e9 * float(abs(amplitude[i])),
+                1e9 * float(abs(line(rigid)[i])), tolerance, MODEL, "statics of the Lagrange model"
             )  # fmt: skip
 
 

@@ -154,11 +154,9 @@ def runs(tmp_path_factory):
     """Path of a run of the reduced model by its name, healthy or spalled; it is made when it is first asked for."""
     folder = tmp_path_factory.mktemp("vibration")
     spalls = {
-        "healthy": (),
-        "outer": ("spall.0.width_mm=0.5",),
-        "inner": ("spall.0.width_mm=0.5", "spall.0.body=inner_ring"),
+        "healthy": (), "outer": ("spall.0.width_mm=0.5",), "inner": ("spall.0.width_mm=0.5", "spall.0.body=inner_ring"),
         "roller": ("spall.0.width_mm=0.5", "spall.0.body=roller", "spall.0.roller=0"),
-    }
+    }  # fmt: skip
 
     @cache
     def made(name):
@@ -188,11 +186,9 @@ def test_a_spall_shows_at_its_own_lines_and_a_perfect_bearing_at_none(runs, name
     assert all(any(family in line for family in families) for line in found)
     sentence = vibration_sentences(evaluation)[0]
     told = {
-        "healthy": "surfaces are perfect circles.",
-        "outer": "a spall 0.5 mm wide on the outer ring",
-        "inner": "Expected of such faults: BPFI ± shaft",
-        "roller": "a spall 0.5 mm wide on roller 0",
-    }
+        "healthy": "surfaces are perfect circles.", "outer": "a spall 0.5 mm wide on the outer ring",
+        "inner": "Expected of such faults: BPFI ± shaft", "roller": "a spall 0.5 mm wide on roller 0",
+    }  # fmt: skip
     assert told[name] in sentence and (name != "healthy" or " damaged." not in sentence)
 
 

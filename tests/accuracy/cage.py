@@ -96,11 +96,7 @@ def print_free_running() -> None:
 
 def print_shared_tractions() -> None:
     print("\nPreloaded, no load, no weight, frictionless pockets: tractions under drag, and where gross slip begins")
-    scene = {
-        "bearing": PRELOADED,
-        "contact": {"friction_coefficient": FRICTION},
-        "operation": HEAVY_HUB,
-    }
+    scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
     still = caged("reduced", 1.0, STIFF_POCKETS, **scene)
     bearing = still.scene.ideal_bearing()
     load = float(0.5 * (still.values["inner_force"][0] + still.values["outer_force"][0]).mean())

@@ -36,13 +36,9 @@ LAW = "johnson"
 # in steady running the errors of step and interval drown in round-off: a sudden load makes the hub ring, a preload
 # keeps every contact closed, since a contact that opens a step later is an error of no order
 SUDDEN = (
-    "bearing.outer_raceway_diameter_mm=55.98",
-    "contact.friction_coefficient=0",
-    "operation.radial_load_N=1000",
-    "numerics.start=rest",
-    "numerics.load_ramp_ms=0.05",
-    "numerics.duration_ms=2",
-)
+    "bearing.outer_raceway_diameter_mm=55.98", "contact.friction_coefficient=0", "operation.radial_load_N=1000",
+    "numerics.start=rest", "numerics.load_ramp_ms=0.05", "numerics.duration_ms=2",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,10 +119,9 @@ def in_mesh_size() -> list[Series]:
     how = base.ideal_operation()
     found = exact_statics(base.ideal_bearing(), how.radial_load, how.first_roller_angle)
     exact = {
-        "static_hub_y": float(found.hub[1]),
-        "static_largest_force": float(found.inner_force.max()),
+        "static_hub_y": float(found.hub[1]), "static_largest_force": float(found.inner_force.max()),
         "static_largest_share": float(found.inner_force.max() / found.inner_force.sum()),
-    }
+    }  # fmt: skip
     return series([scene(f"numerics.mesh_size_mm={size}") for size in MESHES_MM], exact)
 
 
@@ -164,14 +159,11 @@ def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) ->
     import matplotlib.pyplot as plt
 
     shown = {
-        "static_hub_y": ("hub at rest", "#0072B2", "o"),
-        "hub_mean_y": ("hub, mean", "#56B4E9", "s"),
-        "hub_std_x": ("varying compliance, x", "#009E73", "^"),
-        "largest_force": ("largest load", "#D55E00", "v"),
-        "cage_speed": ("cage speed", "#CC79A7", "D"),
-        "residual_mean_y": ("mean error force, y", "#E69F00", "P"),
+        "static_hub_y": ("hub at rest", "#0072B2", "o"), "hub_mean_y": ("hub, mean", "#56B4E9", "s"),
+        "hub_std_x": ("varying compliance, x", "#009E73", "^"), "largest_force": ("largest load", "#D55E00", "v"),
+        "cage_speed": ("cage speed", "#CC79A7", "D"), "residual_mean_y": ("mean error force, y", "#E69F00", "P"),
         "residual_rms_x": ("rms error force, x", "0.35", "X"),
-    }
+    }  # fmt: skip
     figure, panels = plt.subplots(1, 3, figsize=(11.0, 4.2), layout="constrained", sharey=True)
     for axes, (label, steps, parts) in zip(panels, found.values(), strict=True):
         for one in parts:
@@ -216,13 +208,9 @@ def main(*, write: bool = False) -> None:
         DOCS / "convergence.png",
     )
     publish(
-        "convergence",
-        "Mesh size, time step and output interval",
-        "python -m tests.accuracy.convergence",
-        TEXT.format(record=RECORD_MS, law=LAW),
-        *(markdown_table(rows[0], rows[1:]) for rows in tables),
-        write=write,
-    )
+        "convergence", "Mesh size, time step and output interval", "python -m tests.accuracy.convergence",
+        TEXT.format(record=RECORD_MS, law=LAW), *(markdown_table(rows[0], rows[1:]) for rows in tables), write=write,
+    )  # fmt: skip
 
 
 TEXT = """The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), weightless, {record:g} ms. Each

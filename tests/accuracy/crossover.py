@@ -60,15 +60,12 @@ def measure(kind: str, size_mm: float) -> Point:
     angles = roller_angles(bearing, how.first_roller_angle)
     whole = float(exact_contacts(bearing, angles).inner_law.approach(force))
     return Point(
-        model=kind,
-        size_mm=size_mm,
-        per_half_width=size / widths[0],
-        degrees_of_freedom=model.degrees_of_freedom,
+        model=kind, size_mm=size_mm, per_half_width=size / widths[0], degrees_of_freedom=model.degrees_of_freedom,
         hub_error=float(found.hub[1] / exact.hub[1] - 1.0),
         force_error=float(np.abs(found.inner_force - exact.inner_force).max() / force),
         below_grid=_below(model, still, how.radial_load, force) / whole,
         layer=_in_layers(model, force) / abs(float(exact.hub[1])) if kind == "resolved" else 0.0,
-    )
+    )  # fmt: skip
 
 
 def _below(model: Model, still: Motion, load: float, force: float) -> float:
@@ -136,10 +133,9 @@ def plot(points: list[Point], path: Path) -> None:
     upper.set(ylabel="static hub displacement,\nerror against exact series, %")
     upper.legend(frameon=False)
     lower.set(
-        xlabel="surface spacing over contact half-width",
-        ylabel="share of the approach\nbelow the grid, %",
+        xlabel="surface spacing over contact half-width", ylabel="share of the approach\nbelow the grid, %",
         ylim=(-3, 85),
-    )
+    )  # fmt: skip
     figure.savefig(path, dpi=160)
 
 
@@ -156,13 +152,9 @@ def main(*, write: bool = False) -> None:
             print(points[-1], flush=True)
     plot(points, DOCS / "crossover.png")
     publish(
-        "crossover",
-        "Static hub displacement by mesh",
-        "python -m tests.accuracy.crossover",
-        TEXT,
-        markdown_table(HEADINGS, rows(points)),
-        write=write,
-    )
+        "crossover", "Static hub displacement by mesh", "python -m tests.accuracy.crossover", TEXT,
+        markdown_table(HEADINGS, rows(points)), write=write,
+    )  # fmt: skip
 
 
 TEXT = """Paper's bearing, 2000 N, a roller on the load line, weightless, against the exact series. *Loads*: largest

@@ -43,13 +43,10 @@ def main() -> None:
         apart = {c: np.abs(run[c] - plainest[c]).max() / np.abs(plainest[c]).max() for c in COLUMNS}
         rows.append([f"{PROCESSORS[name]} ({name})", *(f"{value:.1g}" for value in apart.values())])
     publish(
-        "reliability",
-        "Processors",
-        "python -m tests.accuracy.processors",
+        "reliability", "Processors", "python -m tests.accuracy.processors",
         "5 ms of the paper's bearing, 2 mm, largest differences over the largest value.",
-        markdown_table(["compiled for", *COLUMNS.values()], rows),
-        write="--write" in sys.argv,
-    )
+        markdown_table(["compiled for", *COLUMNS.values()], rows), write="--write" in sys.argv,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

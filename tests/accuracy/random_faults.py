@@ -26,14 +26,12 @@ def settings(rng: np.random.Generator, kind: str) -> list[str]:
     speed = _between(rng, 1000.0, 9000.0)
     cage = speed / 60.0 * 18.0 / 46.0
     chosen = {
-        "numerics.mesh_size_mm": 2.0,
-        "numerics.output_interval_us": 10.0,
-        "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / cage),
-        "operation.speed_rpm": speed,
+        "numerics.mesh_size_mm": 2.0, "numerics.output_interval_us": 10.0,
+        "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / cage), "operation.speed_rpm": speed,
         "operation.radial_load_N": _between(rng, 300.0, 4000.0),
         "operation.first_roller_deg": rng.uniform(0.0, 360.0 / 13.0),
         "bearing.outer_raceway_diameter_mm": 56.0 + rng.uniform(0.0, 0.03),
-    }
+    }  # fmt: skip
     if kind == "spalled":
         chosen |= _spall(rng, "spall.0", rng.choice(BODIES))
     if kind == "two spalls":
@@ -61,11 +59,9 @@ def _between(rng: np.random.Generator, low: float, high: float) -> float:
 
 def _spall(rng: np.random.Generator, table: str, body: str) -> dict:
     return _on(rng, table, body) | {
-        f"{table}.angle_deg": rng.uniform(-180.0, 180.0),
-        f"{table}.width_mm": _between(rng, 0.3, 3.0),
-        f"{table}.depth_um": _between(rng, 30.0, 200.0),
-        f"{table}.edge_radius_mm": rng.uniform(0.02, 0.2),
-    }
+        f"{table}.angle_deg": rng.uniform(-180.0, 180.0), f"{table}.width_mm": _between(rng, 0.3, 3.0),
+        f"{table}.depth_um": _between(rng, 30.0, 200.0), f"{table}.edge_radius_mm": rng.uniform(0.02, 0.2),
+    }  # fmt: skip
 
 
 def _two_spalls(rng: np.random.Generator) -> dict:

@@ -92,18 +92,12 @@ def watched(tables: dict[str, Any], model: str) -> Found:
     samples = Samples.joined(blocks)
     x, y, inner, outer = (samples[name] for name in ("inner_x", "inner_y", "inner_force", "outer_force"))
     return Found(
-        ending=ending,
-        what=what,
-        mean_x=float(x.mean()),
-        mean_y=float(y.mean()),
-        std=hypot(x.std(), y.std()),
-        largest=float(max(inner.max(), outer.max())),
-        imbalance=watch.imbalance,
+        ending=ending, what=what, mean_x=float(x.mean()), mean_y=float(y.mean()), std=hypot(x.std(), y.std()),
+        largest=float(max(inner.max(), outer.max())), imbalance=watch.imbalance,
         shock=state.shock if model == "reduced" else nan,
         warned=tuple(name for words, name in WARNINGS.items() if any(words in said for said in state.warnings)),
-        halvings=len(again),
-        seconds=state.wall,
-    )
+        halvings=len(again), seconds=state.wall,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

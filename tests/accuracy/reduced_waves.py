@@ -83,13 +83,7 @@ def rattling(members: int) -> str:
             rows.append([name, label, *cells, f"{worst:.0e}", f"{seconds:.2f}"])
             Console().print(*rows[-1])
     headings = (
-        "clearance, load",
-        "model",
-        "mean y, µm",
-        "std y, µm",
-        "std x, µm",
-        "95 % of forces, N",
-        "strikes per ms",
+        "clearance, load", "model", "mean y, µm", "std y, µm", "std x, µm", "95 % of forces, N", "strikes per ms"
     )
     return markdown_table((*headings, "energy", "time loop, s"), rows)
 

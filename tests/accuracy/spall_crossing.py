@@ -77,11 +77,9 @@ def strike(course: Course, half: float) -> Strike:
         return course.time[k] - (course.time[k] - course.time[k - 1]) * level[k] / (level[k] - level[k - 1])
 
     return Strike(
-        before=before,
-        time=float(crossed(risen) - crossed(entry)),
-        peak=float(pulses.max()),
+        before=before, time=float(crossed(risen) - crossed(entry)), peak=float(pulses.max()),
         impulse=float(np.sum(pulses) * (course.time[1] - course.time[0])),
-    )
+    )  # fmt: skip
 
 
 def spall(width: float) -> Spall:
@@ -166,13 +164,9 @@ def compare(*, write: bool = False) -> None:
         table.append(row(width, "resolved", exact))
         table += [row(width, name, strike(course, half), exact) for name, (course, _) in courses.items()]
     publish(
-        "spalls",
-        "Crossing on resolved contacts",
-        "python -m tests.accuracy.spall_crossing",
-        WORDS,
-        markdown_table(HEADS, table),
-        write=write,
-    )
+        "spalls", "Crossing on resolved contacts", "python -m tests.accuracy.spall_crossing", WORDS,
+        markdown_table(HEADS, table), write=write,
+    )  # fmt: skip
 
 
 WORDS = """The paper's bearing under 2000 N at 4500 rpm, a spall 100 µm deep with edges of 0.1 mm on the outer ring at
@@ -203,12 +197,9 @@ def varied(*parts: Part, write: bool = False) -> None:
         found = strike(course, spall(width).half_opening(PAPER.roller_radius))
         table.append([*row(width, name, found), f"{100.0 * change:+.2f} %"])
     publish(
-        "spalls",
-        "Fineness of the resolved reference",
-        "python -m tests.accuracy.spall_crossing varied",
-        markdown_table([*HEADS, "energy"], table),
-        write=write,
-    )
+        "spalls", "Fineness of the resolved reference", "python -m tests.accuracy.spall_crossing varied",
+        markdown_table([*HEADS, "energy"], table), write=write,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

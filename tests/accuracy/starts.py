@@ -45,11 +45,10 @@ def random_tables(random: np.random.Generator) -> dict:
         rating = 20000.0
     operation = {
         "radial_load_N": float(random.choice([0.0, rating * between(1e-4, 0.05)], p=[0.1, 0.9])),
-        "speed_rpm": between(100.0, 12000.0),
-        "gravity_m_s2": float(random.choice([0.0, 9.81])),
+        "speed_rpm": between(100.0, 12000.0), "gravity_m_s2": float(random.choice([0.0, 9.81])),
         "inner_ring_and_shaft_kg": between(0.3, 5.0),
         "first_roller_deg": float(random.choice([0.0, random.uniform(0.0, 60.0)])),
-    }
+    }  # fmt: skip
     if random.random() < 0.15:
         operation |= {"shaft": "springs", "shaft_stiffness_N_per_m": between(1e3, 1e7)}
     if random.random() < 0.15:

@@ -27,10 +27,9 @@ NEAR = 6.0  # Hz, of BPFO
 OVER = 0.15e-3  # m, either side of a spall's middle
 COMMAND = "python -m tests.accuracy.tilted"
 SPALLS = {
-    "sound": {},
-    "half the length": {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}]},
+    "sound": {}, "half the length": {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}]},
     "whole length": {"spall": [{"width_mm": 1.0}]},
-}
+}  # fmt: skip
 CROSSED = [{"width_mm": 0.5, "angle_deg": 4.0}]
 LAWS = {
     "no profile, alone": {"axial.roller_profile": "none", "axial.coupling": False},
@@ -135,8 +134,7 @@ def at_an_edge() -> str:
         for slope in (0.0, 1e-3, 2e-3):
             place = whole.approach_under(LOADED, np.array([slope])), np.array([slope])
             each = (
-                law.force(whole.approaches(*place)),
-                Softened(law=law, compliance=soft).force(whole.approaches(*place)),
+                law.force(whole.approaches(*place)), Softened(law=law, compliance=soft).force(whole.approaches(*place))
             )
             found = (
                 in_series(whole.at, *place, soft).force / each[1].mean(),

@@ -17,14 +17,12 @@ BAND_COLOUR = dict(color=ORANGE, alpha=0.35, linewidth=0)
 LOAD = 2000.0  # N
 # name, unit per SI unit, the paper's range
 ROWS = (
-    ("x of the inner\nring, µm", 1e6, read_off.INNER_X),
-    ("y of the inner\nring, µm", 1e6, read_off.INNER_Y),
+    ("x of the inner\nring, µm", 1e6, read_off.INNER_X), ("y of the inner\nring, µm", 1e6, read_off.INNER_Y),
     ("ρ − 23 mm of\none roller, µm", 1e6, tuple(r - 23e-3 for r in read_off.ROLLER_RHO)),
-    ("ρ′, mm/s", 1e3, read_off.ROLLER_VELOCITY),
-    ("ρ″, m/s²", 1.0, read_off.ROLLER_ACCELERATION),
+    ("ρ′, mm/s", 1e3, read_off.ROLLER_VELOCITY), ("ρ″, m/s²", 1.0, read_off.ROLLER_ACCELERATION),
     ("left side\nof (22), N", 1.0, read_off.ERROR_FORCE),
     ("left side\nof (23), N", 1.0, tuple(LOAD + r for r in read_off.ERROR_FORCE)),
-)
+)  # fmt: skip
 FIGURES = (6, 6, 7, 7, 7, 8, 9)
 FACETED_ROWS = (0, 5, 6)
 
@@ -105,13 +103,10 @@ def _limits(low: float, high: float, values: np.ndarray) -> tuple[float, float]:
 
 
 COLUMNS = (
-    ("x, µm", "x", 1e6, 0, 1.0),
-    ("y, µm", "y", 1e6, 1, 1.0),
-    ("ρ − 23 mm, µm", "rho", 1e6, 2, 1.0),
-    ("ρ′, mm/s", "velocity", 1e3, 3, 10.0),
-    ("ρ″, m/s²", "acceleration", 1.0, 4, 100.0),
+    ("x, µm", "x", 1e6, 0, 1.0), ("y, µm", "y", 1e6, 1, 1.0), ("ρ − 23 mm, µm", "rho", 1e6, 2, 1.0),
+    ("ρ′, mm/s", "velocity", 1e3, 3, 10.0), ("ρ″, m/s²", "acceleration", 1.0, 4, 100.0),
     ("(22), N", "fitted", 1.0, 5, 10.0),
-)
+)  # fmt: skip
 
 
 def draw_variants(path: Path, measured: list[tuple[Variant, Measured]]) -> None:

@@ -147,11 +147,10 @@ def publish_tables(
         f"{2e3 * HALF_SUPPORT:g} mm around each point; the rollers at four places of a pitch."
     )
     sections = {
-        "Figures": (figures_table(measured, pairs),),
-        "Runs": (fitted, runs, settings),
+        "Figures": (figures_table(measured, pairs),), "Runs": (fitted, runs, settings),
         "Outer ring held at few points": (held, supports, "60 ms in time:", supported_table(supported)),
         "Sparse samples": (markdown_table(["run", "stored every", *ROLLER, *SIDES], coarse_rows(pairs)),),
-    }
+    }  # fmt: skip
     for heading, parts in sections.items():
         publish("paper", heading, COMMAND, *parts, write=write)
 

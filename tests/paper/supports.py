@@ -55,13 +55,9 @@ def held(outside_mm: float, name: str) -> Held:
         widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))
     x, y = np.array(hubs).T
     return Held(
-        supports=name,
-        outside_mm=outside_mm,
-        x=(x.min(), x.max()),
-        y=(y.min(), y.max()),
-        loaded=(min(counts), max(counts)),
-        widest=widest,
-    )
+        supports=name, outside_mm=outside_mm, x=(x.min(), x.max()), y=(y.min(), y.max()),
+        loaded=(min(counts), max(counts)), widest=widest,
+    )  # fmt: skip
 
 
 def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:

@@ -129,20 +129,13 @@ def measure(found: Record, every: int = 1) -> Measured:
     fitted_x, fitted_y = left_sides(by_fit)
     loaded = np.count_nonzero(kept.inner_force[first:] > 0.0, axis=1)
     return Measured(
-        x=_range(kept.inner_x[first:]),
-        y=_range(kept.inner_y[first:]),
-        rho=rho,
-        velocity=velocity,
-        acceleration=acceleration,
-        loaded=(int(loaded.min()), int(loaded.max())),
-        usual=int(np.median(loaded)),
-        harris=(_range(harris_x), _range(harris_y)),
-        fitted=(_range(fitted_x), _range(fitted_y)),
+        x=_range(kept.inner_x[first:]), y=_range(kept.inner_y[first:]), rho=rho, velocity=velocity,
+        acceleration=acceleration, loaded=(int(loaded.min()), int(loaded.max())), usual=int(np.median(loaded)),
+        harris=(_range(harris_x), _range(harris_y)), fitted=(_range(fitted_x), _range(fitted_y)),
         frequency=strongest(kept.inner_y[first:], kept.interval),
         peaks=tuple(strongest(side, kept.interval, BAND) for side in (harris_x, harris_y)),
-        cage=abs(kept.cage_speed) / (2.0 * np.pi),
-        imbalance=imbalance(kept),
-    )
+        cage=abs(kept.cage_speed) / (2.0 * np.pi), imbalance=imbalance(kept),
+    )  # fmt: skip
 
 
 def strongest(record: np.ndarray, interval: float, below: float = np.inf) -> float:

@@ -111,6 +111,5 @@ def _balance(duration_ms: float, speed_rpm: float = 4500.0) -> Check:
 
 CASES = (
     Case(checks=rubbing_collision, fast=False),
-    *(Case(checks=case) for case in (hub_momentum, angular_momentum, energy)),
-    Case(checks=long_energy, fast=False),
-)
+    *(Case(checks=case) for case in (hub_momentum, angular_momentum, energy)), Case(checks=long_energy, fast=False),
+)  # fmt: skip

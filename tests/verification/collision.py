@@ -74,15 +74,10 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
         since = since + 1 if touched and rows[-1][0] == 0.0 else 0
     force, traction, *energy, dissipated, px, py, angular, v0x, v0y, v1x, v1y = np.array(rows).T
     return Collision(
-        time_step=dt,
-        force=force,
-        traction=traction,
-        energy=np.stack(energy, axis=1),
-        dissipated=dissipated,
-        momentum=np.stack([px, py], axis=1),
-        angular_momentum=angular,
+        time_step=dt, force=force, traction=traction, energy=np.stack(energy, axis=1), dissipated=dissipated,
+        momentum=np.stack([px, py], axis=1), angular_momentum=angular,
         velocity=np.stack([v0x, v0y, v1x, v1y], axis=1).reshape(-1, 2, 2),
-    )
+    )  # fmt: skip
 
 
 def _step(state: Arrays) -> list[float]:

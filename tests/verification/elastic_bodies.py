@@ -59,10 +59,9 @@ def plane_stress(material: Material) -> Material:
     """The material that in plane strain behaves as this one does in plane stress."""
     nu = material.poisson_ratio
     return replace(
-        material,
-        youngs_modulus=material.youngs_modulus * (1.0 + 2.0 * nu) / (1.0 + nu) ** 2,
+        material, youngs_modulus=material.youngs_modulus * (1.0 + 2.0 * nu) / (1.0 + nu) ** 2,
         poisson_ratio=nu / (1.0 + nu),
-    )
+    )  # fmt: skip
 
 
 def disc_modes():

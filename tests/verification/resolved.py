@@ -56,10 +56,9 @@ def rolled_some_degrees():
     speed = plan_of(numerics__duration_ms=0).operation.speed
     cage = kinematics(plan_of(numerics__duration_ms=0).model.bearing, speed).cage
     common = {
-        "numerics__duration_ms": 1e3 * radians(ROLLED_DEGREES) / cage,
-        "numerics__output_interval_us": 2.0,
+        "numerics__duration_ms": 1e3 * radians(ROLLED_DEGREES) / cage, "numerics__output_interval_us": 2.0,
         "numerics__start": "equilibrium",
-    }
+    }  # fmt: skip
     resolved = record(plan_of(contact__model="resolved", numerics__mesh_size_mm=ROLLED_MM, **common))
     below = record(plan_of(numerics__mesh_size_mm=1.0, **common))
     source = "our own model with contacts below the grid, mesh 1 mm"

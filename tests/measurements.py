@@ -12,7 +12,7 @@ result format; `tests/test_measurements.py` fails where that would change a page
 import platform
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from itertools import pairwise
@@ -66,6 +66,20 @@ def publish(name: str, heading: str, command: str, *parts: str | Table, write: b
     if write:
         text = "\n\n".join(markdown_of(part) if isinstance(part, Table) else part.strip() for part in parts)
         write_section(DOCS / MEASUREMENTS / f"{name}.md", heading, f"{head(command)}\n\n{text}")
+
+
+def program(about: str | None, module: str, *sections: tuple[str, str, Callable[[], Iterable[str | Table]]]) -> None:
+    """Run `python -m MODULE [--write]`: publish sections, each a page, a heading and what makes its parts."""
+    from cyclopts import App
+
+    app = App(help=about, help_format="markdown")
+
+    @app.default
+    def main(*, write: bool = False) -> None:
+        for page, heading, parts in sections:
+            publish(page, heading, f"python -m {module}", *parts(), write=write)
+
+    app()
 
 
 def head(command: str) -> str:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from cyclopts import App
 
 from fem.quantities import moving_quantities
 from fem.result.store import ResultFile
@@ -24,7 +23,7 @@ from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main as check_main
-from tests.measurements import DOCS, markdown_table, publish
+from tests.measurements import DOCS, markdown_table, program
 
 RECORD_MS = 12.0
 # surface spacings that divide the roller's circumference by 18, 36, 72, 144
@@ -151,7 +150,7 @@ def table(title: str, steps: list[str], found: list[Series]) -> list[list[str]]:
     return rows
 
 
-def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) -> None:
+def plot(found: list[tuple[str, list[float], list[Series]]], path: Path) -> None:
     """Draw the distance from the limit against mesh size, step and interval."""
     import matplotlib
 
@@ -165,7 +164,7 @@ def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) ->
         "residual_rms_x": ("rms error force, x", "0.35", "X"),
     }  # fmt: skip
     figure, panels = plt.subplots(1, 3, figsize=(11.0, 4.2), layout="constrained", sharey=True)
-    for axes, (label, steps, parts) in zip(panels, found.values(), strict=True):
+    for axes, (label, steps, parts) in zip(panels, found, strict=True):
         for one in parts:
             if one.name not in shown:
                 continue
@@ -187,30 +186,17 @@ def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) ->
     figure.savefig(path, dpi=160)
 
 
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def main(*, write: bool = False) -> None:
-    """Measure and print; with write, put the tables into docs/measurements/convergence.md."""
+def measured() -> tuple[str, ...]:
+    """Words and tables; the picture is drawn."""
     mesh, step, interval = in_mesh_size(), in_time_step(), in_output_interval()
-    tables = [
-        table("mesh size", [f"{size:.3g} mm" for size in MESHES_MM], mesh),
-        table("time step", [f"{share:g} of the largest" for share in STEP_SHARES], step),
-        table("output interval", [f"{us:g} µs" for us in INTERVALS_US], interval),
-    ]
-    plot(
-        {
-            "mesh": ("mesh size, mm", list(MESHES_MM), mesh),
-            "step": ("time step over the largest", list(STEP_SHARES), step),
-            "interval": ("output interval, µs", list(INTERVALS_US), interval),
-        },
-        DOCS / "convergence.png",
-    )
-    publish(
-        "convergence", "Mesh size, time step and output interval", "python -m tests.accuracy.convergence",
-        TEXT.format(record=RECORD_MS, law=LAW), *(markdown_table(rows[0], rows[1:]) for rows in tables), write=write,
-    )  # fmt: skip
+    steps = {
+        "mesh size": ("mesh size, mm", MESHES_MM, "{:.3g} mm", mesh),
+        "time step": ("time step over the largest", STEP_SHARES, "{:g} of the largest", step),
+        "output interval": ("output interval, µs", INTERVALS_US, "{:g} µs", interval),
+    }
+    plot([(label, list(sizes), parts) for label, sizes, _, parts in steps.values()], DOCS / "convergence.png")
+    tables = [table(title, list(map(words.format, sizes)), found) for title, (_, sizes, words, found) in steps.items()]
+    return TEXT.format(record=RECORD_MS, law=LAW), *(markdown_table(rows[0], rows[1:]) for rows in tables)
 
 
 TEXT = """The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), weightless, {record:g} ms. Each
@@ -222,4 +208,5 @@ under a load that comes within 0.05 ms."""
 
 
 if __name__ == "__main__":
-    app()
+    heading = "Mesh size, time step and output interval"
+    program(__doc__, "tests.accuracy.convergence", ("convergence", heading, measured))

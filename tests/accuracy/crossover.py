@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from cyclopts import App
 
 from fem.contacts.model import Model, Motion, standing
 from fem.contacts.resolved import ResolvedModel, SpreadModel
@@ -19,7 +18,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
-from tests.measurements import DOCS, markdown_table, publish
+from tests.measurements import DOCS, markdown_table, program
 from tests.reference.contact_pressures import contact_pressures, layer_approach
 
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
@@ -139,22 +138,15 @@ def plot(points: list[Point], path: Path) -> None:
     figure.savefig(path, dpi=160)
 
 
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def main(*, write: bool = False) -> None:
-    """Measure and print; with write, put the table into docs/measurements/crossover.md."""
+def measured() -> tuple[str, str]:
+    """Words and table; the picture is drawn."""
     points = []
     for kind, sizes in (("subgrid", SUBGRID_MM), ("resolved", RESOLVED_MM)):
         for size in sizes:
             points.append(measure(kind, size))
             print(points[-1], flush=True)
     plot(points, DOCS / "crossover.png")
-    publish(
-        "crossover", "Static hub displacement by mesh", "python -m tests.accuracy.crossover", TEXT,
-        markdown_table(HEADINGS, rows(points)), write=write,
-    )  # fmt: skip
+    return TEXT, markdown_table(HEADINGS, rows(points))
 
 
 TEXT = """Paper's bearing, 2000 N, a roller on the load line, weightless, against the exact series. *Loads*: largest
@@ -164,4 +156,4 @@ the hub's displacement."""
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "tests.accuracy.crossover", ("crossover", "Static hub displacement by mesh", measured))

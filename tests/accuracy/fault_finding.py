@@ -19,7 +19,7 @@ from rich.console import Console
 from fem.interface import simulate
 from lagrange.scene.scene import parse_scene
 from lagrange.surface.faults import Spall
-from residual.fault_finding import FoundSpall, find_faults
+from residual.fault_finding import find_faults
 from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
 from residual.measured.signals import Signal
 from residual.record import Record
@@ -91,7 +91,10 @@ def _apart(one: float, other: float) -> float:
 
 def case(kind: str, number: int, record: Record) -> Case:
     search = find_faults(record)
-    left, spots = [told(found) for found in search.found], []
+    left, spots = [
+        Told(found.place.body, found.place.roller, found.angle, found.angle_error, found.width, found.width_error)
+        for found in search.found
+    ], []  # fmt: skip
     for truth in (fault for fault in record.bearing.faults if isinstance(fault, Spall)):
         same = (t for t in left if (t.body, t.roller) == (truth.body, truth.roller))
         one = kind != "two spalls"  # then the place need not be told for the body to be the right one
@@ -104,11 +107,6 @@ def case(kind: str, number: int, record: Record) -> Case:
         f"{1e3 * (scene.bearing.outer_raceway_diameter_mm - 56.0):.0f} µm"
     )
     return Case(kind, number, tuple(spots), tuple(left), search.says_more, words)
-
-
-def told(found: FoundSpall) -> Told:
-    place = found.place
-    return Told(place.body, place.roller, found.angle, found.angle_error, found.width, found.width_error)
 
 
 def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, Case]:
@@ -186,15 +184,9 @@ def _cells(part: list[Case]) -> list[str]:
 
 
 def misses(clean: list[Case], shaken: list[Case]) -> str:
-    headings = ("", "run", "truth", "found", "angle", "width", "scene")
-    rows = [
-        [name, *row]
-        for name, cases in (("as computed", clean), ("noise", shaken))
-        for c in cases
-        if not c.right
-        for row in _rows(c)
-    ]
-    return markdown_table(headings, rows) if rows else "None."
+    both = ((name, c) for name, cases in (("as computed", clean), ("noise", shaken)) for c in cases)
+    rows = [[name, *row] for name, c in both if not c.right for row in _rows(c)]
+    return markdown_table(("", "run", "truth", "found", "angle", "width", "scene"), rows) if rows else "None."
 
 
 @app.default
@@ -237,19 +229,13 @@ NOISE, SAMPLING = 0.5, 10.0  # m/s², of a machine; µs
 def diagnosis_of_sensor(width: float, body: str, rpm: float, seconds: float) -> Diagnosis:
     """What a record of the tutorial's sensor says of its NU206 with a spall, mm wide (0: none), at another speed."""
     spall = {"body": body, "width_mm": width, "edge_radius_mm": 0.3}
-    scene = parse_scene(
-        {
-            "model": "reduced",
-            "bearing": {"designation": "NU206", "clearance_um": 15.0},
-            "operation": {"speed_rpm": rpm, "radial_load_N": 3000.0},
-            "damping": {"contact_time_us": 12.5},
-            "numerics": {"duration_ms": 1e3 * seconds, "output_interval_us": SAMPLING},
-            "support": {"kind": "housing"},
-            "sensor": {"frequency_Hz": 15000.0},
-            "spall": [spall] if width else [],
-        },
-        "seeded",
-    )
+    tables = {
+        "model": "reduced", "bearing": {"designation": "NU206", "clearance_um": 15.0},
+        "operation": {"speed_rpm": rpm, "radial_load_N": 3000.0}, "damping": {"contact_time_us": 12.5},
+        "numerics": {"duration_ms": 1e3 * seconds, "output_interval_us": SAMPLING}, "support": {"kind": "housing"},
+        "sensor": {"frequency_Hz": 15000.0}, "spall": [spall] if width else [],
+    }  # fmt: skip
+    scene = parse_scene(tables, "seeded")
     values = simulate(scene)["sensor_ay"]
     values = values + np.random.default_rng(1).normal(0.0, NOISE, values.size)
     signal = Signal(name="sensor", values=values, rate=1e6 / SAMPLING, unit="m/s²")

@@ -14,7 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 
 # LLVM's names: the least of all 64-bit processors; with AVX2 and fused products (2013); with AVX-512 (2017)
 PROCESSORS = {"x86-64": "SSE2", "x86-64-v3": "AVX2", "x86-64-v4": "AVX-512"}
@@ -33,21 +33,17 @@ def computed(name: str, folder: Path) -> dict[str, np.ndarray]:
         return {column: file[column][:] for column in COLUMNS}
 
 
-def main() -> None:
-    """Run, compare with the plainest processor, print."""
+def compared() -> tuple[str, str]:
+    """Runs beside that of the plainest processor."""
     with tempfile.TemporaryDirectory() as folder:
         runs = {name: computed(name, Path(folder)) for name in PROCESSORS}
-    plainest = runs[next(iter(PROCESSORS))]
-    rows = []
+    plainest, rows = runs[next(iter(PROCESSORS))], []
     for name, run in runs.items():
         apart = {c: np.abs(run[c] - plainest[c]).max() / np.abs(plainest[c]).max() for c in COLUMNS}
         rows.append([f"{PROCESSORS[name]} ({name})", *(f"{value:.1g}" for value in apart.values())])
-    publish(
-        "reliability", "Processors", "python -m tests.accuracy.processors",
-        "5 ms of the paper's bearing, 2 mm, largest differences over the largest value.",
-        markdown_table(["compiled for", *COLUMNS.values()], rows), write="--write" in sys.argv,
-    )  # fmt: skip
+    words = "5 ms of the paper's bearing, 2 mm, largest differences over the largest value."
+    return words, markdown_table(["compiled for", *COLUMNS.values()], rows)
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, "tests.accuracy.processors", ("reliability", "Processors", compared))

@@ -8,7 +8,6 @@ from math import ceil, pi
 from typing import NamedTuple
 
 import numpy as np
-from cyclopts import App
 from rich.console import Console
 
 from fem.contacts.contact_law import LOAD_MARGIN
@@ -19,7 +18,7 @@ from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Samples
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import read_scene
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 
 FINEST_MM = 0.5
 SCENES = {
@@ -76,7 +75,7 @@ def quantities(values: dict[str, np.ndarray]) -> list[float]:
     return [y.mean(), y.std(), x.std(), 2.0 * abs(line), largest, cage / (2.0 * pi)]
 
 
-def comparison() -> str:
+def comparison() -> tuple[str, str]:
     """Both models against a fine mesh, in per cent."""
     rows = []
     for name in COMPARED:
@@ -89,10 +88,15 @@ def comparison() -> str:
             cells = [f"{error:+.3f} %" for error in errors]
             rows.append([name, label, *cells, f"{loads:.2f}", f"{other.seconds:.3f}", f"{other.imbalance:.0e}"])
             Console().print(*rows[-1])
-    return markdown_table(("60 ms", "model", *HEADINGS, "time loop, s", "energy"), rows)
+    words = (
+        f"60 ms of the paper's bearing; differences from finite elements of {FINEST_MM:g} mm. After a load that\n"
+        "grows in 50 µs paths are chaotic in x, as is the path of the rattling bearing: their statistics\n"
+        "over several starts stand under *Rattling bearings*."
+    )
+    return words, markdown_table(("60 ms", "model", *HEADINGS, "time loop, s", "energy"), rows)
 
 
-def energies() -> str:
+def energies() -> tuple[str, str]:
     """Largest imbalance by the step, none restarted."""
     rows = []
     for name, settings in SCENES.items():
@@ -104,37 +108,16 @@ def energies() -> str:
             cells.append("stops" if other.trouble else f"{other.imbalance:.0e}")
         rows.append([name, *cells])
         Console().print(*rows[-1])
-    return markdown_table(("share of the critical step", *(f"{share:g}" for share in SHARES)), rows)
-
-
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def main(*, write: bool = False) -> None:
-    """Compare and print; with write, put the tables into docs/measurements/reduced.md."""
-    command = "python -m tests.accuracy.reduced"
-    publish(
-        "reduced",
-        "Steady running and shocks",
-        command,
-        f"60 ms of the paper's bearing; differences from finite elements of {FINEST_MM:g} mm. After a load that\n"
-        "grows in 50 µs paths are chaotic in x, as is the path of the rattling bearing: their statistics\n"
-        "over several starts stand under *Rattling bearings*.",
-        comparison(),
-        write=write,
-    )
-    publish(
-        "reduced",
-        "Energy and step length",
-        command,
+    words = (
         "Largest energy imbalance over 60 ms by the step, as a share of the critical step 2/ω_max of a roller whose\n"
         f"contacts are closed under {LOAD_MARGIN:g} times the largest static force. A plan takes at most\n"
-        f"{SHARE:g}·`time_step_safety` of it; a run restarts with half the step where the imbalance exceeds {LIMIT:g}.",
-        energies(),
-        write=write,
+        f"{SHARE:g}·`time_step_safety` of it; a run restarts with half the step where the imbalance exceeds {LIMIT:g}."
     )
+    return words, markdown_table(("share of the critical step", *(f"{share:g}" for share in SHARES)), rows)
 
 
 if __name__ == "__main__":
-    app()
+    program(
+        __doc__, "tests.accuracy.reduced", ("reduced", "Steady running and shocks", comparison),
+        ("reduced", "Energy and step length", energies),
+    )  # fmt: skip

@@ -9,7 +9,6 @@ from dataclasses import replace
 from math import ceil, pi
 
 import numpy as np
-from cyclopts import App
 from rich.console import Console
 from scipy.linalg import eigh
 
@@ -18,7 +17,7 @@ from fem.elastic.reciprocal_mass import LUMPED
 from fem.solver.elements.plan import ElementPlan
 from fem.statics.reduced_bearing import tangential_compliance
 from lagrange import Bearing
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 from tests.reference.rocking import sticking_modes
 from tests.verification.runs import plan_of, record
 
@@ -68,8 +67,8 @@ def on_springs(bearing: Bearing, force: float) -> list[float]:
     return [float(f) for f in np.sqrt(eigh(motion.T * stiffness @ motion, np.diag(mass), eigvals_only=True)) / (2 * pi)]
 
 
-def table() -> tuple[str, float]:
-    """Frequencies by mesh, and the normal force on every contact, N."""
+def table() -> tuple[str, str]:
+    """Frequencies by mesh."""
     rows = []
     for size in MESHES_MM:
         for springs in (False, True):
@@ -80,31 +79,17 @@ def table() -> tuple[str, float]:
             Console().print(*rows[-1])
     rows.append(["rigid rollers on springs", "", *_cells(on_springs(plan.model.bearing, force), wanted)])
     rows.append(["exact", "", *(f"{1e-3 * f:.2f}" for f in wanted)])
-    return markdown_table(("mesh", "tangential springs", "shifting, kHz", "rocking, kHz"), rows), force
+    words = (
+        f"A bearing with preload ({force:.0f} N on every contact) stands still; all rollers start with a spin of "
+        f"{SPIN:g} rad/s. Frequencies of the time loop and their\ndifference from the exact ones: elastic discs "
+        "between elastic rings with inertia (Bessel functions, `tests/reference/rocking.py`)."
+    )
+    return words, markdown_table(("mesh", "tangential springs", "shifting, kHz", "rocking, kHz"), rows)
 
 
 def _cells(found: list[float], wanted: list[float]) -> list[str]:
     return [f"{1e-3 * f:.2f} ({100.0 * (f / w - 1.0):+.2f} %)" for f, w in zip(found, wanted, strict=True)]
 
 
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def main(*, write: bool = False) -> None:
-    """Print the table; with write, put it into docs/measurements/rocking.md."""
-    rows, force = table()
-    publish(
-        "rocking",
-        "Frequencies of shifting and rocking",
-        "python -m tests.accuracy.rocking",
-        f"A bearing with preload ({force:.0f} N on every contact) stands still; all rollers start with a spin of "
-        f"{SPIN:g} rad/s. Frequencies of the time loop and their\ndifference from the exact ones: elastic discs "
-        "between elastic rings with inertia (Bessel functions, `tests/reference/rocking.py`).",
-        rows,
-        write=write,
-    )
-
-
 if __name__ == "__main__":
-    app()
+    program(__doc__, "tests.accuracy.rocking", ("rocking", "Frequencies of shifting and rocking", table))

@@ -10,7 +10,6 @@ yardstick makes of the spall. From the strike on the roller may bounce: peak and
 the first touch after the release to a quarter of a millimetre beyond the exit edge.
 """
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -26,7 +25,7 @@ from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import softened
 from lagrange.surface.faults import Spall
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 from tests.reference.edge_contact import EdgeContact
 
 BEARING, OPERATION = Scene().ideal_bearing(), Scene().ideal_operation()
@@ -164,21 +163,17 @@ def rows(body: str, width: float) -> list[list[str]]:
     return found
 
 
-def main() -> None:
-    """Print the table."""
+def compared() -> tuple[str, str]:
+    """Words and the table."""
     heads = ["spall", "contact", "slow: force", "impulse lost", "fast: struck at", "peak", "impulse"]
     table = [row for body in ("outer_ring", "inner_ring") for width in WIDTHS for row in rows(body, width)]
-    publish(
-        "spalls",
-        "Crossing on half-planes",
-        "python -m tests.accuracy.spall_edges",
+    words = (
         "A roller of the paper's bearing passes a spall with edges of 0.1 mm on the load line, the hub held where "
         "2000 N keep it. The reference is two half-planes that\nmeet wherever the bare profile lets them "
-        "(`tests.reference.edge_contact`). First the reference's values, then differences from it.",
-        markdown_table(heads, table),
-        write="--write" in sys.argv,
+        "(`tests.reference.edge_contact`). First the reference's values, then differences from it."
     )
+    return words, markdown_table(heads, table)
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, "tests.accuracy.spall_edges", ("spalls", "Crossing on half-planes", compared))

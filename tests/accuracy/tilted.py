@@ -6,7 +6,6 @@
 from dataclasses import replace
 
 import numpy as np
-from cyclopts import App
 from scipy.signal import butter, hilbert, sosfiltfilt
 
 from fem.solver.simulate import make_plan
@@ -17,7 +16,7 @@ from lagrange.contact.laws import contact_laws
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.edges import Softened
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 from tests.verification.runs import RunSamples, record
 
 MESHES_MM = 2.0, 1.0
@@ -25,7 +24,6 @@ SETTLED = 0.02  # s, from which runs with spalls are looked at
 BAND = 5e3, 20e3  # Hz, of the envelope
 NEAR = 6.0  # Hz, of BPFO
 OVER = 0.15e-3  # m, either side of a spall's middle
-COMMAND = "python -m tests.accuracy.tilted"
 SPALLS = {
     "sound": {}, "half the length": {"spall": [{"width_mm": 1.0, "length_mm": 5.0, "z_mm": 2.5}]},
     "whole length": {"spall": [{"width_mm": 1.0}]},
@@ -155,29 +153,17 @@ def _envelope_at_bpfo(found: RunSamples, acceleration: np.ndarray, interval: flo
     return float(size[np.abs(frequency - line) < NEAR].max())
 
 
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def main(*, write: bool = False) -> None:
-    """Print the tables; with write, put them into docs/measurements/tilted.md."""
-    for heading, about, table in (
-        ("Meshes", "Off the reduced model's; 1 mrad, 20 ms, moments over the largest.", beside_reduced),
-        (
-            "Spall of half the length",
-            "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on.",
-            spalled,
-        ),
-        ("Strikes on edges", "2000 N, 4500 rpm, a spall 0.5 mm wide; largest forces.", strikes),
-        ("Uneven pressure at an edge", "ΔB = 1.5, 700 N on the sound raceway, slices that stand alone.", at_an_edge),
-        (
-            "Spall of half the length on meshes",
-            "2000 N, 4500 rpm, 1 mm wide, 20 ms, 1 mrad, elements of 2 mm.",
-            spalled_on_meshes,
-        ),
-    ):
-        publish("tilted", heading, COMMAND, about, table(), write=write)
-
+SECTIONS = {  # heading: about, table
+    "Meshes": ("Off the reduced model's; 1 mrad, 20 ms, moments over the largest.", beside_reduced),
+    "Spall of half the length": (
+        "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on.", spalled),
+    "Strikes on edges": ("2000 N, 4500 rpm, a spall 0.5 mm wide; largest forces.", strikes),
+    "Uneven pressure at an edge": (
+        "ΔB = 1.5, 700 N on the sound raceway, slices that stand alone.", at_an_edge),
+    "Spall of half the length on meshes": (
+        "2000 N, 4500 rpm, 1 mm wide, 20 ms, 1 mrad, elements of 2 mm.", spalled_on_meshes),
+}  # fmt: skip
 
 if __name__ == "__main__":
-    app()
+    made = (("tilted", at, lambda about=about, of=of: (about, of())) for at, (about, of) in SECTIONS.items())
+    program(__doc__, "tests.accuracy.tilted", *made)

@@ -42,39 +42,42 @@ def by_name(found):
     return {line.name: line for line in found.lines}
 
 
-def test_a_sine_has_kurtosis_one_and_a_half_and_crest_factor_root_two():
-    found = vibration(tone(CARRIER, 7.0) + 9.81, STEP, paper_lines())
-    assert found.level.kurtosis == pytest.approx(1.5, rel=1e-3)
-    assert found.level.crest == pytest.approx(np.sqrt(2.0), rel=1e-3)
-    assert found.level.peak == pytest.approx(7.0, rel=1e-3)
-    assert found.level.rms == pytest.approx(7.0 / np.sqrt(2.0), rel=1e-3)
+def judged(record, lines=None, step=STEP, **keywords):
+    return vibration(record, step, paper_lines() if lines is None else lines, **keywords)
 
 
-def test_gaussian_noise_has_kurtosis_three_and_no_line_stands_out():
-    found = vibration(noise(5.0), STEP, paper_lines())
-    assert found.level.kurtosis == pytest.approx(3.0, abs=4.0 * np.sqrt(24.0 / TIME.size))
-    assert not any(line.stands_out for line in found.lines)
+def test_level_of_a_sine_of_noise_and_of_silence():
+    """A sine's kurtosis is 1.5 and its crest factor √2, that of Gaussian noise 3, in whose envelope no line stands."""
+    level = judged(tone(CARRIER, 7.0) + 9.81).level
+    found = (level.kurtosis, level.crest, level.peak, level.rms)
+    assert found == pytest.approx((1.5, np.sqrt(2.0), 7.0, 7.0 / np.sqrt(2.0)), rel=1e-3)
+    random = judged(noise(5.0))
+    assert random.level.kurtosis == pytest.approx(3.0, abs=4.0 * np.sqrt(24.0 / TIME.size))
+    assert not any(line.stands_out for line in random.lines)
+    still = judged(np.zeros(1000)).level
+    assert (still.kurtosis, still.crest, still.rms) == (None, None, 0.0)
 
 
 def test_bands_hold_the_sines_in_them():
     """Parseval: the rms of sines in one band add up as squares."""
     record = sum(tone(f, a) for f, a in ((300, 1.0), (2000, 2.0), (4500, 3.0), (15_000, 4.0), (30_000, 0.5)))
-    bands = vibration(record, STEP, paper_lines()).bands
+    bands = judged(record).bands
     np.testing.assert_allclose(list(bands), [(0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3)], rtol=1e-12)
     expected = np.sqrt(0.5 * np.array([1.0, 13.0, 16.0, 0.25]))
     np.testing.assert_allclose([level.rms for level in bands.values()], expected, rtol=2e-3)
     # kurtosis of sines of incommensurate frequencies: 3 - 1.5 Σ a⁴ / (Σ a²)²
     two = 3.0 - 1.5 * (2.0**4 + 3.0**4) / 13.0**2
     np.testing.assert_allclose([level.kurtosis for level in bands.values()], [1.5, two, 1.5, 1.5], rtol=5e-3)
-    np.testing.assert_allclose(
-        [level.crest for level in bands.values()], [2**0.5, 5 / 6.5**0.5, 2**0.5, 2**0.5], rtol=0.03
-    )
+    crests = [level.crest for level in bands.values()]
+    np.testing.assert_allclose(crests, [2**0.5, 5 / 6.5**0.5, 2**0.5, 2**0.5], rtol=0.03)
+    short = judged(tone(50.0), step=4.0 * STEP).bands
+    np.testing.assert_allclose(list(short), [(0.0, 1e3), (1e3, 5e3), (5e3, 12.5e3)], rtol=1e-12)
 
 
 def test_velocity_of_a_sine_is_its_acceleration_over_its_frequency():
-    found = vibration(tone(100.0, 3.0) + tone(5000.0, 40.0), STEP, paper_lines())
+    found = judged(tone(100.0, 3.0) + tone(5000.0, 40.0))
     assert found.velocity == pytest.approx(3.0 / np.sqrt(2.0) / (2.0 * np.pi * 100.0), rel=2e-3)
-    assert vibration(tone(100.0)[:6000], STEP, paper_lines()).velocity is None  # 60 ms
+    assert judged(tone(100.0)[:6000]).velocity is None  # 60 ms
 
 
 def test_a_chosen_band_is_demodulated_alone():
@@ -83,18 +86,13 @@ def test_a_chosen_band_is_demodulated_alone():
     low = (1.0 + 0.4 * tone(lines["BPFO"])) * tone(6000.0)
     high = (1.0 + 0.2 * tone(lines["BPFI"])) * tone(20_000.0)
     record = low + high + noise(1e-3)
-    in_low = by_name(vibration(record, STEP, lines, band=(4e3, 8e3)))
-    in_high = by_name(vibration(record, STEP, lines, band=(18e3, 22e3)))
+    in_low = by_name(judged(record, band=(4e3, 8e3)))
+    in_high = by_name(judged(record, band=(18e3, 22e3)))
     assert in_low["BPFO"].amplitude == pytest.approx(0.4, rel=0.01) and in_low["BPFI"].amplitude < 2e-3
     assert in_high["BPFI"].amplitude == pytest.approx(0.2, rel=0.01) and in_high["BPFO"].amplitude < 2e-3
     for band in ((1e3, 60e3), (10.0, 10.1)):
         with pytest.raises(InputError, match="no envelope of this record"):
-            vibration(record, STEP, lines, band=band)
-
-
-def test_bands_end_where_the_record_does():
-    bands = vibration(tone(50.0), 4.0 * STEP, paper_lines()).bands
-    np.testing.assert_allclose(list(bands), [(0.0, 1e3), (1e3, 5e3), (5e3, 12.5e3)], rtol=1e-12)
+            judged(record, band=band)
 
 
 @pytest.mark.parametrize(
@@ -102,10 +100,9 @@ def test_bands_end_where_the_record_does():
 )
 def test_lines_of_a_modulated_resonance_have_the_modulations_amplitudes(name, sides):
     """Of A (1 + Σ m cos) cos the envelope is A (1 + Σ m cos): lines of A m, here half of it at sidebands."""
-    lines = paper_lines()
-    wanted = fault_lines(lines)
+    wanted = fault_lines(paper_lines())
     swell = 1.0 + 0.3 * tone(wanted[name]) + sum(0.15 * tone(wanted[side]) for side in sides)
-    found = vibration(40.0 * swell * tone(CARRIER) + noise(0.1), STEP, lines)
+    found = judged(40.0 * swell * tone(CARRIER) + noise(0.1))
     levels = by_name(found)
     assert levels[name].amplitude == pytest.approx(12.0, rel=0.01)
     for side in sides:
@@ -121,32 +118,22 @@ def test_a_comb_of_the_cage_is_floor_and_not_a_fault():
     lines = paper_lines()
     comb = 1.0 + sum(0.03 * tone(k * lines["FTF"]) for k in range(1, 45))
     record = comb * tone(CARRIER) + noise(1e-3)
-    assert not by_name(vibration(record, STEP, lines))["BPFO"].stands_out
-    bpfo = by_name(vibration(record + 0.2 * tone(lines["BPFO"]) * tone(CARRIER), STEP, lines))["BPFO"]
+    assert not by_name(judged(record))["BPFO"].stands_out
+    bpfo = by_name(judged(record + 0.2 * tone(lines["BPFO"]) * tone(CARRIER)))["BPFO"]
     assert bpfo.stands_out and bpfo.floor == pytest.approx(0.03, rel=0.05)
 
 
-def test_a_short_record_does_not_take_a_line_for_its_neighbour():
-    """In 60 ms the main lobe of BPFO reaches 2×BSF+FTF, which is 24 Hz below."""
-    lines = paper_lines()
-    record = (1.0 + 0.5 * tone(lines["BPFO"])) * tone(CARRIER) + noise(0.01)
-    levels = by_name(vibration(record[:6000], STEP, lines))
-    assert not levels["2×BSF+FTF"].resolved and not levels["2×BSF+FTF"].stands_out
-
-
-def test_a_record_too_coarse_or_too_short_tells_no_lines():
-    """At 200 µs the band from 3 BPFI ends within 500 Hz; 10 ms have bins of 100 Hz."""
-    record, lines = noise(1.0), paper_lines()
-    assert vibration(record, 20.0 * STEP, lines).envelope is None
-    assert not vibration(record[:1000], STEP, lines).tells_lines
-    assert vibration(record[:6000], STEP, lines).tells_lines
-
-
-def test_a_standing_or_still_bearing_has_no_lines():
-    standing = vibration(noise(1.0), STEP, {})
+def test_short_and_coarse_records_and_standing_bearings_tell_no_lines_or_not_their_neighbours():
+    """In 60 ms the main lobe of BPFO reaches 2×BSF+FTF, 24 Hz below, 10 ms have bins of 100 Hz; at 200 µs the band from
+    3 BPFI ends within 500 Hz.
+    """
+    record = (1.0 + 0.5 * tone(paper_lines()["BPFO"])) * tone(CARRIER) + noise(0.01)
+    line = by_name(judged(record[:6000]))["2×BSF+FTF"]
+    assert not line.resolved and not line.stands_out
+    assert judged(noise(1.0), step=20.0 * STEP).envelope is None
+    assert not judged(noise(1.0)[:1000]).tells_lines and judged(noise(1.0)[:6000]).tells_lines
+    standing = judged(noise(1.0), {})
     assert standing.envelope is None and standing.lines == []
-    still = vibration(np.zeros(1000), STEP, paper_lines())
-    assert still.level.kurtosis is None and still.level.crest is None and still.level.rms == 0.0
 
 
 @pytest.fixture(scope="module")

@@ -35,17 +35,13 @@ CLASSES = (0.0, 0.01, SHOCK, HARD_SHOCK, inf)  # of `ReducedState.shock`
 HUB_LIMIT, LOAD_LIMIT = 0.003, 0.01  # meant for scenes without shocks; coarse meshes err by as much
 NOTHING = 1e-10  # m, an atom's radius: hubs that are off by less are where they should be
 WARNINGS = {  # words of a run's sentence: what it warns of
-    "elastic waves": "shocks",
-    "is vibration": "rings that vibrate with the hub",
-    "too stiff": "wide contacts",
-}
+    "elastic waves": "shocks", "is vibration": "rings that vibrate with the hub", "too stiff": "wide contacts",
+}  # fmt: skip
 NAMED = {  # what a refusal says: its name in the table
-    "Hertz": "contacts too wide for Hertz's theory",
-    "strain": "centrifugal load",
-    "shear waves": "contacts roll nearly as fast as waves",
-    "is only": "ring too thin for its mesh",
+    "Hertz": "contacts too wide for Hertz's theory", "strain": "centrifugal load",
+    "shear waves": "contacts roll nearly as fast as waves", "is only": "ring too thin for its mesh",
     "equilibrium": "no static equilibrium",
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +60,14 @@ class Found:
     halvings: int = 0
     seconds: float = nan  # of the time loop
 
+    @property
+    def name(self) -> str:
+        """Its ending, in the table's words."""
+        if self.ending == COMPLETE:
+            return COMPLETE
+        refusal = next((name for sign, name in NAMED.items() if sign in self.what), self.what)
+        return f"{self.ending}: {refusal if self.ending == REFUSED else self.what}"
+
 
 def watched(tables: dict[str, Any], model: str) -> Found:
     """Run a scene by a model to its end, whatever that is."""
@@ -71,13 +75,12 @@ def watched(tables: dict[str, Any], model: str) -> Found:
         plan = make_plan(parse_scene(tables | {"model": model}, "scene"))
     except (SceneError, UsageError) as error:
         return Found(ending=REFUSED, what=str(error))
-    blocks, again, ending, what = [], [], COMPLETE, ""
+    blocks, again, ending, what, state = [], [], COMPLETE, "", plan.first_state()
 
     def restart(reason: str) -> None:
         again.append(reason)
         blocks.clear()
 
-    state = plan.first_state()
     try:
         run(plan, blocks.append, state=state, restart=restart)
     except RunFailed as error:
@@ -122,32 +125,23 @@ class Pair:
     @property
     def load_error(self) -> float:
         """Of the largest force, relative, signed."""
-        of, found = self.fem.largest, self.reduced.largest
-        return found / of - 1.0 if of > 0.0 else 0.0
+        return self.reduced.largest / self.fem.largest - 1.0 if self.fem.largest > 0.0 else 0.0
 
     @property
     def off(self) -> bool:
         return self.hub_error > HUB_LIMIT or abs(self.load_error) > LOAD_LIMIT
 
-    @property
-    def silently_off(self) -> bool:
-        return not self.reduced.warned and self.off
-
-
-def tried(tables: dict[str, Any], model: str) -> Found:
-    """`watched`, where a crash is an ending as well."""
-    try:
-        return watched(tables, model)
-    except Exception as error:  # that is what is looked for
-        return Found(what=f"{type(error).__name__}: {error}")
-
 
 def keep(folder: Path, number: int) -> None:
-    """Run a scene by both models and write its file, whole or not at all."""
-    tables = random_scene(SEED, number, DURATION_MS)
-    pair = Pair(number=number, fem=tried(tables, "fem"), reduced=tried(tables, "reduced"))
+    """Run a scene by both models and write its file, whole or not at all; a crash is an ending as well."""
+    tables, found = random_scene(SEED, number, DURATION_MS), {}
+    for model in ("fem", "reduced"):
+        try:
+            found[model] = watched(tables, model)
+        except Exception as error:  # that is what is looked for
+            found[model] = Found(what=f"{type(error).__name__}: {error}")
     rough = folder / f"{number}.{os.getpid()}"
-    rough.write_text(json.dumps(asdict(pair)))
+    rough.write_text(json.dumps(asdict(Pair(number=number, **found))))
     rough.replace(folder / f"{number}.json")
 
 
@@ -166,29 +160,20 @@ def class_rows(pairs: list[Pair]) -> Iterable[list[str]]:
         cells = [f"{low:g} … {high:g}" if high < inf else f"from {low:g}", str(len(some))]
         for name in ("hub_error", "load_error"):
             sizes = [abs(getattr(pair, name)) for pair in some]
-            worst = some[int(np.argmax(sizes))]
             shares = [f"{100.0 * np.quantile(sizes, share):.2f} %" for share in (0.5, 0.9)]
-            cells += [*shares, f"{100.0 * max(sizes):.2f} % ({worst.number})"]
+            cells += [*shares, f"{100.0 * max(sizes):.2f} % ({some[int(np.argmax(sizes))].number})"]
         ratios = [pair.fem.seconds / pair.reduced.seconds for pair in some]
-        imbalance = max(pair.reduced.imbalance for pair in some)
-        halved = sum(pair.reduced.halvings > 0 for pair in some)
+        imbalance, halved = max(p.reduced.imbalance for p in some), sum(p.reduced.halvings > 0 for p in some)
         yield [*cells, f"{imbalance:.0e}", str(halved), f"{np.median(ratios):.0f}"]
 
 
 def ending_rows(pairs: list[Pair]) -> Iterable[list[str]]:
     """How the other scenes ended, by each model."""
-
-    def named(found: Found) -> str:
-        if found.ending == COMPLETE:
-            return COMPLETE
-        if found.ending == REFUSED:
-            return f"{REFUSED}: {next((name for sign, name in NAMED.items() if sign in found.what), found.what)}"
-        return f"{found.ending}: {found.what}"
-
-    counts = Counter((named(pair.reduced), named(pair.fem)) for pair in pairs if not pair.compared)
-    numbers = {key: [p.number for p in pairs if (named(p.reduced), named(p.fem)) == key] for key in counts}
+    endings = {p.number: (p.reduced.name, p.fem.name) for p in pairs}
+    counts = Counter(endings[pair.number] for pair in pairs if not pair.compared)
     for key, count in sorted(counts.items(), key=lambda item: -item[1]):
-        yield [*key, str(count), ", ".join(map(str, numbers[key][:8])) + (" …" if count > 8 else "")]
+        numbers = [number for number, ending in endings.items() if ending == key]
+        yield [*key, str(count), ", ".join(map(str, numbers[:8])) + (" …" if count > 8 else "")]
 
 
 def warning_rows(pairs: list[Pair]) -> Iterable[list[str]]:
@@ -196,21 +181,20 @@ def warning_rows(pairs: list[Pair]) -> Iterable[list[str]]:
     for name in WARNINGS.values():
         some = [pair for pair in pairs if name in pair.reduced.warned]
         alone = [pair for pair in some if len(pair.reduced.warned) == 1]
-        off = [sum(pair.off for pair in found) for found in (some, alone)]
-        numbers = ", ".join(str(pair.number) for pair in alone)
-        yield [name, f"{len(some)}, {off[0]}", f"{len(alone)}, {off[1]}", numbers if len(alone) <= 10 else ""]
+        counts = (f"{len(found)}, {sum(pair.off for pair in found)}" for found in (some, alone))
+        yield [name, *counts, ", ".join(str(pair.number) for pair in alone) if len(alone) <= 10 else ""]
 
 
 def section(pairs: list[Pair]) -> str:
     """Text of the page's section."""
     compared = [pair for pair in pairs if pair.compared]
-    off = sorted((pair for pair in compared if pair.silently_off), key=lambda pair: -abs(pair.load_error))
+    silently = sorted((p for p in compared if p.off and not p.reduced.warned), key=lambda pair: -abs(pair.load_error))
     headings = (
         "shock", "scenes", "hub, median", "nine in ten", "worst (scene)", "largest load, median", "nine in ten",
         "worst (scene)", "energy", "halved", "times faster",
     )  # fmt: skip
     said = ", ".join(
-        f"{pair.number} (hub {100.0 * pair.hub_error:.2f} %, load {100.0 * pair.load_error:+.2f} %)" for pair in off
+        f"{p.number} (hub {100.0 * p.hub_error:.2f} %, load {100.0 * p.load_error:+.2f} %)" for p in silently
     )
     return (
         f"{len(pairs)} scenes of "
@@ -231,25 +215,12 @@ app = App(help=__doc__, help_format="markdown")
 
 @app.default
 def main(
-    *,
-    first: int = 0,
-    last: int = 500,
-    workers: int = 1,
-    folder: Path = Path("runs/reduced_random"),
+    *, first: int = 0, last: int = 500, workers: int = 1, folder: Path = Path("runs/reduced_random"),
     write: bool = False,
-) -> None:
-    """Run what is missing and print the tables.
+) -> None:  # fmt: skip
+    """Run what is missing of scenes first … last − 1, in so many processes, and print the tables of all in the folder.
 
-    Parameters
-    ----------
-    first, last
-        numbers of the scenes, the last one not included; an empty range only makes the tables
-    workers
-        processes
-    folder
-        one JSON file for each scene
-    write
-        the section of docs/measurements/reduced.md
+    An empty range only makes the tables; with write they go into docs/measurements/reduced.md.
     """
     console = Console(width=200, highlight=False)
     folder.mkdir(parents=True, exist_ok=True)
@@ -260,7 +231,7 @@ def main(
             for done, _ in enumerate(pool.map(partial(keep, folder), missing[1:]), 2):
                 if done % 20 == 0:
                     console.print(f"{done} of {len(missing)} scenes")
-    pairs = sorted((kept(path) for path in folder.glob("*.json")), key=lambda pair: pair.number)
+    pairs = sorted(map(kept, folder.glob("*.json")), key=lambda pair: pair.number)
     publish("reduced", "Random bearings", "python -m tests.accuracy.reduced_random", section(pairs), write=write)
 
 

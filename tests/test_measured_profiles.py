@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.live import controls
+from fem.live import player as controls
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
 from lagrange.errors import UsageError

@@ -1,4 +1,1 @@
-"""A bearing in the browser while it is computed: `server` plays a `player` whose scene `controls` change.
-
-Read `player` first.
-"""
+"""A bearing in the browser while it is computed: `server` plays a `player`. Read `player` first."""

@@ -1,12 +1,13 @@
-"""A run that goes on for as long as it is watched, and restarts where values are changed."""
+"""A run that goes on for as long as it is watched, what a viewer may change of it, and the scene that follows."""
 
+import tomllib
 from collections.abc import Callable, Container
 from contextlib import suppress
+from dataclasses import dataclass
 from math import degrees, pi, remainder
 
 import numpy as np
 
-from fem.live.controls import changed, controls, values_of
 from fem.solver.rigid.state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
@@ -15,10 +16,28 @@ from lagrange.errors import RunFailed, UsageError
 from lagrange.kinematics import OUTER_RING, kinematics
 from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
+from lagrange.scene.files import content_of
 from lagrange.scene.operation import TABLES
-from lagrange.scene.scene import Scene
+from lagrange.scene.scene import Scene, parse_scene
 from lagrange.scene.surfaces import FROM_LOAD, own_radius
 from lagrange.surface.faults import Spall
+
+OWN = {  # controls of what not every scene has, by key of its table: table, label, unit, hint
+    "contact_N_s_m": ("damping", "Contact damping", "N s/m", "every closed contact"),
+    "contact_time_us": ("damping", "Contact damping", "µs", "multiplies the contact's stiffness"),
+    "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt–Crossley coefficient α"),
+    "mass_kg": ("support", "Housing's mass", "kg", "without the outer ring"),
+    "stiffness_N_per_m": ("support", "Housing's stiffness", "N/m", "springs to the ground, x and y"),
+    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "dashpots parallel to the springs"),
+    "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "undamped"),
+    "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
+}
+TABLE_OF = {"friction_coefficient": "contact"} | {key: table for key, (table, *_) in OWN.items()}  # else [operation]
+SPALLED = {"outer_ring": "Spall, outer raceway", "inner_ring": "Spall, inner raceway", "roller": "Spall of a roller"}
+SPALL_KEYS = {"mm": "width_mm", "deg": "angle_deg"}
+STEEPEST = 3.0  # mrad
+LONGER = 4.0  # times the scene's own value: the end of such a slider
+
 
 MM, UM, MPA = 1e-3, 1e-6, 1e6
 LONGEST = 2**15  # samples that a spectrum is of
@@ -42,6 +61,98 @@ LINES = {  # of the spectrum, by `Kinematics.frequencies`
     "BPFO": "ball passes, outer ring",
     "BPFI": "ball passes, inner ring",
 }
+
+
+@dataclass(frozen=True)
+class Control:
+    """A slider and a box; values beyond the slider's ends can be typed."""
+
+    key: str  # of `values_of`
+    label: str
+    unit: str
+    hint: str
+    low: float
+    high: float
+    step: float
+    needs: str = ""  # another control: while that is 0, this one has no effect
+
+
+def values_of(scene: Scene) -> dict[str, float]:
+    """Values of all controls that the scene has."""
+    b = scene.bearing
+    clearance = (b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm) / b.cosine - 2.0 * b.roller_diameter_mm
+    found = {
+        "speed_rpm": scene.operation.speed_rpm,
+        "radial_load_N": scene.operation.radial_load_N,
+        "clearance_um": round(1e3 * clearance, 3),
+        "friction_coefficient": scene.contact.friction_coefficient,
+    }
+    spalls = {spall.body: spall for spall in reversed(scene.spall)}  # the first of each body
+    for body in SPALLED:
+        if body != "roller" or not b.missing_rollers:  # of which a scene can have one
+            found[f"{body}_spall_mm"] = spalls[body].width_mm if body in spalls else 0.0
+    found["outer_ring_spall_deg"] = spalls["outer_ring"].angle_deg if "outer_ring" in spalls else 0.0
+    if scene.axial is not None:
+        found["misalignment_mrad"] = scene.operation.misalignment_mrad or 0.0
+    own = {key: getattr(getattr(scene, table), key, None) for key, (table, *_) in OWN.items()}
+    return found | {key: value for key, value in own.items() if value is not None}
+
+
+def changed(scene: Scene, values: dict[str, float]) -> Scene:
+    """The scene with other values; what is not changed keeps its digits. SceneError: there is no such scene."""
+    data, before = tomllib.loads(scene.to_toml()), values_of(scene)
+    if not scene.is_given("cage"):
+        data.pop("cage", None)  # that a bearing of this kind has, which other values may take from it
+    for key, value in values.items():
+        if value == before[key]:
+            continue
+        if key == "clearance_um":
+            del data["bearing"]["outer_raceway_diameter_mm"]
+            data["bearing"][key] = value
+        elif "_spall_" not in key:
+            data.setdefault(TABLE_OF.get(key, "operation"), {})[key] = value
+        else:
+            spalls, (body, part) = data.setdefault("spall", []), key.split("_spall_")
+            first = next((spall for spall in spalls if spall["body"] == body), None)
+            if first is not None and (part == "deg" or value):
+                first[SPALL_KEYS[part]] = value
+            elif first is not None:
+                spalls.remove(first)
+            elif part == "mm":
+                spalls.append({"body": body, "width_mm": value, **({"roller": 0} if body == "roller" else {})})
+    content_of(data, scene.files)
+    return parse_scene(data, "these values")
+
+
+def controls(scene: Scene) -> tuple[Control, ...]:
+    """Those of a scene, long enough for its own values."""
+    values, b = values_of(scene), scene.bearing
+    speed, load, play = values["speed_rpm"], values["radial_load_N"], values["clearance_um"]
+    fastest = 2.0 * abs(speed) or 3000.0
+    heaviest = max(5.0 * load, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
+    tightest, widest = min(-2.0 * b.roller_diameter_mm, play), max(10.0 * b.roller_diameter_mm, play)
+    friction = max(0.3, values["friction_coefficient"])
+    found = [
+        Control("speed_rpm", "Speed", "rpm", "inner ring", min(0.0, -fastest * (speed < 0.0)), fastest, 10.0),
+        Control("radial_load_N", "Radial load", "N", "on the shaft, downwards", 0.0, heaviest, 10.0),
+        Control("clearance_um", "Clearance", "µm", "diametral; below 0: preload", tightest, widest, 1.0),
+        Control("friction_coefficient", "Friction", "", "Coulomb coefficient, every contact", 0.0, friction, 0.01),
+    ]
+    if "misalignment_mrad" in values:
+        steepest = max(STEEPEST, abs(values["misalignment_mrad"]))
+        hint = "slope of the shaft; +z end towards the load"
+        found.append(Control("misalignment_mrad", "Misalignment", "mrad", hint, -steepest, steepest, 0.1))
+    for key, (_, label, unit, hint) in OWN.items():
+        if own := values.get(key):
+            end = max(own, min(LONGER * own, 0.99)) if key == "damping_ratio" else LONGER * own
+            found.append(Control(key, label, unit, hint, 0.01 * own, end, 0.01 * own))
+    for body, label in SPALLED.items():
+        if (own := values.get(key := f"{body}_spall_mm")) is not None:
+            found.append(Control(key, label, "mm", "width; 0: none", 0.0, max(0.3 * b.roller_diameter_mm, own), 0.05))
+        if body == "outer_ring":
+            at = "Angle of that spall", "°", "from the load, counter-clockwise", -180.0, 180.0, 1.0
+            found.append(Control("outer_ring_spall_deg", *at, needs=key))
+    return tuple(found)
 
 
 def measured(names: Container[str]) -> tuple[str, str]:
@@ -171,7 +282,7 @@ class Player:
         samples = _good(state.advance(1))
         self.scene, self.plan, self._state = scene, plan, state
         self.bearing, self._axial, self._cage = played.ideal_bearing(), scene.ideal_axial(), scene.ideal_cage()
-        self._first = played.ideal_operation().first_roller_angle
+        self._operation = played.ideal_operation()
         self._pressures = None if self._axial is None else np.zeros((self.bearing.n_rollers, self._axial.slices))
         self._restarted: str | None = None
         self._start(samples)
@@ -215,9 +326,13 @@ class Player:
                 done += len(block.samples)
         return done
 
+    @property
+    def _frequencies(self) -> dict[str, float]:
+        return kinematics(self.scene.perfect_bearing(), *self._operation.ring_speeds).frequencies
+
     def fault_lines(self) -> dict[str, float]:
         """Kinematic lines of damage of outer ring, inner ring and rolling element, Hz."""
-        found = kinematics(self.scene.perfect_bearing(), *self.scene.ideal_operation().ring_speeds).frequencies
+        found = self._frequencies
         return {"BPFO": abs(found["BPFO"]), "BPFI": abs(found["BPFI"]), "2×BSF": 2.0 * abs(found["BSF"])}
 
     def warnings(self) -> tuple[str, ...]:
@@ -229,7 +344,6 @@ class Player:
     def facts(self) -> dict[str, object]:
         """What a page needs of a run that begins: lengths in mm, angles in rad, from +x; frequencies in Hz."""
         bearing, scene, axial = self.bearing, self.scene, self._axial
-        frequencies = kinematics(bearing, *scene.ideal_operation().ring_speeds).frequencies
         return {
             "values": values_of(scene),
             "given": values_of(self.given),
@@ -242,12 +356,12 @@ class Player:
             "pockets": bearing.pockets,
             "play": None if self._cage is None else self._cage.pocket_clearance / MM,
             "spalls": [
-                {"body": fault.body, "roller": fault.roller, "angle": fault.angle,
-                 "half": fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault)}
+                dict(body=fault.body, roller=fault.roller, angle=fault.angle,
+                     half=fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault))
                 for fault in bearing.faults if isinstance(fault, Spall)
             ],
-            "lines": [{"name": k, "frequency": f, "meaning": LINES[k]} for k, f in frequencies.items() if f > 0.0],
-            "faults": [{"name": k, "frequency": f} for k, f in self.fault_lines().items() if f > 0.0],
+            "lines": [dict(name=k, frequency=f, meaning=LINES[k]) for k, f in self._frequencies.items() if f > 0.0],
+            "faults": [dict(name=k, frequency=f) for k, f in self.fault_lines().items() if f > 0.0],
             "slices": None if axial is None else _short(axial.centres(bearing) / MM),
             "length": bearing.roller_length / MM,
             "step": self.plan.time_step / UM,
@@ -264,11 +378,14 @@ class Player:
                 self._pressures = slice_pressures(self.scene, "inner", scene_slices(self.scene)[0], at.__getitem__)[0]
         frequency, amplitude = self.record.spectrum()
         step, envelope, at_lines = self.record.envelope(self.fault_lines())
-        shaft, ring = (float(np.remainder(s * now["time"], 2 * pi)) for s in self.scene.ideal_operation().ring_speeds)
+        shaft, ring = (float(np.remainder(speed * now["time"], 2.0 * pi)) for speed in self._operation.ring_speeds)
+        cage = None
+        if self._cage is not None:
+            cage = float(np.remainder(self._operation.first_roller_angle + now["cage_angle"], 2.0 * pi))
         return {
             "time": float(now["time"]) / MM,
             "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
-            "cage": None if self._cage is None else float(np.remainder(self._first + now["cage_angle"], 2.0 * pi)),
+            "cage": cage,
             "shaft": shaft,
             "ring": ring,
             "angle": _short(np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi, 5),

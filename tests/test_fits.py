@@ -20,7 +20,7 @@ from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clea
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Bore
 from lagrange.rating.life import Dimensions, dynamic_capacity
-from lagrange.scene.fit import FitTable
+from lagrange.scene.bearing import FitTable
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from meshes import Mesh
 from residual.cli import main as check_main

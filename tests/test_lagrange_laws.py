@@ -17,7 +17,7 @@ from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, racew
 from lagrange.contact.laws import ROLLER_LAWS, STEEL_LAWS, PowerLaw, ball_law, contact_laws, law_names, steel_law
 from lagrange.equations import overlaps, polar_overlaps, touching_distances
 from lagrange.scene.faults import SceneError
-from lagrange.scene.law_table import fitted_law
+from lagrange.scene.run import fitted_law
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from residual.cli import main as check_main
 from tests.reference.ideal import DGBB_209, STEEL_207

@@ -14,7 +14,7 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import turned
 from lagrange.load_history import smooth
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
 from residual.check_vibration import main as vibration_main
 from residual.evaluation import evaluate

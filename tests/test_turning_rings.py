@@ -14,7 +14,7 @@ from lagrange import contact_laws, static_equilibrium
 from lagrange.first_state import Problem
 from lagrange.fits import outer_growth
 from lagrange.kinematics import OUTER_RING, kinematics, turned
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns
 from residual.evaluation import evaluate

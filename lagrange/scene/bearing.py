@@ -1,30 +1,60 @@
-"""Tables of the scene that say what the bearing is: [bearing], [material], [bodies], [lubricant]."""
+"""What the bearing is: [bearing], [material], [fit], [bodies], [lubricant], [cage] and [axial] of the scene.
+
+The default cage is a calibration: rollers orbit within −0.1 to +0.25 % of rolling, as they do where a film and drag
+act, which the model has not. Its plays are not those of a maker's drawing.
+"""
 
 from collections.abc import Iterator
-from math import asin, cos, pi, radians, sin
-from typing import Annotated, Any, Literal
+from functools import lru_cache
+from math import asin, cos, inf, pi, radians, sin
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
-from lagrange.bearing import Material
+from lagrange.axial.facts import Axial, Profile
+from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
+from lagrange.contact.hertz import contact_pairs
+from lagrange.files.tables import columns
+from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit, OperatingClearance
 from lagrange.limits import exceeds
-from lagrange.scene.faults import Check, Table
+from lagrange.scene.faults import (
+    DecimalSign,
+    Density,
+    Diameter,
+    Digest,
+    File,
+    FileName,
+    FileText,
+    Modulus,
+    PoissonRatio,
+    Rule,
+    Share,
+    Table,
+    key,
+    only,
+)
 from lagrange.surface.film import Lubricant
 
-# groove radius over ball diameter to which ISO 281 rates deep-groove bearings
-USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
+if TYPE_CHECKING:
+    from lagrange.scene.scene import Scene
 
+MM, UM = 1e-3, 1e-6
 FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
 ROUNDED = 6  # decimals of a clearance in mm, a difference of diameters
-
-FOLLOWS = "; default with an inner raceway or a pitch"  # of which the paper's rings are none
-SIZES = "inner_raceway_diameter_mm", "pitch_diameter_mm"  # where one is given, what is not follows from the roller's
-CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
-
-MM = 1e-3
 USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
+# groove radius over ball diameter to which ISO 281 rates deep-groove bearings
+USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
+FOLLOWS = "; default with an inner raceway or a pitch"  # of which the paper's rings are none
+CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
+LARGEST_INTERFERENCE = 2e-3  # of the diameter: steel yields at about that strain
+STEEL_DENSITY = 7850.0
+Conformity = Annotated[float, Field(gt=0.5, le=1.0)]
+Temperature = Annotated[float, Field(ge=-200.0, le=500.0)]
+Expansion = Annotated[float, Field(ge=0.0, le=1e-4)]
+Rigidity = Literal["elastic", "rigid"]
 
 
 def _is_number(value: object) -> bool:
@@ -33,146 +63,96 @@ def _is_number(value: object) -> bool:
 
 def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
     """Mass of a ring as wide as its rows are long, with its shaft, kg, where the ring outweighs the default."""
-    keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
     data = BearingTable.completed(data)
-    sizes = [data.get(key, BearingTable.model_fields[key].default) for key in keys]
+    sizes = BearingTable.values(data, "bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm", "rows")
     if any(type(size) not in (float, int) or size < 0.0 for size in sizes):
         return None
     bore, length, raceway, rows = sizes
-    length *= rows
-    if bore == 0.0:  # the shaft itself
-        solid = steel_ring_and_shaft(raceway, length, raceway, SHAFT_WIDTHS)
-        return None if solid < USUAL_MASS else solid
-    ring = steel_ring_and_shaft(bore, length, raceway, 0.0)
-    return None if ring < USUAL_MASS else steel_ring_and_shaft(bore, length, raceway, SHAFT_WIDTHS)
+    solid = bore == 0.0  # the shaft itself
+    alone, bore = (SHAFT_WIDTHS, raceway) if solid else (0.0, bore)
+    if steel_ring_and_shaft(bore, rows * length, raceway, alone) < USUAL_MASS:
+        return None
+    return steel_ring_and_shaft(bore, rows * length, raceway, SHAFT_WIDTHS)
 
 
 class BearingTable(Table):
     """The bearing; the defaults are the paper's."""
 
-    designation: str | None = Field(
-        None, max_length=40, description="standard bearing, e.g. NU206/C3 or 6205; gives the other keys their defaults"
-    )
-    type: Literal["roller", "ball"] = Field("roller", description='roller or ball; balls not with model = "fem"')
-    rollers: int = Field(13, ge=3, le=200, description="number of rollers or balls")
-    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller or ball")
-    roller_length_mm: float = Field(
-        10.0, ge=0.1, le=2000.0, description=f"effective length of a roller{FOLLOWS}: its diameter"
-    )
-    inner_raceway_diameter_mm: float = Field(
-        36.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's raceway"
-    )
-    outer_raceway_diameter_mm: float = Field(
-        56.0,
-        gt=0.0,
-        le=10_000.0,
-        description="diameter of the outer ring's raceway; outer − inner − 2 · roller · cos α is the clearance times "
-        "cos α",
-    )
-    bore_diameter_mm: float = Field(
-        25.0,
-        ge=0.0,
-        le=10_000.0,
-        description="diameter of the inner ring's bore; 0: a solid shaft is the inner ring"
-        + FOLLOWS
-        + ": that raceway less 1.1 roller diameters",
-    )
-    outside_diameter_mm: float = Field(
-        65.0,
-        gt=0.0,
-        le=10_000.0,
-        description=f"outside diameter of the outer ring{FOLLOWS}: its raceway plus 0.9 roller diameters",
-    )
-    clearance_um: float | None = Field(
-        None,
-        ge=-10_000.0,
-        le=100_000.0,
-        description="diametral clearance, instead of outer_raceway_diameter_mm; negative: preload",
-    )
-    contact_angle_deg: float = Field(
-        0.0,
-        ge=0.0,
-        le=45.0,
-        description="contact angle of tapered rollers or angular-contact balls; raceway diameters are those at the "
-        "contacts",
-    )
-    rows: int = Field(
-        1, ge=1, le=8, description="number of rows, each of that many rollers; they share the load equally"
-    )
-    missing_rollers: list[Annotated[int, Field(ge=0)]] = Field(
-        [], max_length=197, description="numbers of the empty pockets, counted from 0"
-    )
-    pitch_diameter_mm: float | None = Field(
-        None,
-        gt=0.0,
-        le=10_000.0,
-        description="instead of inner_raceway_diameter_mm, which is pitch − roller · cos(contact angle)",
-    )
-    inner_conformity: float | None = Field(
-        None,
-        gt=0.5,
-        le=1.0,
-        description="balls: radius of the inner groove over the diameter of the ball; default 0.52",
-    )
-    outer_conformity: float | None = Field(
-        None,
-        gt=0.5,
-        le=1.0,
-        description="balls: radius of the outer groove over the diameter of the ball; default 0.53",
-    )
+    designation: str | None = key(None, "standard bearing, e.g. NU206/C3 or 6205; gives the other keys their defaults",
+        max_length=40)
+    type: Literal["roller", "ball"] = key("roller", 'roller or ball; balls not with model = "fem"')
+    rollers: int = key(13, "number of rollers or balls", 3, 200)
+    roller_diameter_mm: float = key(10.0, "diameter of a roller or ball", 0.5, 500.0)
+    roller_length_mm: float = key(10.0, f"effective length of a roller{FOLLOWS}: its diameter", 0.1, 2000.0)
+    inner_raceway_diameter_mm: Diameter = key(36.0, "diameter of the inner ring's raceway")
+    outer_raceway_diameter_mm: Diameter = key(56.0, "diameter of the outer ring's raceway; outer − inner − 2 · roller "
+        "· cos α is the clearance times cos α")
+    bore_diameter_mm: float = key(25.0, "diameter of the inner ring's bore; 0: a solid shaft is the inner "
+        f"ring{FOLLOWS}: that raceway less 1.1 roller diameters", 0.0, 10_000.0)
+    outside_diameter_mm: Diameter = key(65.0, f"outside diameter of the outer ring{FOLLOWS}: its raceway plus 0.9 "
+        "roller diameters")
+    clearance_um: float | None = key(None, "diametral clearance, instead of outer_raceway_diameter_mm; negative: "
+        "preload", -10_000.0, 100_000.0)
+    contact_angle_deg: float = key(0.0, "contact angle of tapered rollers or angular-contact balls; raceway diameters "
+        "are those at the contacts", 0.0, 45.0)
+    rows: int = key(1, "number of rows, each of that many rollers; they share the load equally", 1, 8)
+    missing_rollers: list[Annotated[int, Field(ge=0)]] = key([], "numbers of the empty pockets, counted from 0",
+        max_length=197)
+    pitch_diameter_mm: Diameter | None = key(None, "instead of inner_raceway_diameter_mm, which is pitch − roller · "
+        "cos(contact angle)")
+    inner_conformity: Conformity | None = key(None, "balls: radius of the inner groove over the diameter of the ball; "
+        "default 0.52")
+    outer_conformity: Conformity | None = key(None, "balls: radius of the outer groove over the diameter of the ball; "
+        "default 0.53")
+
+    @classmethod
+    def values(cls, data: dict[str, Any], *keys: str) -> list[Any]:
+        """Of keys, which may be left out."""
+        return [data.get(name, cls.model_fields[name].default) for name in keys]
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        """Values of a standard bearing, grooves of balls; a clearance becomes the outer raceway's diameter."""
-        outer = "outer_raceway_diameter_mm" in data
+        """Values of a standard bearing, grooves of balls; a pitch and a clearance become raceways' diameters.
+
+        Of a bearing with an inner raceway, or a pitch, rings and length follow in proportion to the roller as the
+        paper's do; without a raceway of its own the outer ring is the paper's.
+        """
+        outer_given, outer = "outer_raceway_diameter_mm" in data, data.get("outer_raceway_diameter_mm")
+        pitch: Any = data.get("pitch_diameter_mm")
         if (found := listed(data.get("designation"))) is not None:
-            given = {"clearance_um": outer, "inner_raceway_diameter_mm": data.get("pitch_diameter_mm") is not None}
-            data = {key: value for key, value in bearing_keys(*found).items() if not given.get(key)} | data
+            given = {"clearance_um": outer_given, "inner_raceway_diameter_mm": pitch is not None}
+            data = {name: value for name, value in bearing_keys(*found).items() if not given.get(name)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
-        sized = any(data.get(key) is not None for key in SIZES)
-        data = cls._with_inner_raceway(data)
-        if sized:
-            data = cls._rings(data) | data
-        parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
-        if outer or not all(map(_is_number, parts)):
-            return data
-        inner, roller, angle, clearance = parts
-        data = {key: value for key, value in data.items() if key != "clearance_um"}
-        closed = inner + 2.0 * roller * cos(radians(angle))
-        return data | {"outer_raceway_diameter_mm": round(closed + 1e-3 * clearance * cos(radians(angle)), 9)}
-
-    @classmethod
-    def _with_inner_raceway(cls, data: dict[str, Any]) -> dict[str, Any]:
-        """The inner raceway of a pitch diameter, without clearance where neither it nor the outer raceway is given."""
-        pitch: Any = data.get("pitch_diameter_mm")
-        roller, angle = (data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF[1:])
-        if "inner_raceway_diameter_mm" in data or not all(map(_is_number, (pitch, roller, angle))):
-            return data
-        outer: Any = data.get("outer_raceway_diameter_mm")
-        clearance: Any = data.get("clearance_um", 0.0 if outer is None else None)
-        if outer is None and _is_number(clearance):
-            inner = pitch - (roller + 0.5e-3 * clearance) * cos(radians(angle))
-        elif clearance is None and _is_number(outer):
-            inner = 2.0 * pitch - outer
-        else:
-            return data
-        data = {key: value for key, value in data.items() if key not in ("pitch_diameter_mm", "clearance_um")}
-        kept = {} if clearance is None else {"clearance_um": clearance}
-        return data | {"inner_raceway_diameter_mm": round(inner, 9)} | kept
-
-    @classmethod
-    def _rings(cls, data: dict[str, Any]) -> dict[str, float]:
-        """Rings, and length, of rollers on such an inner raceway: in proportion to the roller as the paper's are."""
-        inner, roller, angle = (data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF)
+        sized = pitch is not None or data.get("inner_raceway_diameter_mm") is not None
+        inner, roller, angle = cls.values(data, *CLEARANCE_OF)
+        if "inner_raceway_diameter_mm" not in data and all(map(_is_number, (pitch, roller, angle))):
+            # without clearance where neither it nor the outer raceway is given
+            clearance: Any = data.get("clearance_um", 0.0 if outer is None else None)
+            if outer is None and _is_number(clearance):
+                inner = pitch - (roller + 0.5e-3 * clearance) * cos(radians(angle))
+            elif clearance is None and _is_number(outer):
+                inner = 2.0 * pitch - outer
+            else:
+                inner = None
+            if inner is not None:
+                found_of_pitch = {"inner_raceway_diameter_mm": round(inner, 9), "clearance_um": clearance}
+                data = {name: value for name, value in (data | found_of_pitch).items() if value is not None}
+                del data["pitch_diameter_mm"]
+        (inner, *_), clearance = cls.values(data, *CLEARANCE_OF), data.get("clearance_um")
         if not all(map(_is_number, (inner, roller, angle))):
-            return {}
-        outer = inner + 2.0 * roller * cos(radians(angle))
-        return {
-            "bore_diameter_mm": round(max(inner - 1.1 * roller, 0.5 * inner), 6),
-            "outside_diameter_mm": round(outer + 0.9 * roller, 6),
-            "roller_length_mm": float(roller),
-        }
+            return data
+        closed = inner + 2.0 * roller * cos(radians(angle))
+        if sized:
+            rings = {"bore_diameter_mm": round(max(inner - 1.1 * roller, 0.5 * inner), 6),
+                "roller_length_mm": float(roller)}
+            if outer_given or clearance is not None:
+                rings["outside_diameter_mm"] = round(closed + 0.9 * roller, 6)
+            data = rings | data
+        if outer_given or not _is_number(clearance):
+            return data
+        data = {name: value for name, value in data.items() if name != "clearance_um"}
+        return data | {"outer_raceway_diameter_mm": round(closed + 1e-3 * clearance * cos(radians(angle)), 9)}
 
     @property
     def present(self) -> int:
@@ -184,153 +164,175 @@ class BearingTable(Table):
         """Of the contact angle."""
         return cos(radians(self.contact_angle_deg))
 
-    def checks(self) -> tuple[Check, ...]:
-        return (
-            self._standard,
-            self._clearance_twice,
-            self._pitch_twice,
-            self._missing,
-            self._grooves,
-            self._inner_ring,
-            self._outer_ring,
-            self._clearance,
-            self._room,
-        )
-
     def _standard(self) -> Iterator[str]:
         name, found = self.designation, listed(self.designation)
         if name is not None and found is None:
-            yield (
-                f"designation = {name!r}: not in the table; "
-                + instead(
-                    name,
-                    "give rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
-                    "bore_diameter_mm and outside_diameter_mm",
-                )
-            )
+            sizes = "give rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
+            sizes += "bore_diameter_mm and outside_diameter_mm"
+            yield f"designation = {name!r}: not in the table; {instead(name, sizes)}"
         if found is not None and has_balls(found[0]) != (self.type == "ball"):
             yield f'designation = {name!r}: not with type = "{self.type}"; leave one of them out'
 
-    def _clearance_twice(self) -> Iterator[str]:
-        if self.clearance_um is not None:  # else it has become the diameter
-            yield (
-                f"clearance_um = {self.clearance_um:g} and outer_raceway_diameter_mm = "
-                f"{self.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"
-            )
-
-    def _pitch_twice(self) -> Iterator[str]:
-        if self.pitch_diameter_mm is not None:  # else it has become a raceway's diameter
-            yield (
-                f"pitch_diameter_mm = {self.pitch_diameter_mm:g}: raceways and clearance already give the pitch; give "
-                "it with roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm"
-            )
-
     def _missing(self) -> Iterator[str]:
         numbers = self.missing_rollers
-        for number in numbers:
-            if number >= self.rollers:
-                yield (
-                    f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are counted "
-                    f"from 0 to {self.rollers - 1}"
-                )
+        for number in (each for each in numbers if each >= self.rollers):
+            yield (f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are counted "
+                f"from 0 to {self.rollers - 1}")
         if len(set(numbers)) < len(numbers):
             yield f"missing_rollers = {numbers}: a number is there twice"
         if self.present < FEWEST_ROLLERS:
             yield f"missing_rollers = {numbers}: leaves {self.present} rollers; at least {FEWEST_ROLLERS} must be left"
 
-    def _grooves(self) -> Iterator[str]:
-        for key in USUAL_GROOVES:
-            if self.type == "roller" and getattr(self, key) is not None:
-                yield f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out'
-
-    def _inner_ring(self) -> Iterator[str]:
-        inner = self.inner_raceway_diameter_mm
-        if self.bore_diameter_mm >= inner:
-            yield f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
-
-    def _outer_ring(self) -> Iterator[str]:
-        outer = self.outer_raceway_diameter_mm
-        if self.outside_diameter_mm <= outer:
-            yield f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
-
     def _clearance(self) -> Iterator[str]:
         roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
-        along_contacts = (outer - self.inner_raceway_diameter_mm) / self.cosine
-        clearance = round(along_contacts - 2.0 * roller, ROUNDED)
-        if exceeds(-LARGEST_PRELOAD * roller, clearance):
-            yield (
-                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
-                f"allows (at least {-LARGEST_PRELOAD * roller:.4g} mm); raise outer_raceway_diameter_mm = {outer}"
-            )
-        if exceeds(clearance, LARGEST_CLEARANCE * roller):
-            yield (
-                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
-                f"{LARGEST_CLEARANCE * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
-            )
+        clearance = round((outer - self.inner_raceway_diameter_mm) / self.cosine - 2.0 * roller, ROUNDED)
+        said = f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is"
+        least, most = -LARGEST_PRELOAD * roller, LARGEST_CLEARANCE * roller
+        if exceeds(least, clearance):
+            yield (f"{said} more preload than the model allows (at least {least:.4g} mm); raise "
+                f"outer_raceway_diameter_mm = {outer}")
+        if exceeds(clearance, most):
+            yield f"{said} too large (at most {most:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
 
     def _room(self) -> Iterator[str]:
-        roller = self.roller_diameter_mm
-        pitch = 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
+        roller, pitch = self.roller_diameter_mm, 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
         if pitch * sin(pi / self.rollers) <= roller:
             most = int(pi / asin(roller / pitch)) if roller < pitch else 1
-            yield (
-                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
-                f"{pitch:g} mm; at most {most}"
-            )
+            yield (f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
+                f"{pitch:g} mm; at most {most}")
+
+    RULES: ClassVar[tuple[Rule, ...]] = (
+        _standard,
+        (
+            lambda t: t.clearance_um is not None,  # else it has become the diameter
+            "clearance_um = {t.clearance_um:g} and outer_raceway_diameter_mm = {t.outer_raceway_diameter_mm:g} say the "
+            "same thing; leave one of them out",
+        ),
+        (
+            lambda t: t.pitch_diameter_mm is not None,  # else it has become a raceway's diameter
+            "pitch_diameter_mm = {t.pitch_diameter_mm:g}: raceways and clearance already give the pitch; give it with "
+            "roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm",
+        ),
+        _missing,
+        only("inner_conformity outer_conformity", lambda t: t.type == "ball", 'only for balls; add type = "ball" or '
+            'leave it out'),
+        (lambda t: t.bore_diameter_mm >= t.inner_raceway_diameter_mm, "bore_diameter_mm = {t.bore_diameter_mm} must be "
+            "below inner_raceway_diameter_mm = {t.inner_raceway_diameter_mm}"),
+        (lambda t: t.outside_diameter_mm <= t.outer_raceway_diameter_mm, "outside_diameter_mm = "
+            "{t.outside_diameter_mm} must be above outer_raceway_diameter_mm = {t.outer_raceway_diameter_mm}"),
+        _clearance,
+        _room,
+    )
 
 
 class MaterialOverride(Table):
     """Material of this body; keys left out are those of [material]."""
 
-    youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0, description="Young's modulus of this body")
-    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45, description="Poisson's ratio of this body")
-    density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0, description="density of this body")
+    youngs_modulus_GPa: Modulus | None = key(None, "Young's modulus of this body")
+    poisson_ratio: PoissonRatio | None = key(None, "Poisson's ratio of this body")
+    density_kg_m3: Density | None = key(None, "density of this body")
 
 
 class MaterialTable(Table):
     """Material of all bodies; [material.roller], [material.inner_ring] and [material.outer_ring] override it."""
 
-    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="Young's modulus")
-    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="Poisson's ratio")
-    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0, description="density")
-    roller: MaterialOverride = Field(MaterialOverride(), description="material of the rollers")
-    inner_ring: MaterialOverride = Field(MaterialOverride(), description="material of the inner ring")
-    outer_ring: MaterialOverride = Field(MaterialOverride(), description="material of the outer ring")
+    youngs_modulus_GPa: Modulus = key(210.0, "Young's modulus")
+    poisson_ratio: PoissonRatio = key(0.3, "Poisson's ratio")
+    density_kg_m3: Density = key(7850.0, "density")
+    roller: MaterialOverride = key(MaterialOverride(), "material of the rollers")
+    inner_ring: MaterialOverride = key(MaterialOverride(), "material of the inner ring")
+    outer_ring: MaterialOverride = key(MaterialOverride(), "material of the outer ring")
 
-    def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
+    def of(self, body: Literal["roller", "inner_ring", "outer_ring"], rigid: bool = False) -> Material:
         """Material of one kind of body, SI."""
-        own = getattr(self, body)
+        own = {name: value for name, value in getattr(self, body).si().items() if value is not None}
+        return self.fact(Material, **own, rigid=rigid)
 
-        def pick(key):
-            value = getattr(own, key)
-            return getattr(self, key) if value is None else value
 
-        return Material(
-            youngs_modulus=pick("youngs_modulus_GPa") * 1e9,
-            poisson_ratio=pick("poisson_ratio"),
-            density=pick("density_kg_m3"),
-        )
+class FitTable(Table):
+    """Operating clearance from that of the unmounted bearing: fits, temperatures, spin, film."""
+
+    shaft_interference_um: float = key(0.0, "shaft minus bore diameter at 20 °C, less the smoothing of the surfaces; "
+        "negative: loose", -10_000.0, 10_000.0)
+    housing_interference_um: float = key(0.0, "outside diameter of the outer ring minus housing bore at 20 °C; "
+        "negative: loose", -10_000.0, 10_000.0)
+    shaft_bore_mm: float = key(0.0, "bore of a hollow shaft; 0: solid", 0.0, 10_000.0)
+    housing_outside_diameter_mm: float = key(0.0, "outside diameter of the housing, taken as a ring; 0: so thick that "
+        "it is stiff", 0.0, 100_000.0)
+    shaft_youngs_modulus_GPa: Modulus = key(210.0, "Young's modulus of the shaft")
+    shaft_poisson_ratio: PoissonRatio = key(0.3, "Poisson's ratio of the shaft")
+    shaft_density_kg_m3: Density = key(STEEL_DENSITY, "density of the shaft, for its spin")
+    housing_youngs_modulus_GPa: Modulus = key(210.0, "Young's modulus of the housing; aluminium 70")
+    housing_poisson_ratio: PoissonRatio = key(0.3, "Poisson's ratio of the housing; aluminium 0.33")
+    inner_ring_C: Temperature = key(REFERENCE_C, "temperature in operation")
+    outer_ring_C: Temperature = key(REFERENCE_C, "temperature in operation")
+    rollers_C: Temperature | None = key(None, "temperature in operation; default: mean of both rings'")
+    shaft_C: Temperature | None = key(None, "temperature in operation; default: that of the ring")
+    housing_C: Temperature | None = key(None, "temperature in operation; default: that of the ring")
+    ring_expansion_1_K: Expansion = key(STEEL_EXPANSION, "thermal expansion of the rings; default bearing steel")
+    roller_expansion_1_K: Expansion = key(STEEL_EXPANSION, "thermal expansion of the rollers; silicon nitride 3.2e-6")
+    shaft_expansion_1_K: Expansion = key(STEEL_EXPANSION, "thermal expansion of the shaft")
+    housing_expansion_1_K: Expansion = key(STEEL_EXPANSION, "thermal expansion of the housing; aluminium 23.8e-6")
+
+    def fit(self) -> Fit:
+        """The fits in SI."""
+        si = self.si() | {"housing_density": STEEL_DENSITY}  # it stands still
+        usual = {"shaft_C": self.inner_ring_C, "rollers_C": 0.5 * (self.inner_ring_C + self.outer_ring_C),
+            "housing_C": self.outer_ring_C}
+        materials = {body: Material(**{name: si[f"{body}_{name}"] for name in ("youngs_modulus", "poisson_ratio",
+            "density")}) for body in ("shaft", "housing")}
+        warm = {name: value for name, value in usual.items() if si[name] is None}
+        return self.fact(Fit, **materials, **warm, housing_outside=si["housing_outside_diameter"] or inf)
+
+    @property
+    def of_housing(self) -> str | None:
+        """A key of the housing as the scene writes it; None: there is none."""
+        for name, field in type(self).model_fields.items():
+            if name.startswith("housing_") and getattr(self, name) != field.default:
+                return f"fit.{name} = {getattr(self, name):g}"
+        return None
+
+
+def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
+    """Sizes that don't go with the bearing's, and interferences that no ring bears."""
+    bore, outside = bearing.bore_diameter_mm, bearing.outside_diameter_mm
+    if fit.shaft_bore_mm >= bore > 0.0:
+        yield f"fit.shaft_bore_mm = {fit.shaft_bore_mm:g} must be below bearing.bore_diameter_mm = {bore:g}; 0: solid"
+    if 0.0 < fit.housing_outside_diameter_mm <= outside:
+        yield (f"fit.housing_outside_diameter_mm = {fit.housing_outside_diameter_mm:g} must be above "
+            f"bearing.outside_diameter_mm = {outside:g}; 0: so thick that it is stiff")
+    for name, diameter in (("shaft", bore), ("housing", outside)):
+        given, most = getattr(fit, f"{name}_interference_um"), 1e3 * LARGEST_INTERFERENCE * diameter
+        if exceeds(abs(given), most) and most > 0.0:
+            yield (f"fit.{name}_interference_um = {given:g}: more than {LARGEST_INTERFERENCE:g} of the diameter, "
+                f"{diameter:g} mm; between {-most:g} and {most:g}")
+
+
+def interference_faults(bearing: BearingTable, found: OperatingClearance) -> Iterator[str]:
+    """Fits that temperatures make too tight."""
+    for name, diameter in (("shaft", bearing.bore_diameter_mm), ("housing", bearing.outside_diameter_mm)):
+        pressed = 1e6 * getattr(found, f"{name}_interference")
+        if exceeds(pressed, 1e3 * LARGEST_INTERFERENCE * diameter):
+            yield (f"fit: {pressed:.4g} µm of interference in operation, more than {LARGEST_INTERFERENCE:g} of the "
+                f"diameter, {diameter:g} mm; check fit.{name}_interference_um, temperatures and expansions")
 
 
 class BodiesTable(Table):
     """Which bodies are rigid."""
 
-    rollers: Literal["elastic", "rigid"] = Field("elastic", description="rollers; not rigid together with a ring")
-    inner_ring: Literal["elastic", "rigid"] = Field("elastic", description="inner ring")
-    outer_ring: Literal["elastic", "rigid"] = Field("elastic", description="outer ring")
-
-    def checks(self) -> tuple[Check, ...]:
-        return (self._partners,)
+    rollers: Rigidity = key("elastic", "rollers; not rigid together with a ring")
+    inner_ring: Rigidity = key("elastic", "inner ring")
+    outer_ring: Rigidity = key("elastic", "outer ring")
 
     def _partners(self) -> Iterator[str]:
         rings = [name for name in ("inner_ring", "outer_ring") if getattr(self, name) == "rigid"]
         if self.rollers == "rigid" and rings:
             too = " and ".join(f'{name} = "rigid"' for name in rings)
-            yield (
-                f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
+            yield (f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
                 'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
-                "between them, leave [bodies] out and use run-fem --model lagrange"
-            )
+                "between them, leave [bodies] out and use run-fem --model lagrange")
+
+    RULES = (_partners,)
 
     @property
     def rigid(self) -> tuple[str, ...]:
@@ -341,16 +343,188 @@ class BodiesTable(Table):
 class LubricantTable(Table):
     """A film that takes up gap, as thick as Dowson and Higginson's under the largest static load of a raceway."""
 
-    viscosity_Pa_s: float = Field(0.02, ge=1e-5, le=100.0, description="viscosity at the inlet of the contacts")
-    pressure_viscosity_1_Pa: float = Field(2e-8, ge=1e-10, le=1e-6, description="pressure-viscosity coefficient")
-    traction_coefficient: float = Field(
-        0.05, ge=0.0, le=1.0, description="traction coefficient of the film, instead of contact.friction_coefficient"
-    )
+    viscosity_Pa_s: float = key(0.02, "viscosity at the inlet of the contacts", 1e-5, 100.0)
+    pressure_viscosity_1_Pa: float = key(2e-8, "pressure-viscosity coefficient", 1e-10, 1e-6)
+    traction_coefficient: Share = key(0.05, "traction coefficient of the film, instead of contact.friction_coefficient")
 
     def lubricant(self) -> Lubricant:
         """The oil, SI."""
-        return Lubricant(
-            viscosity=self.viscosity_Pa_s,
-            pressure_viscosity=self.pressure_viscosity_1_Pa,
-            traction_coefficient=self.traction_coefficient,
-        )
+        return self.fact(Lubricant)
+
+
+PLAY, INNER_GUIDE_PLAY = 1e-3, 0.5e-3  # of the pitch diameter; rollers gain on rolling in proportion to it
+MASS = 0.1  # of all rolling elements: a polyamide ring half as high as they are, less its pockets
+STIFFNESS = 1e7  # N/m, of a roller on polyamide; stiffer ones only shorten the step
+SHARE_OF_LINE = 0.1  # of 1/A: the slope of a line contact, 1/(A ln …), whose logarithm is about 10
+FULL_COMPLEMENT = 0.07  # of a roller's diameter: a smaller gap between neighbours has no room for a bar
+SIZES = "rollers", "roller_diameter_mm", "inner_raceway_diameter_mm"  # by which a bearing is the paper's
+Play = Annotated[float, Field(ge=1e-3, le=100.0)]
+
+
+class CageTable(Table):
+    """A rigid cage that moves under the forces on it; keys left out are those of the default cage."""
+
+    kind: Literal["rigid", "none"] = key("rigid", "rigid, or none: the bearing has no cage")
+    mass_kg: float | None = key(None, "mass of the cage; default: a tenth of the rolling elements' mass", 1e-6, 1e5)
+    inertia_kg_m2: float | None = key(None, "moment of inertia about its centre; default: a thin ring of the pitch "
+        "radius", 1e-12, 1e6)
+    pocket_clearance_mm: Play | None = key(None, "clearance of a roller in its pocket along the pitch circle, both "
+        "sides together; default: 0.001 of the pitch diameter")
+    guidance: Guidance | None = key(None, "what centres the cage: the rollers (round pockets) or a ring (flat "
+        "pockets); default: the outer ring, or the inner ring if the outer one turns or has a fit")
+    guidance_clearance_mm: Play | None = key(None, "diametral clearance between cage and guiding ring; default: 0.001 "
+        "of the pitch diameter, at the inner ring half of it or the bearing's clearance")
+    stiffness_N_per_m: float | None = key(None, "stiffness of each contact of the cage; default: 1e7, or that of a "
+        "raceway contact if lower", 1e4, 1e11)
+    damping_N_s_m: float = key(1.0, "damping of each closed contact of the cage; never pulls", 0.0, 1e6)
+    friction_coefficient: Share = key(0.05, "friction coefficient in pockets and at the guiding ring")
+    drag_torque_N_m: float = key(0.0, "drag torque of the lubricant on the cage", 0.0, 1e6)
+
+    RULES = (only("guidance_clearance_mm", lambda t: t.guidance != "rollers", 'only with guidance = "inner_ring" or '
+        '"outer_ring"; rollers guide a cage by its pockets; leave it out'),)
+
+    def filled(self, bearing: Bearing, outer_ring_moves: bool) -> "CageTable":
+        """With the default cage's values for keys that are left out."""
+        guidance = self.guidance or ("inner_ring" if outer_ring_moves else "outer_ring")
+        pitch, line = 2.0 * bearing.pitch_radius, max(pair.line_compliance for pair in contact_pairs(bearing)[:2])
+        defaults = {"mass_kg": max(MASS * bearing.n_rollers * bearing.roller_mass, 1e-6),
+            "pocket_clearance_mm": min(PLAY * pitch, 0.5 * room_between_rollers(bearing)) / MM, "guidance": guidance,
+            "stiffness_N_per_m": max(min(STIFFNESS, SHARE_OF_LINE / line), 1e4)}
+        if guidance == "outer_ring":
+            defaults["guidance_clearance_mm"] = PLAY * pitch / MM
+        elif guidance == "inner_ring":  # which leaves the middle of the rollers' orbit by half the clearance
+            defaults["guidance_clearance_mm"] = max(INNER_GUIDE_PLAY * pitch, 2.0 * bearing.radial_clearance, 1e-6) / MM
+        shown = {name: float(f"{each:.3g}") if isinstance(each, float) else each for name, each in defaults.items()}
+        return self.model_copy(update={name: each for name, each in shown.items() if getattr(self, name) is None})
+
+    def cage(self, bearing: Bearing) -> Cage:
+        """The cage in SI, of a table that is `filled`. ValueError: it is not."""
+        if self.mass_kg is None or self.guidance is None:
+            raise ValueError("the bearing is not known, and so the cage is not")
+        inertia = thin_ring_inertia(bearing, self.mass_kg) if self.inertia_kg_m2 is None else self.inertia_kg_m2
+        return self.fact(Cage, inertia=inertia)
+
+    @property
+    def words(self) -> str:
+        """The cage in words, for plans."""
+        whose = "" if self.guidance is None else f"guided by {'' if self.guidance == 'rollers' else 'the '}"
+        whose += (self.guidance or "").replace("_", " ")
+        play = "" if self.guidance_clearance_mm is None else f" with {self.guidance_clearance_mm:g} mm"
+        return (f"{1e3 * (self.mass_kg or 0.0):.3g} g, {whose}{play}, pocket clearance {self.pocket_clearance_mm:g} "
+            f"mm, {self.stiffness_N_per_m:.3g} N/m")
+
+
+def default_cage(scene: "Scene") -> CageTable | str:
+    """The cage of a scene that does not describe one; in words why there is none."""
+    bearing = scene.unmounted_bearing()
+    if all(getattr(scene.bearing, name) == BearingTable.model_fields[name].default for name in SIZES):
+        return "as the paper's bearing"
+    if scene.friction_coefficient == 0.0:
+        return "raceways without friction would not drive it"
+    if room_between_rollers(bearing) < FULL_COMPLEMENT * 2.0 * bearing.roller_radius:
+        return "full complement"
+    return CageTable()
+
+
+SURFACES = ("roller", "inner_raceway", "outer_raceway")  # before _profile
+SHAPES = ("none", "logarithmic", "crowned", "lundberg")
+NAMES = ("z_mm", "drop_um")
+FEWEST, MOST = 3, 10_000  # points of a measured profile
+LARGEST_DROP = 1e5  # µm
+
+
+class Points(NamedTuple):
+    """Of a measured profile, m; the least drop is 0."""
+
+    place: tuple[float, ...]
+    depth: tuple[float, ...]
+
+
+@lru_cache(maxsize=8)
+def measured(text: str, decimal: str = ".") -> Points:
+    """The drops of a table's text. ValueError: a sentence on the text."""
+    z, drop = columns(text, NAMES, decimal).T
+    if not FEWEST <= len(z) <= MOST:
+        raise ValueError(f"it holds {len(z)} points; at least {FEWEST} and at most {MOST} are allowed")
+    if not np.all(np.isfinite(z)) or not np.all(np.isfinite(drop)):
+        raise ValueError("a value is not finite")
+    if np.abs(drop).max() > LARGEST_DROP:
+        raise ValueError(f"drop_um = {drop[np.argmax(np.abs(drop))]:g}: at most {LARGEST_DROP:g} either way")
+    if np.any(np.diff(z) <= 0.0):
+        at = int(np.argmax(np.diff(z) <= 0.0))
+        raise ValueError(f"z_mm must rise from row to row: after {z[at]:g} comes {z[at + 1]:g}")
+    return Points(tuple(MM * z), tuple(UM * (drop - drop.min())))
+
+
+class AxialTable(Table):
+    """Rollers that tilt, divided into slices along their length; without this table the bearing is a plane section."""
+
+    roller_profile: FileName = key("logarithmic", 'profile of the rollers: "none", "logarithmic" (ISO/TS 16281), '
+        '"crowned", "lundberg", or a CSV file next to ' "the scene with the columns z_mm, drop_um")
+    roller_profile_sha256: Digest = None
+    roller_profile_content: FileText = None
+    inner_raceway_profile: FileName = key("none", "profile of the inner raceway: as roller_profile")
+    inner_raceway_profile_sha256: Digest = None
+    inner_raceway_profile_content: FileText = None
+    outer_raceway_profile: FileName = key("none", "profile of the outer raceway: as roller_profile")
+    outer_raceway_profile_sha256: Digest = None
+    outer_raceway_profile_content: FileText = None
+    decimal: DecimalSign = None
+    crown_um: float | None = key(None, 'drop of a "crowned" profile (an arc) at the ends of a roller', most=1e4, gt=0.0)
+    lundberg_load_N: float | None = key(None, 'load of a roller at which a "lundberg" profile has a uniform pressure',
+        most=1e7, gt=0.0)
+    slices: int = key(21, "number of slices of a roller", 3, 201)
+    coupling: bool = key(True, "neighbouring slices interact elastically; never in the Lagrangian model")
+    ring_width_mm: Diameter | None = key(None, "width of both rings; default: twice the length of the rollers")
+    hub_tilt_inertia_kg_m2: float | None = key(None, "moment of inertia of inner ring and shaft about an axis across "
+        "theirs; default: the slope stays at operation.misalignment_mrad", most=1e6, gt=0.0)
+    shaft_tilt_stiffness_N_m_rad: float | None = key(None, "tilt stiffness of a shaft whose slope can change; default "
+        "0", 0.0, 1e12)
+
+    FILES: ClassVar = {f"{surface}_profile": File("drops", measured, SHAPES) for surface in SURFACES}
+
+    def _shapes(self) -> Iterator[str]:
+        kinds = [getattr(self, name) for name in self.FILES]
+        for name, kind, example in (("crown_um", "crowned", 5.0), ("lundberg_load_N", "lundberg", 1000.0)):
+            given = getattr(self, name)
+            if kind in kinds and given is None:
+                yield f'a profile that is "{kind}" needs {name}, e.g. {name} = {example:g}'
+            if kind not in kinds and given is not None:
+                yield f'{name} = {given:g}: only with a profile that is "{kind}"; leave it out'
+
+    RULES = (
+        _shapes,
+        only("shaft_tilt_stiffness_N_m_rad", lambda t: t.hub_tilt_inertia_kg_m2 is not None, "only for a shaft whose "
+            "slope can change; give hub_tilt_inertia_kg_m2 too, or leave it out"),
+    )
+
+    def axial(self, bearing: Bearing) -> Axial:
+        """The table in SI. ValueError: a file is not at hand."""
+        return self.fact(Axial, **{surface: self._profile(f"{surface}_profile") for surface in SURFACES},
+            ring_width=2.0 * bearing.roller_length if self.ring_width_mm is None else MM * self.ring_width_mm,
+            shaft_tilt_stiffness=self.shaft_tilt_stiffness_N_m_rad or 0.0)
+
+    def _profile(self, name: str) -> Profile:
+        kind = getattr(self, name)
+        if kind in SHAPES:
+            return Profile(kind=kind, crown=UM * (self.crown_um or 0.0), load=self.lundberg_load_N or 0.0)
+        points = self.read(name)
+        if points is None:
+            raise ValueError(f'axial.{name} = "{kind}" is not at hand')
+        return Profile(kind="measured", place=points.place, depth=points.depth)
+
+
+def axial_faults(bearing: Bearing, table: AxialTable) -> Iterator[str]:
+    """What does not fit the bearing: rings narrower than rollers, profiles shorter than them."""
+    length = 1e3 * bearing.roller_length
+    if table.ring_width_mm is not None and exceeds(length, table.ring_width_mm):
+        yield f"axial.ring_width_mm = {table.ring_width_mm:g} must be at least bearing.roller_length_mm = {length:g}"
+    for name in table.FILES:
+        points = table.read(name)
+        if points is None:
+            continue
+        first, *_, last = 1e3 * np.array(points.place)
+        reach = 0.5 * length * (1.0 - 1.0 / table.slices)
+        if exceeds(reach, -first) or exceeds(reach, last):
+            yield (f'axial.{name} = "{getattr(table, name)}": its z_mm go from {first:g} to {last:g}; slices of '
+                'rollers ' f"of {length:g} mm have their middles from {-reach:g} to {reach:g}")

@@ -3,85 +3,137 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import replace
-from functools import partial
+from math import radians
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Literal, Self
 
 import tomli_w
-from pydantic import PrivateAttr, ValidationError, model_validator
+from pydantic import PrivateAttr
 
+from lagrange.axial import Axial
+from lagrange.bearing import BallBearing, Bearing, Cage, Operation
 from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
-from lagrange.files.input import plain_text
-from lagrange.scene.axial import SURFACES as AXIAL_SURFACES
-from lagrange.scene.bearing import heavy_inner_ring_and_shaft
-from lagrange.scene.cage import CageTable, default_cage
-from lagrange.scene.columns import Columns
-from lagrange.scene.combinations import COMBINATIONS
-from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable, quoted, without_gone
-from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
-from lagrange.scene.operation import IN_PLACE_OF, TABLES
-from lagrange.scene.run import DampingTable, LagrangeTable
-from lagrange.scene.surfaces import SURFACES
-from lagrange.scene.tables import SceneTables
+from lagrange.files.input import LARGEST_FILE, digest, plain_text
+from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
+from lagrange.kinematics import kinematics
+from lagrange.mounting import Mounting
+from lagrange.scene.bearing import (
+    AxialTable,
+    BearingTable,
+    BodiesTable,
+    CageTable,
+    FitTable,
+    LubricantTable,
+    MaterialTable,
+    default_cage,
+    heavy_inner_ring_and_shaft,
+)
+from lagrange.scene.checks import COMBINATIONS
+from lagrange.scene.faults import (
+    File,
+    Rule,
+    SceneError,
+    Table,
+    beside,
+    key,
+    likely_of,
+    plain,
+    printable,
+    quoted,
+    table_of,
+    without_gone,
+)
+from lagrange.scene.files import LONGEST_TEXT, apply_override, load, set_key
+from lagrange.scene.run import (
+    IN_PLACE_OF,
+    Columns,
+    ContactTable,
+    DampingTable,
+    LagrangeTable,
+    NumericsTable,
+    OperationTable,
+    OutputTable,
+    SensorTable,
+    SupportTable,
+)
+from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.section import section_mounting, section_operation
 from lagrange.step_size import fitting_interval, wave_interval
+from lagrange.surface.faults import Fault, Film
+from lagrange.surface.film import films
 from lagrange.surface.passages import strike_interval
 
+MOST_TABLES = 200  # of one array
+MODEL_NAMES = {"fem": "finite elements", "reduced": "reduced model", "lagrange": "Lagrangian model"}
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
-PROFILES = tuple(f"{surface}_profile_content" for surface in AXIAL_SURFACES)
 FITTING = 6.0, 16.0  # mm, diameters of a standard bearing's rollers that the default mesh size serves
 DECIDING = {  # keys whose defaults decide an answer, and what may be given in their place
     "speed_rpm": ("speed_table", "outer_ring_speed_rpm", "outer_ring_speed_table"),
     "radial_load_N": ("load_table", "rotating_load_N", "unbalance_g_mm"),
 }
-FILES = *TABLES, "law_table"  # keys of tables that name a file
-CONTENTS = ("content", *(f"{name}_content" for name in FILES), *PROFILES)  # texts, in the tables that name them
-FILE_KEYS = ("file", "sha256", "content", *FILES)
 
 
-class Scene(SceneTables):
+class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
+    name: str = key("paper", "name of the scene and of its result files", min_length=1, max_length=100, pattern=
+        r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
+    model: Literal["fem", "reduced", "lagrange"] = key("fem", "finite elements; elastic bodies without inertia of "
+        "their own; rigid bodies on contact springs")
+    bearing: BearingTable = BearingTable()
+    material: MaterialTable = MaterialTable()
+    fit: FitTable | None = None
+    bodies: BodiesTable = BodiesTable()
+    operation: OperationTable = OperationTable()
+    contact: ContactTable = ContactTable()
+    damping: DampingTable = DampingTable()
+    lagrange: LagrangeTable = LagrangeTable()
+    numerics: NumericsTable = NumericsTable()
+    output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
+    cage: CageTable | None = None
+    lubricant: LubricantTable | None = None
+    axial: AxialTable | None = None
+    spall: list[SpallTable] = key([], "", max_length=MOST_TABLES)
+    waviness: list[WavinessTable] = key([], "", max_length=MOST_TABLES)
+    unequal_roller: list[UnequalRollerTable] = key([], "", max_length=MOST_TABLES)
+    profile: list[ProfileTable] = key([], "", max_length=MOST_TABLES)
+    table: Columns = Columns()
+
+    RULES: ClassVar[tuple[Rule, ...]] = COMBINATIONS
     _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
 
-    @model_validator(mode="wrap")
-    @classmethod
-    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+    def _fill(self, data: dict[str, Any], name: str) -> None:
         """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
-        scene = handler(data)
-        if isinstance(data, dict):
-            scene._written = {key: plain(value) for key, value in data.items()}
-            scene._choose_interval()
-            scene._choose_cage()
-        return scene
+        super()._fill(data, name)
+        self._written = {each: plain(value) for each, value in data.items()}
+        with suppress(ValueError):  # a table of speeds or loads that is not at hand
+            self._choose_interval()
+        with suppress(ValueError):
+            self._choose_cage()
 
     def _choose_interval(self) -> None:
         """Between samples, where none is given: by the fastest vibration that moves, and so that no warning follows."""
         if "output_interval_us" in self.numerics.model_fields_set:
             return
-        with suppress(ValueError):  # a table of speeds or loads that is not at hand
-            bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
-            longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
-            interval = fitting_interval(bearing, operation, longest)
-            numerics = self.numerics.model_copy(update={"output_interval_us": round(1e6 * interval, 3)})
-            self.__dict__["numerics"] = numerics
+        bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
+        longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
+        interval = round(1e6 * fitting_interval(bearing, operation, longest), 3)
+        self.__dict__["numerics"] = self.numerics.model_copy(update={"output_interval_us": interval})
 
     def _choose_cage(self) -> None:
         """Write out the cage that the bearing has: the table's, what it leaves out by default, or no table."""
-        given = self.cage
-        if given is None and self.model == "lagrange":
-            return
-        with suppress(ValueError):  # as above
-            found = given or default_cage(self)
+        found = self.cage or ("" if self.model == "lagrange" else default_cage(self))
+        if isinstance(found, CageTable) and found.kind != "none":
             moves = self.operation.turns_outer_ring is not None or self.mounting().bore is not None
-            self.__dict__["cage"] = (
-                found.filled(self.unmounted_bearing(), moves)
-                if isinstance(found, CageTable) and found.kind != "none"
-                else None
-            )
+            self.__dict__["cage"] = found.filled(self.unmounted_bearing(), moves)
+        else:
+            self.__dict__["cage"] = None
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self.__dict__ == other.__dict__
@@ -104,27 +156,20 @@ class Scene(SceneTables):
         diameter: Any = bearing.get("roller_diameter_mm")
         if diameter is None and not FITTING[0] <= known.get("roller_diameter_mm", FITTING[0]) <= FITTING[1]:
             diameter = known["roller_diameter_mm"]
-        kind = bearing.get("type", known.get("type"))
-        if (
-            type(diameter) in (float, int)
-            and 0.5 <= diameter <= 500.0
-            and kind != "ball"
-            and isinstance(numerics, dict)
-        ):
-            data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
-        if kind == "ball":
+        if bearing.get("type", known.get("type")) == "ball":
             data = {"model": "lagrange"} | data  # the one that has balls
-        if kind == "ball" and isinstance(options, dict):
-            data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}
-        if standard is not None and isinstance(operation, dict):
-            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
-            data = {"name": standard[0]} | data | {"operation": mass | operation}
-        elif isinstance(operation, dict) and (heavy := heavy_inner_ring_and_shaft(bearing)) is not None:
-            data = data | {"operation": {"inner_ring_and_shaft_kg": heavy} | operation}
+            if isinstance(options, dict):
+                data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}
+        elif type(diameter) in (float, int) and 0.5 <= diameter <= 500.0 and isinstance(numerics, dict):
+            data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
+        if isinstance(operation, dict):
+            if standard is not None:
+                data, mass = {"name": standard[0]} | data, inner_ring_and_shaft(standard[0])
+            else:
+                mass = heavy_inner_ring_and_shaft(bearing)
+            if mass is not None:
+                data = data | {"operation": {"inner_ring_and_shaft_kg": mass} | operation}
         return data
-
-    def checks(self) -> tuple[Check, ...]:
-        return tuple(partial(check, self) for check in COMBINATIONS)
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
         """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
@@ -136,10 +181,11 @@ class Scene(SceneTables):
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
         data = self._as_written()
-        for key, value in changes.items():
-            if key.rpartition(".")[2] in FILE_KEYS:
-                raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
-            set_key(data, key, value, key)
+        names = {"sha256", "content"} | {name for _, kind, _ in _kinds() for name in kind.FILES}
+        for dotted, value in changes.items():
+            if dotted.rpartition(".")[2] in names and not dotted.endswith("_profile"):
+                raise SceneError(f"{dotted}: files of a scene can't be varied; write a scene for each file")
+            set_key(data, dotted, value, dotted)
         _refuse_beside_tables(data, changes)
         with _refused(self.name):
             content_of(data, self.files)
@@ -152,25 +198,19 @@ class Scene(SceneTables):
         operation = given.get("operation", {})
         if "bearing" not in given and not operation:
             return ""
-        found = [
-            f"operation.{key} = {getattr(self.operation, key):g}"
-            for key, others in DECIDING.items()
-            if not any(other in operation for other in (key, *others))
-        ]
-        return ", ".join(found)
+        missing = (name for name, others in DECIDING.items() if operation.keys().isdisjoint((name, *others)))
+        return ", ".join(f"operation.{name} = {getattr(self.operation, name):g}" for name in missing)
 
-    def is_given(self, table: str, key: str | None = None) -> bool:
+    def is_given(self, table: str, name: str | None = None) -> bool:
         """Whether a table, or a key of it, was written, and is no default."""
         written = self._as_written()
-        return table in written if key is None else key in written.get(table, {})
+        return table in written if name is None else name in written.get(table, {})
 
     def _as_written(self) -> dict[str, Any]:
         """The tables before they were completed, without the texts of the files that they name."""
         data = self._tables() if self._written is None else deepcopy(self._written)
-        named = [data.get(name, {}) for name in ("operation", "lagrange", "axial")]
-        for table in (*data.get("profile", []), *named):
-            for key in CONTENTS:
-                table.pop(key, None)
+        for _, table, name, _ in _file_keys(data):
+            table.pop(beside(name, "content"), None)
         return data
 
     def to_written_toml(self) -> str:
@@ -184,25 +224,204 @@ class Scene(SceneTables):
         of tables are there where they are not empty.
         """
         tables = self._tables()
-        for name in SURFACES:
-            if not tables[name]:
-                del tables[name]
-        for name, empty in (("damping", DampingTable()), ("table", Columns())):
-            if getattr(self, name) == empty:
-                del tables[name]
-        return tomli_w.dumps(tables)
+        empty = {name for name in SURFACES if not tables[name]}
+        empty |= {name for name in ("damping", "table") if getattr(self, name) == type(getattr(self, name))()}
+        return tomli_w.dumps({name: table for name, table in tables.items() if name not in empty})
 
     def _tables(self) -> dict[str, Any]:
         """All tables; that a bearing has no cage is said where it would have one otherwise."""
         tables = self.model_dump(exclude_none=True)
         return tables if self.cage is not None or self.model == "lagrange" else tables | {"cage": {"kind": "none"}}
 
+    @property
+    def method(self) -> str:
+        """Model and damping in words, for the captions of pictures."""
+        return f"{MODEL_NAMES[self.model]}, {self.damping.words}"
 
-def _at_hand(path: Path) -> str:
-    """What to take instead of a scene file that is not there."""
-    scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
-    likely = likely_of(path.stem, scenes)
-    return f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
+    @property
+    def has_faults(self) -> bool:
+        """Whether surfaces are not perfect, but for films."""
+        return any(getattr(self, name) for name in SURFACES)
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Of the contacts, dry or under a film."""
+        return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the files that it names, by their digests, as far as they are at hand."""
+        found = dict[str, str]()
+        for name, _, many in _kinds():
+            for table in getattr(self, name) if many else [getattr(self, name)]:
+                found |= {} if table is None else table.files
+        return found
+
+    def ideal_bearing(self) -> Bearing:
+        """The bearing in SI, with the faults of its surfaces and the films on them."""
+        return replace(self.perfect_bearing(), faults=self._faults() + self.films())
+
+    def _faults(self) -> tuple[Fault, ...]:
+        """Of its surfaces, without films."""
+        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
+
+    def perfect_bearing(self) -> Bearing:
+        """The bearing in SI with the sizes that it has in operation, without faults of its surfaces."""
+        bearing, found = self.unmounted_bearing(), self.clearance_without_films()
+        if found is None:
+            return bearing
+        return in_operation(bearing, found, (0.0, 0.0) if self.model == "lagrange" else self._growths(bearing))
+
+    def unmounted_bearing(self) -> Bearing:
+        """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""
+        b, si, rigid = self.bearing, self.bearing.si(), self.bodies.rigid
+        roller = self.material.of("roller", "rollers" in rigid)  # elements have m cos α, see `section`
+        shape: dict[str, Any] = dict(n_rollers=b.present, missing=tuple(sorted(b.missing_rollers)),
+            contact_angle=radians(b.contact_angle_deg), roller_radius=0.5 * si["roller_diameter"] * b.cosine,
+            inner_raceway_radius=0.5 * si["inner_raceway_diameter"], outer_raceway_radius=0.5 * si[
+            "outer_raceway_diameter"], bore_radius=0.5 * si["bore_diameter"], outside_radius=0.5 * si[
+            "outside_diameter"], roller=replace(roller, density=roller.density / b.cosine ** (2 if b.type ==
+            "ball" else 1)), inner_ring=self.material.of("inner_ring", "inner_ring" in rigid),
+            outer_ring=self.material.of("outer_ring", "outer_ring" in rigid), own_law=self.lagrange.own_law())
+        if b.type == "roller":
+            return b.fact(Bearing, **shape)
+        if b.inner_conformity is None or b.outer_conformity is None:
+            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
+        return b.fact(BallBearing, **shape, inner_groove_radius=1e-3 * b.inner_conformity * b.roller_diameter_mm,
+            outer_groove_radius=1e-3 * b.outer_conformity * b.roller_diameter_mm)
+
+    def operating_clearance(self) -> OperatingClearance | None:
+        """How the clearance in operation comes about, films included; None: the scene has no [fit]."""
+        found = self.clearance_without_films()
+        return None if found is None else replace(found, film=self.film_loss())
+
+    def films(self, operation: Operation | None = None) -> tuple[Film, ...]:
+        """Of a lubricant, at an operating point of the section; None: the scene's."""
+        if self.lubricant is None:
+            return ()
+        return films(self.perfect_bearing(), operation or self.ideal_operation(), self.lubricant.lubricant())
+
+    def film_loss(self) -> float:
+        """Of clearance, diametral, by the films of a lubricant, m; < 0."""
+        return -2.0 * sum(film.thickness for film in self.films()) + 0.0  # not -0.0
+
+    def clearance_without_films(self) -> OperatingClearance | None:
+        """The same but for the films, which need the bearing that this makes."""
+        if self.fit is None or self.bearing.bore_diameter_mm == 0.0:  # a solid shaft has no fit
+            return None
+        bearing = self.unmounted_bearing()
+        return operating_clearance(bearing, self.fit.fit(), self.operation.ideal().speed, self._growths(bearing)[1])
+
+    def _growths(self, bearing: Bearing) -> tuple[float, float]:
+        """Of the radii of inner raceway and rollers, m, that elastic models give to bodies as they spin."""
+        return growths(bearing, kinematics(bearing, *self.operation.ideal().ring_speeds))
+
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self.perfect_bearing())
+
+    def ideal_axial(self) -> Axial | None:
+        """Profiles, slices and tilt in SI; None: the bearing is a plane section."""
+        return None if self.axial is None else self.axial.axial(self.perfect_bearing())
+
+    def ideal_operation(self) -> Operation:
+        """The operating point in SI, of the bearing's section."""
+        operation = replace(self.operation.ideal(), mounting=self._mounting())
+        return section_operation(self.perfect_bearing(), operation)
+
+    def mounting(self) -> Mounting:
+        """What the bearing's section stands in, in SI."""
+        return section_mounting(self.perfect_bearing(), self._mounting())
+
+    def _mounting(self) -> Mounting:
+        support, shaft = self.support, self.operation.springs()
+        sensor = None if self.sensor is None else self.sensor.sensor()
+        if support is None:
+            return Mounting(sensor=sensor, shaft=shaft)
+        points, housing, bore = support.points(), support.housing(), support.bore()
+        return Mounting(points=points, housing=housing, bore=bore, sensor=sensor, shaft=shaft)
+
+    @property
+    def parts_of_tilt(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
+        if self.axial is None:
+            return ()
+        return "axial", *(("damping of tilt",) if self.damping.contacts.acts else ())
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Of `lagrange.columns.COLUMNS` that runs have beside those of every run."""
+        there = {
+            "surfaces": self.ideal_bearing().faults,  # no films where nothing rolls
+            "cage": self.cage is not None,
+            "damping": self.damping.acts,
+        }
+        return *self.mounting().parts, *(name for name, is_there in there.items() if is_there), *self.parts_of_tilt
+
+
+def _kinds() -> Iterator[tuple[str, type[Table], bool]]:
+    """Tables of a scene that name files, and whether there may be many."""
+    for name, field in Scene.model_fields.items():
+        kind, many = table_of(field)
+        if kind is not None and kind.FILES:
+            yield name, kind, many
+
+
+def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, File]]:
+    """Keys of a scene's tables that name files: place, table, key; tables of other forms are left to their checks."""
+    for place, kind, many in _kinds():
+        given: Any = data.get(place)
+        tables = enumerate(given if isinstance(given, list) else ()) if many else [("", given)]
+        for number, table in tables:
+            for name, file in kind.FILES.items() if isinstance(table, dict) else ():
+                yield f"{place}.{number}".rstrip("."), table, name, file
+
+
+def _named_files(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, File]]:
+    """The files themselves, with what to call them. ValueError: a text stands where a file is to be named."""
+    for place, table, name, file in _file_keys(data):
+        if (content := beside(name, "content")) in table:
+            raise ValueError(f"{place}.{content}: unknown key; {file.kind} are read from a file")
+        if isinstance(given := table.get(name), str) and given and given not in file.forms:
+            yield f'{place}.{name} = "{given}"', table, name, file
+
+
+def content_in_place(data: dict[str, Any], folder: Path) -> None:
+    """Put the files of [[profile]], [operation], [lagrange] and [axial] into the tables of a scene in a folder.
+
+    Errors
+    ------
+    ValueError: no such file, unreadable, too large, not text; not the one whose digest the scene gives.
+    """
+    for described, table, name, file in _named_files(data):
+        path = folder / table[name]
+        try:
+            text = plain_text(path, LARGEST_FILE)
+        except ValueError as error:
+            forms = f"; forms are {', '.join(file.forms)}" if file.forms else ""
+            hint = f"; is it a table of {file.kind}?"
+            if "can't be read" in str(error):
+                hint = f" (looked for in {path.parent.resolve()}){forms}"
+            raise ValueError(f"{described}: {error}{hint}") from None
+        if table.setdefault(beside(name, "sha256"), digest(text)) != digest(text):
+            raise ValueError(f"{described}: its sha256 is {digest(text)}, another than the scene gives; leave the "
+                "sha256 out for this file")
+        table[beside(name, "content")] = text
+
+
+def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
+    """The same from texts by their digests; None: all stay out.
+
+    Errors
+    ------
+    ValueError: one is not among them.
+    """
+    for described, table, name, _ in _named_files(data):
+        if files is not None:
+            text = files.get(table.get(beside(name, "sha256"), ""))
+            if text is None:
+                raise ValueError(f"{described}: its text is not here")
+            table[beside(name, "content")] = text
 
 
 def read_scene(
@@ -217,19 +436,22 @@ def read_scene(
     """
     name, data = "built-in scene", {}
     if path is not None:
-        name = str(path)
+        name, path = str(path), Path(path)
         try:
             text = plain_text(path, LONGEST_TEXT)
         except ValueError as error:
-            if not Path(path).exists():
-                raise SceneError(f"{name}: no such file; {_at_hand(Path(path))}") from None
-            hint = "" if "can't be read" in str(error) else "; is it a scene file?"
-            raise SceneError(f"{name}: {error}{hint}") from None
+            if path.exists():
+                hint = "" if "can't be read" in str(error) else "; is it a scene file?"
+                raise SceneError(f"{name}: {error}{hint}") from None
+            scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
+            likely = likely_of(path.stem, scenes)
+            hint = f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
+            raise SceneError(f"{name}: no such file; {hint}") from None
         data = load(text, name)
     for override in overrides:
         apply_override(data, override)
-    for key, value in (changes or {}).items():
-        set_key(data, key, value, key)
+    for dotted, value in (changes or {}).items():
+        set_key(data, dotted, value, dotted)
     _refuse_beside_tables(data, [*(override.partition("=")[0].strip() for override in overrides), *(changes or {})])
     with _refused(name):
         content_in_place(data, Path() if path is None else Path(path).parent)
@@ -239,35 +461,31 @@ def read_scene(
 def _refuse_beside_tables(data: dict[str, Any], changed: Iterable[str]) -> None:
     """Refuse a change of a value in whose place a table is. SceneError."""
     operation = data.get("operation")
-    for table, key in IN_PLACE_OF.items():
-        if f"operation.{key}" in changed and isinstance(operation, dict) and operation.get(table) is not None:
-            raise SceneError(
-                f"operation.{key} = {quoted(operation.get(key))}: operation.{table} = {quoted(operation[table])} is in "
-                "its place; leave one of them out"
-            )
+    for table, name in IN_PLACE_OF.items():
+        if f"operation.{name}" in changed and isinstance(operation, dict) and operation.get(table) is not None:
+            raise SceneError(f"operation.{name} = {quoted(operation.get(name))}: operation.{table} = "
+                f"{quoted(operation[table])} is in its place; leave one of them out")
 
 
-def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
+def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None, **usual: Any) -> Scene:
     """A scene from TOML text, e.g. the `scene` attribute of a result file.
 
     Parameters
     ----------
     files : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
         but gives no bearing
+    usual : tables where the text has none
     """
     data = load(text, name)
     with _refused(name):
         content_of(data, files)
-    return parse_scene(data, name)
+    return parse_scene(usual | data, name)
 
 
 def parse_stored_scene(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
     """The scene of a result file, as `parse_scene_text`; one without [cage], of an earlier version, had none."""
-    data = load(text, name)
-    with _refused(name):
-        content_of(data, files)
     try:
-        return parse_scene({"cage": {"kind": "none"}} | data, name)
+        return parse_scene_text(text, name, files, cage={"kind": "none"})
     except SceneError as error:
         raise SceneError(f"{error}\nif an earlier version wrote the file, run the scene again") from None
 
@@ -282,8 +500,5 @@ def _refused(name: str) -> Iterator[None]:
 
 
 def parse_scene(data: dict[str, Any], name: str) -> Scene:
-    """A scene from nested tables."""
-    try:
-        return Scene.model_validate(data)
-    except ValidationError as error:
-        raise SceneError("\n".join(f"{name}: {fault}" for fault in all_faults(error, Scene, data))) from None
+    """A scene from nested tables. SceneError: all that is wrong with them."""
+    return Scene.of(data, name)

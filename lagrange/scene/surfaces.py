@@ -5,17 +5,15 @@ Any number of each; spalls, waves, deviations and a measured profile of one surf
 
 from collections.abc import Iterator
 from math import asin, degrees, pi, radians
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.limits import exceeds
-from lagrange.scene.faults import Check, DecimalSign, Digest, FileName, FileText, Table
+from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Table, key, only
 from lagrange.surface.faults import (
-    HeightTable,
     MeasuredSurface,
     Spall,
     UnequalRoller,
@@ -25,7 +23,6 @@ from lagrange.surface.faults import (
     thickness,
 )
 
-MM, UM = 1e-3, 1e-6
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
 FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
 WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
@@ -35,22 +32,20 @@ NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the c
 DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
 COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
 STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
+Body = Literal["outer_ring", "inner_ring", "roller"]
 
 
 class SurfaceTable(Table):
     """Deviation of one body's surface."""
 
-    body: Literal["outer_ring", "inner_ring", "roller"] = Field("outer_ring", description="body with this surface")
-    roller: int | None = Field(None, ge=0, description='number of the roller, counted from 0, if body = "roller"')
+    body: Body = key("outer_ring", "body with this surface")
+    roller: int | None = key(None, 'number of the roller, counted from 0, if body = "roller"', 0)
 
-    def checks(self) -> tuple[Check, ...]:
-        return (self._which_roller,)
-
-    def _which_roller(self) -> Iterator[str]:
-        if self.body == "roller" and self.roller is None:
-            yield 'body = "roller" needs the number of the roller, e.g. roller = 0 for the first'
-        if self.body != "roller" and self.roller is not None:
-            yield f'roller = {self.roller}: only with body = "roller", not with "{self.body}"; leave it out'
+    RULES = (
+        (lambda t: t.body == "roller" and t.roller is None, 'body = "roller" needs the number of the roller, e.g. '
+            'roller = 0 for the first'),
+        only("roller", lambda t: t.body == "roller", 'only with body = "roller", not with "{t.body}"; leave it out'),
+    )
 
     @property
     def reference(self) -> float:
@@ -61,78 +56,44 @@ class SurfaceTable(Table):
 class SpallTable(SurfaceTable):
     """A spall: material broken out of a surface."""
 
-    angle_deg: float = Field(
-        0.0,
-        ge=-360.0,
-        le=360.0,
-        description="angle of its middle at t = 0; rings: from the load (−y); rollers: in their own frame",
-    )
-    width_mm: float = Field(
-        1.0, gt=0.0, le=1000.0, description="width of the spall (of the equivalent sharp-edged gap)"
-    )
-    depth_um: float = Field(100.0, gt=0.0, le=1e5, description="depth below the surface")
-    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="radius of its edges")
-    length_mm: float | None = Field(
-        None, gt=0.0, le=1000.0, description="length along the rollers, with [axial]; default: their whole length"
-    )
-    z_mm: float = Field(
-        0.0, ge=-1000.0, le=1000.0, description="offset of its middle along the rollers, with length_mm"
-    )
+    angle_deg: Angle = key(0.0, "angle of its middle at t = 0; rings: from the load (−y); rollers: in their own frame")
+    width_mm: float = key(1.0, "width of the spall (of the equivalent sharp-edged gap)", most=1000.0, gt=0.0)
+    depth_um: float = key(100.0, "depth below the surface", most=1e5, gt=0.0)
+    edge_radius_mm: float = key(0.1, "radius of its edges", 0.0, 100.0)
+    length_mm: float | None = key(None, "length along the rollers, with [axial]; default: their whole length",
+        most=1000.0, gt=0.0)
+    z_mm: float = key(0.0, "offset of its middle along the rollers, with length_mm", -1000.0, 1000.0)
 
-    def checks(self) -> tuple[Check, ...]:
-        return (*super().checks(), self._whole)
-
-    def _whole(self) -> Iterator[str]:
-        if self.length_mm is None and self.z_mm:
-            yield f"z_mm = {self.z_mm:g}: only with length_mm, of spalls of part of the rollers' length"
+    RULES = (*SurfaceTable.RULES, only("z_mm", lambda t: t.length_mm is not None, "only with length_mm, of spalls of "
+        "part of the rollers' length"))
 
     def fault(self) -> Spall:
-        along = None
-        if self.length_mm is not None:
-            half = 0.5 * MM * self.length_mm
-            along = MM * self.z_mm - half, MM * self.z_mm + half
-        return Spall(
-            body=self.body,
-            roller=self.roller,
-            angle=radians(self.angle_deg) + self.reference,
-            width=MM * self.width_mm,
-            depth=UM * self.depth_um,
-            edge_radius=MM * self.edge_radius_mm,
-            along=along,
-        )
+        si, along = self.si(), None
+        if si["length"] is not None:
+            along = si["z"] - 0.5 * si["length"], si["z"] + 0.5 * si["length"]
+        return self.fact(Spall, angle=si["angle"] + self.reference, along=along)
 
 
 class WavinessTable(SurfaceTable):
     """A wave of a surface: amplitude · cos(order · angle + phase)."""
 
-    body: Literal["outer_ring", "inner_ring", "roller"] = Field("inner_ring", description="body with this surface")
-    order: int = Field(12, ge=1, le=10_000, description="number of waves around the circumference")
-    amplitude_um: float = Field(0.5, gt=0.0, le=1e5, description="amplitude: half the height from valley to crest")
-    phase_deg: float = Field(
-        0.0,
-        ge=-360.0,
-        le=360.0,
-        description="phase at angle 0; rings: the load's direction (−y); rollers: their own frame",
-    )
+    body: Body = key("inner_ring", "body with this surface")
+    order: int = key(12, "number of waves around the circumference", 1, 10_000)
+    amplitude_um: float = key(0.5, "amplitude: half the height from valley to crest", most=1e5, gt=0.0)
+    phase_deg: Angle = key(0.0, "phase at angle 0; rings: the load's direction (−y); rollers: their own frame")
 
     def fault(self) -> Waviness:
-        return Waviness(
-            body=self.body,
-            roller=self.roller,
-            order=self.order,
-            amplitude=UM * self.amplitude_um,
-            phase=radians(self.phase_deg) - self.order * self.reference,
-        )
+        return self.fact(Waviness, phase=radians(self.phase_deg) - self.order * self.reference)
 
 
 class UnequalRollerTable(Table):
     """A roller of another size."""
 
-    roller: int = Field(0, ge=0, description="number of the roller, counted from 0")
-    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5, description="its diameter minus that of the others")
+    roller: int = key(0, "number of the roller, counted from 0", 0)
+    diameter_deviation_um: float = key(1.0, "its diameter minus that of the others", -1e5, 1e5)
 
     def fault(self) -> UnequalRoller:
-        return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
+        return self.fact(UnequalRoller)
 
 
 class ProfileTable(SurfaceTable):
@@ -141,43 +102,20 @@ class ProfileTable(SurfaceTable):
     `content` is the file's text, which whoever reads the scene puts in.
     """
 
-    file: FileName = Field(description="CSV file next to the scene with the columns angle_deg, height_um")
+    file: FileName = key(..., "CSV file next to the scene with the columns angle_deg, height_um")
     sha256: Digest = None
-    angle_deg: float = Field(
-        0.0,
-        ge=-360.0,
-        le=360.0,
-        description="angle of the table's 0 at t = 0, from the load (−y); rollers: in their own frame",
-    )
+    angle_deg: Angle = key(0.0, "angle of the table's 0 at t = 0, from the load (−y); rollers: in their own frame")
     decimal: DecimalSign = None
     content: FileText = None
 
-    def checks(self) -> tuple[Check, ...]:
-        return (*super().checks(), self._readable)
-
-    def _readable(self) -> Iterator[str]:
-        if self.content is not None:
-            try:
-                self.heights(self.content)
-            except ValueError as error:
-                yield f'file = "{self.file}": {error}'
-
-    def heights(self, content: str) -> HeightTable:
-        """Of a text as the file's. ValueError."""
-        return height_table(content, self.decimal or ".")
+    FILES: ClassVar = {"file": File("heights", height_table)}
 
     def fault(self) -> MeasuredSurface:
         """ValueError: its file is not at hand, or no table of heights."""
-        if self.content is None or self.sha256 is None:
+        table = self.read("file")
+        if table is None or self.sha256 is None:
             raise ValueError(f'profile: file = "{self.file}" is not at hand')
-        return MeasuredSurface(
-            body=self.body,
-            roller=self.roller,
-            angle=radians(self.angle_deg) + self.reference,
-            file=self.file,
-            sha256=self.sha256,
-            table=self.heights(self.content),
-        )
+        return self.fact(MeasuredSurface, angle=radians(self.angle_deg) + self.reference, table=table)
 
 
 def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
@@ -185,10 +123,8 @@ def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
     for name, entries in tables.items():
         for i, entry in enumerate(entries):
             if entry.roller is not None and entry.roller >= n_rollers:
-                yield (
-                    f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
-                    f"from 0 to {n_rollers - 1}"
-                )
+                yield (f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
+                    f"from 0 to {n_rollers - 1}")
     sized = [entry.roller for entry in tables["unequal_roller"]]
     for number in sorted({number for number in sized if sized.count(number) > 1}):
         yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
@@ -199,33 +135,25 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
     edges: list[tuple[int, Spall, float]] = []
     for i, table in enumerate(tables):
         spall, place = table.fault(), f"spall.{i}"
-        own = own_radius(bearing, spall)
-        opening = spall.half_opening(bearing.roller_radius)
+        own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
         widest = WIDEST * min(own, bearing.roller_radius)
         if exceeds(opening, widest):
-            yield (
-                f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an opening "
-                f"of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm "
-                f"(at most {2e3 * widest:.4g})"
-            )
+            yield (f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an "
+                f"opening of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm (at "
+                f"most {2e3 * widest:.4g})")
             continue
-        narrowest = NARROWEST[spall.body] * 2.0 * pi * own
+        narrowest, deepest = NARROWEST[spall.body] * 2.0 * pi * own, thickness(bearing, spall.body)
         if spall.width < narrowest:
-            yield (
-                f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
-                f"(at least {1e3 * narrowest:.3g})"
-            )
-        deepest = thickness(bearing, spall.body)
+            yield (f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
+                f"(at least {1e3 * narrowest:.3g})")
         if not exceeds(deepest, spall.depth):
             yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
         half = asin(opening / own)
         for k, other, other_half in edges:
             apart = abs((spall.angle - other.angle + pi) % (2.0 * pi) - pi)
             if (other.body, other.roller) == (spall.body, spall.roller) and apart < half + other_half:
-                yield (
-                    f"spall.{k} and {place} overlap: their middles are {degrees(apart):.3g} degrees apart on the same "
-                    f"surface, at least {degrees(half + other_half):.3g}; make one spall of them"
-                )
+                yield (f"spall.{k} and {place} overlap: their middles are {degrees(apart):.3g} degrees apart on the "
+                    f"same surface, at least {degrees(half + other_half):.3g}; make one spall of them")
         edges.append((i, spall, half))
 
 
@@ -238,19 +166,15 @@ def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iter
             continue
         over, place = slices_over(bearing, slices, spall), f"spall.{i}.length_mm = {table.length_mm:g}"
         if over.all() or not over.any():
-            yield (
-                f"{place} at z_mm = {table.z_mm:g} goes over {'all' if over.all() else 'no'} middles of axial.slices = "
-                f"{slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; "
-                + ("leave length_mm out" if over.all() else "use more slices, or a longer spall within the rollers")
-            )
+            yield (f"{place} at z_mm = {table.z_mm:g} goes over {'all' if over.all() else 'no'} middles of "
+                f"axial.slices = {slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; " + (
+                "leave length_mm out" if over.all() else "use more slices, or a longer spall within the rollers"))
             continue
         for raceway in ("inner_ring", "outer_ring") if table.body == "roller" else (table.body,):
             k, other = met.setdefault(raceway, (i, over))
             if not np.array_equal(over, other):
-                yield (
-                    f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than spall.{k}; "
-                    "give both the same length_mm and z_mm"
-                )
+                yield (f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than "
+                    f"spall.{k}; give both the same length_mm and z_mm")
 
 
 def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:
@@ -261,55 +185,43 @@ def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str
         before = seen.setdefault((table.body, table.roller), i)
         if before != i:
             yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
-        if table.content is None:
+        heights = table.read("file")
+        if heights is None:
             continue
-        heights = table.heights(table.content)
         angle, height = heights.angle, heights.height
         own, roller = own_radius(bearing, table), bearing.roller_radius
         highest, range_ = float(height.max()), float(np.ptp(height))
         if exceeds(highest, 2.0 * LARGEST_DEVIATION * roller):
             yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"
         if exceeds(range_, DEEPEST_PROFILE * roller):
-            yield (
-                f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
-                f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off"
-            )
+            yield (f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
+                f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off")
         steps = own * np.diff(np.append(angle, angle[0] + 2.0 * pi))
         rises = np.abs(np.diff(np.append(height, height[0])))
         if steps.max() > COARSEST_PROFILE * roller:
-            yield (
-                f"{place}: points {1e3 * steps.max():.3g} mm apart are too coarse (at most "
-                f"{1e3 * COARSEST_PROFILE * roller:.3g} for rollers of {2e3 * roller:g} mm)"
-            )
+            yield (f"{place}: points {1e3 * steps.max():.3g} mm apart are too coarse (at most "
+                f"{1e3 * COARSEST_PROFILE * roller:.3g} for rollers of {2e3 * roller:g} mm)")
         at = int((rises / steps).argmax())
         if rises[at] > STEEPEST_PROFILE * steps[at]:
-            yield (
-                f"{place}: after {degrees(angle[at]):.6g} degrees the height changes by {1e6 * rises[at]:.3g} µm on "
+            yield (f"{place}: after {degrees(angle[at]):.6g} degrees the height changes by {1e6 * rises[at]:.3g} µm on "
                 f"{1e6 * steps[at]:.3g} µm, too steep (at most {STEEPEST_PROFILE:g} times it); give points nearer to "
-                "each other"
-            )
+                "each other")
 
 
 def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[UnequalRollerTable]) -> Iterator[str]:
     """Waves too high or too short for contacts in one place, and rollers too large."""
     largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
     for i, table in enumerate(waves):
-        wave = table.fault()
+        wave, place = table.fault(), f"waviness.{i}.amplitude_um = {table.amplitude_um:g}"
         if exceeds(wave.amplitude, largest):
-            yield f"waviness.{i}.amplitude_um = {table.amplitude_um:g} is too high (at most {1e6 * largest:.4g})"
-        if wave.body == "inner_ring":
-            curvature = 1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius
-        else:
-            curvature = 1.0 / bearing.roller_radius - 1.0 / bearing.outer_raceway_radius
+            yield f"{place} is too high (at most {1e6 * largest:.4g})"
+        inside, outside = 1.0 / bearing.inner_raceway_radius, -1.0 / bearing.outer_raceway_radius
+        curvature = 1.0 / bearing.roller_radius + (inside if wave.body == "inner_ring" else outside)
         highest = STEEPEST_WAVE * curvature * (own_radius(bearing, wave) / wave.order) ** 2
         if wave.amplitude > highest:
-            yield (
-                f"waviness.{i}.amplitude_um = {table.amplitude_um:g} of order = {wave.order}: its valleys are too "
-                f"narrow for the rollers to follow (at most {1e6 * highest:.3g} at this order)"
-            )
+            yield (f"{place} of order = {wave.order}: its valleys are too narrow for the rollers to follow (at most "
+                f"{1e6 * highest:.3g} at this order)")
     for i, other in enumerate(unequal):
-        if exceeds(abs(UM * other.diameter_deviation_um), largest):
-            yield (
-                f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large "
-                f"(at most {1e6 * largest:.4g} either way)"
-            )
+        if exceeds(abs(other.fault().diameter_deviation), largest):
+            yield (f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large (at most "
+                f"{1e6 * largest:.4g} either way)")

@@ -1,0 +1,266 @@
+"""What tables of a scene can't be together, with the bearing that they describe, or in a model.
+
+What models and contact models take is one table, feature by kind of scene, from which the refusals follow: a new
+feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
+"""
+
+from collections.abc import Iterator
+from math import pi
+from typing import TYPE_CHECKING
+
+from lagrange.bearing import room_between_rollers
+from lagrange.contact.laws import OWN, law_names
+from lagrange.limits import exceeds
+from lagrange.scene import surfaces
+from lagrange.scene.bearing import (
+    LARGEST_CLEARANCE,
+    LARGEST_PRELOAD,
+    MM,
+    ROUNDED,
+    axial_faults,
+    fit_faults,
+    interference_faults,
+)
+from lagrange.scene.run import FIRST_SPEEDS
+from lagrange.section import stiffness_factor
+
+if TYPE_CHECKING:
+    from lagrange.scene.scene import Scene
+
+FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
+FINEST_OTHERWISE = 400.0
+LARGEST_FIT = 2e-3  # of the outside diameter: strains of a press fit, and slopes of a ring in play, are about as large
+
+
+def _law(scene: "Scene") -> Iterator[str]:
+    known = law_names(scene.perfect_bearing())
+    if scene.lagrange.law not in (*known, OWN):
+        yield (f"lagrange.law = {scene.lagrange.law!r}: unknown for bearing.type = {scene.bearing.type!r}; known are "
+            f"{', '.join(known)}")
+
+
+def _mass(scene: "Scene") -> Iterator[str]:
+    bearing, given = scene.perfect_bearing(), scene.operation.inner_ring_and_shaft_kg
+    ring = bearing.inner_ring_mass * stiffness_factor(bearing)  # as much as the section's is of the section's hub
+    if given <= ring:
+        name = "operation.inner_ring_and_shaft_kg"
+        yield f"{name} = {given} must exceed the mass of the elastic inner ring, {ring:.4g} kg"
+
+
+def _mesh(scene: "Scene") -> Iterator[str]:
+    if scene.bearing.type == "ball":
+        return
+    size, roller, model = scene.numerics.mesh_size_mm, scene.bearing.roller_diameter_mm, scene.contact.model
+    coarsest, finest = pi * roller / 10.0, roller / FINEST.get(model, FINEST_OTHERWISE)
+    if size > coarsest:
+        yield f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})"
+    if exceeds(finest, size):
+        made = f"contact.model = '{model}' is made for (at least {finest:.3g})"
+        yield f"numerics.mesh_size_mm = {size} is finer than {made}"
+
+
+def _fields(scene: "Scene") -> Iterator[str]:
+    every, sampled = scene.output.fields_every_ms, scene.numerics.output_interval_us
+    if every > 0.0 and exceeds(1e-3 * sampled, every):
+        yield (f"output.fields_every_ms = {every} must not be below numerics.output_interval_us = {sampled} "
+            f"({1e-3 * sampled:g} ms); 0 stores none")
+
+
+def _bore(scene: "Scene") -> Iterator[str]:
+    bore, given, diameter = scene.mounting().bore, bore_given(scene), scene.bearing.outside_diameter_mm
+    most = 1e3 * LARGEST_FIT * diameter  # µm
+    if bore is not None and exceeds(abs(bore.clearance), 1e-6 * most):
+        yield (f"{given}: more than {LARGEST_FIT:g} of the outer ring's outside diameter, {diameter:g} mm; between "
+            f"{-most:g} and {most:g}")
+
+
+def _fit(scene: "Scene") -> Iterator[str]:
+    if scene.fit is None:
+        return
+    faults = list(fit_faults(scene.bearing, scene.fit))
+    yield from faults
+    found, roller = None if faults else scene.clearance_without_films(), scene.bearing.roller_diameter_mm
+    if found is None:
+        return
+    yield from interference_faults(scene.bearing, found)
+    total, least, most = round(1e3 * found.total, ROUNDED), -LARGEST_PRELOAD * roller, LARGEST_CLEARANCE * roller
+    parts = ", ".join(f"{name} {value} µm" for name, value, _ in found.rows())
+    if exceeds(least, total):
+        yield (f"fit: more preload than the model bears (at least {1e3 * least:.4g} µm); less interference, or more "
+            f"clearance: {parts}")
+    elif exceeds(total, most):
+        yield f"fit: too large a clearance (at most {1e3 * most:.4g} µm); check temperatures and clearance: {parts}"
+
+
+def _cage(scene: "Scene") -> Iterator[str]:
+    if scene.cage is None:
+        return
+    if scene.cage.guidance == "outer_ring":
+        guided = 'cage.guidance = "outer_ring": not with '
+        if scene.mounting().bore is not None:
+            yield f"{guided}{bore_given(scene)}, in which that ring moves; choose another guidance"
+        if turning := scene.operation.turns_outer_ring:
+            yield f"{guided}operation.{turning}, of a guide that turns; choose another guidance"
+    room, given = room_between_rollers(scene.perfect_bearing()), scene.cage.pocket_clearance_mm
+    if given is not None and not exceeds(room, MM * given):
+        yield (f"cage.pocket_clearance_mm = {given:g}: neighbouring rollers are {1e3 * room:.4g} mm apart, and a bar "
+            "of the cage has to stand between them; reduce it, or use fewer rollers")
+
+
+def _courses(scene: "Scene") -> Iterator[str]:
+    yield from scene.operation.duration_faults(scene.numerics.duration_ms)
+    for name in FIRST_SPEEDS if scene.lubricant is not None else ():
+        if (table := getattr(scene.operation, name)) is not None:
+            yield (f'[lubricant]: only at a steady speed, not with operation.{name} = "{table}": its film is as thick '
+                'as ' "at one speed; leave one of them out")
+
+
+def _rollers_with_faults(scene: "Scene") -> Iterator[str]:
+    tables = {name: getattr(scene, name) for name in surfaces.SURFACES}
+    yield from surfaces.roller_faults(scene.bearing.rollers, tables)
+
+
+def _spalls(scene: "Scene") -> Iterator[str]:
+    if scene.spall:
+        yield from surfaces.spall_faults(scene.perfect_bearing(), scene.spall)
+
+
+def _sizes(scene: "Scene") -> Iterator[str]:
+    if scene.waviness or scene.unequal_roller:
+        yield from surfaces.size_faults(scene.perfect_bearing(), scene.waviness, scene.unequal_roller)
+
+
+def _profiles(scene: "Scene") -> Iterator[str]:
+    if scene.profile:
+        yield from surfaces.profile_faults(scene.perfect_bearing(), scene.profile)
+
+
+def _axial(scene: "Scene") -> Iterator[str]:
+    if scene.axial is not None:
+        yield from axial_faults(scene.perfect_bearing(), scene.axial)
+        yield from surfaces.part_faults(scene.perfect_bearing(), scene.axial.slices, scene.spall)
+    elif tilt := scene.operation.misalignment_mrad:
+        yield f"operation.misalignment_mrad = {tilt:g}: needs an [axial] table (an empty one is enough)"
+
+
+def bore_given(scene: "Scene") -> str | None:
+    """A ring's fit as the scene writes it."""
+    bore = scene.mounting().bore
+    return None if bore is None else f"support.fit_clearance_um = {1e6 * bore.clearance:g}"
+
+
+def _surface(scene: "Scene") -> str | None:
+    """The first deviation of a surface from its circle, films included."""
+    named = (f"[[{name}]]" for name in surfaces.SURFACES if getattr(scene, name))
+    return next(named, "[lubricant]" if scene.lubricant else None)
+
+
+def _of_rollers(scene: "Scene") -> str | None:
+    """A roller's surface, but for its size."""
+    found = (f'{name}.{i}.body = "roller"' for name in surfaces.SURFACES for i, table in enumerate(getattr(scene, name))
+             if getattr(table, "body", None) == "roller")  # fmt: skip
+    return next(found, None)
+
+
+def _part_of_length(scene: "Scene") -> str | None:
+    found = (f"spall.{i}.length_mm = {s.length_mm:g}" for i, s in enumerate(scene.spall) if s.length_mm is not None)
+    return next(found, None)
+
+
+# how a scene writes what it has; nothing where it lacks it
+GIVEN = {"fields": lambda s: (t := s.output.fields_every_ms) > 0.0 and f"output.fields_every_ms = {t}",
+    "rigid body": lambda s: s.bodies.rigid and f'bodies.{s.bodies.rigid[0]} = "rigid"',
+    "points": lambda s: s.mounting().points and 'support.kind = "points"', "shaft": lambda s: s.mounting().shaft and
+    'operation.shaft = "springs"', "sensor": lambda s: s.sensor and "[sensor]", "bore": bore_given,
+    "bodies' damping": lambda s: (rate := s.damping.bodies_1_s) > 0.0 and f"damping.bodies_1_s = {rate:g}",
+    "contacts' damping": lambda s: s.damping.contacts.acts and "[damping] of contacts",
+    "load history": lambda s: (name := s.operation.changes) and f"operation.{name}",
+    "fit in the housing": lambda s: s.fit and s.fit.of_housing, "fit": lambda s: s.fit and "[fit]",
+    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0 and "bearing.bore_diameter_mm = 0", "surfaces": _surface,
+    "part of the length": _part_of_length, "lubricant": lambda s: s.lubricant and "[lubricant]",
+    "rollers' surfaces": _of_rollers, "unequal rollers": lambda s: s.unequal_roller and "[[unequal_roller]]",
+    "contact angle": lambda s: (a := s.bearing.contact_angle_deg) > 0.0 and f"bearing.contact_angle_deg = {a:g}",
+    "axial": lambda s: s.axial and "[axial]", "rows": lambda s: s.bearing.rows > 1 and
+    f"bearing.rows = {s.bearing.rows}", "outer ring's speed": lambda s: (name := s.operation.turns_outer_ring) and
+    f"operation.{name}"}
+# what scenes are, by what keeps them from a feature
+KINDS = {"no mesh": lambda s: s.model != "fem", "other contacts": lambda s: s.contact.model != "subgrid",
+    "other contacts on meshes": lambda s: s.model == "fem" and s.contact.model != "subgrid",
+    "rigid outer ring": lambda s: s.bodies.outer_ring == "rigid",
+    "outer ring moves": lambda s: s.mounting().bore is not None or s.mounting().points is not None,
+    "balls": lambda s: s.bearing.type == "ball", "contact angle": lambda s: s.bearing.contact_angle_deg > 0.0,
+    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0, "missing rollers": lambda s: s.bearing.missing_rollers,
+    "axial": lambda s: s.axial is not None, "no axial": lambda s: s.axial is None,
+    "axial on meshes": lambda s: s.axial is not None and s.model == "fem", "fitted": lambda s: s.fit is not None,
+    "no housing": lambda s: s.mounting().housing is None,
+    "mounted": lambda s: s.support is not None and s.support.kind != "held"}
+EITHER = "; leave one of them out"
+SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
+COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
+FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
+AXIAL_MESH = '{given}: not together with [axial] on meshes; use model = "reduced", or leave one of them out'
+RADIAL = f"{{given}}: only for rings whose contacts are radial, not with bearing.contact_angle_deg{EITHER}"
+REFUSED = (
+    ("fields", "no mesh", "{given}: model = '{model}' has no mesh and no fields; leave it out or 0"),
+    ("rigid body", "other contacts", f"{SUBGRID}, whose points of pressure sit on meshes"),
+    ("points", "no mesh", f'{FEM} does not bend as a whole; use kind = "housing", or leave one of them out'),
+    ("points", "rigid outer ring", f"{{given}}: a rigid outer ring is held as well by any{EITHER}"),
+    ("points", "other contacts", f"{SUBGRID}{EITHER}"),
+    ("shaft", "other contacts on meshes", COMPARES),
+    ("sensor", "no housing",
+     '{given}: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'),
+    ("bore", "no mesh", f"{FEM} is held without play; leave it out"),
+    ("bore", "rigid outer ring", f'{{given}}: only for an elastic outer ring, bodies.outer_ring is "rigid"{EITHER}'),
+    ("bore", "other contacts", f"{SUBGRID}{EITHER}"),
+    ("bodies' damping", "no mesh",
+     "{given}: only for bodies with meshes, which model = '{model}' has none of; leave it out, or use model = 'fem'"),
+    ("contacts' damping", "other contacts on meshes",
+     f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
+    ("fit in the housing", "outer ring moves",
+     f"{{given}}: not with the [support] of an outer ring that its housing does not hold all around{EITHER}"),
+    ("load history", "other contacts on meshes", COMPARES),
+    ("lubricant", "balls", '{given}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
+    ("rollers' surfaces", "contact angle",
+     "{given}: a section's rollers turn faster than those of a bearing with contact_angle_deg; leave one of them out"),
+    ("points", "contact angle", RADIAL),
+    ("bore", "contact angle", RADIAL),
+    ("fit", "contact angle", RADIAL),
+    ("rollers' surfaces", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
+    ("unequal rollers", "missing rollers", f"{{given}}: not together with bearing.missing_rollers{EITHER}"),
+    ("fit", "solid shaft", f"{{given}}: of a ring on a shaft; bearing.bore_diameter_mm = 0 is a solid one{EITHER}"),
+    ("solid shaft", "other contacts on meshes", f"{SUBGRID}, whose ring is held at its bore{EITHER}"),
+    ("contact angle", "other contacts on meshes", f"{SUBGRID}, whose circles are as curved as bodies{EITHER}"),
+    ("axial", "other contacts on meshes", f"{SUBGRID}, whose law is that of slices{EITHER}"),
+    ("rigid body", "axial on meshes",
+     f"{{given}}: not together with [axial], whose slices are those of elastic bodies{EITHER}"),
+    ("part of the length", "no axial",
+     "{given}: needs an [axial] table (an empty one is enough); or leave length_mm out"),
+    ("rows", "axial", f"{{given}}: not together with [axial], whose slope loads rows unequally{EITHER}"),
+    ("contacts' damping", "axial on meshes", AXIAL_MESH),
+    ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
+    ("axial", "contact angle",
+     "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
+    ("outer ring's speed", "mounted", '{given}: only with support.kind = "held", not with "{support}": whatever '
+        'turns with the outer ring holds it ' f"all around{EITHER}"),
+    ("outer ring's speed", "fitted",
+     f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
+    ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
+)  # fmt: skip
+
+
+def refusals(scene: "Scene") -> Iterator[str]:
+    """A sentence for every feature that this kind of scene can't have."""
+    words = {
+        "model": scene.model, "contact": scene.contact.model,
+        "support": "held" if scene.support is None else scene.support.kind,
+    }  # fmt: skip
+    found = {feature: written(scene) for feature, written in GIVEN.items()}
+    for feature, kind, sentence in REFUSED:
+        if found[feature] and KINDS[kind](scene):
+            yield sentence.format(given=found[feature], **words)
+
+
+COMBINATIONS = (
+    _law, _mass, _mesh, refusals, _fields, _bore, _fit, _cage, _courses, _rollers_with_faults, _spalls, _sizes,
+    _profiles, _axial,
+)  # fmt: skip

@@ -30,8 +30,8 @@ from lagrange.files.output import remove_left
 from lagrange.kinematics import kinematics, mean_kinematics
 from lagrange.messages import engineering, said_if_long, say, shown, telling
 from lagrange.mounting import from_outer_ring
-from lagrange.scene.cage import default_cage
-from lagrange.scene.operation import RPM
+from lagrange.scene.bearing import default_cage
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import is_plain, section_words
 

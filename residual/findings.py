@@ -18,7 +18,7 @@ from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torqu
 from lagrange.rating.life import Dimensions, basic_life, dynamic_capacity, in_hours, static_capacity
 from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Unavailable
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.section import is_plain, load_factor, section_words
 from lagrange.surface.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.budget import tilt_summary

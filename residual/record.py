@@ -13,7 +13,7 @@ import numpy as np
 from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import Overlaps, approaches, farthest_place
-from lagrange.scene.columns import per_roller
+from lagrange.scene.run import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
 from residual.errors import InputError

@@ -14,7 +14,7 @@ from lagrange.files.tables import LARGEST_TEXT, TextTable, decoded
 from lagrange.kinematics import roller_angles, turned
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
-from lagrange.scene.columns import Columns, per_roller
+from lagrange.scene.run import Columns, per_roller
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 from lagrange.statics import held_hub
 from residual.errors import InputError

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from typing import get_args
 
 import numpy as np
@@ -65,6 +66,29 @@ def test_keys_are_told_with_unit_and_limits():
     assert keys["support.damping_N_s_m"].unit == "N s/m"
     assert keys["numerics.start"].limits == '"equilibrium", "rest"'
     assert keys["spall.width_mm"].default == 1.0 and keys["profile.file"].default is None
+
+
+def beyond(key) -> list:
+    """Values just outside of a key's limits, or of another kind than its choices, and a table."""
+    if key.limits.startswith('"'):
+        return ["other", {"a": "table"}]
+    whole = isinstance(key.default, int)
+    found = []
+    for word, text in re.findall(r"(from|above|to|below) (-?\d[\d .e+-]*)", key.limits):
+        bound, way = float(text.replace(" ", "")), {"from": -1, "above": 0, "to": 1, "below": 0}[word]
+        found.append(int(bound) + way if whole else bound + 1e-3 * way * max(abs(bound), 1e-3))
+    return [*found, {"a": "table"}]
+
+
+def test_no_key_takes_a_value_beyond_its_limits_or_of_another_kind():
+    for table in key_tables():
+        for key in table.keys:
+            place = ".".join([table.name, *(["0"] if table.many else []), key.name]).lstrip(".")
+            for value in beyond(key) if key.name not in ("clearance_um", "pitch_diameter_mm") else ():  # of a raceway
+                given = {key.name: value}
+                for part in reversed(table.name.split(".") if table.name else ()):
+                    given = {part: [given] if table.many else given}
+                assert_refused(given, f"scene.toml: {place} = ", ": must be ")
 
 
 def test_the_fault_example_has_three_kinds_of_faults(here):

@@ -168,7 +168,7 @@ def test_loads_may_be_in_other_units(tmp_path, header, factors):
     rows = [[0.0, 0.0, -2000.0], [2.0, 500.0, -1500.0], [10.0, -300.0, -2000.0]]
     scale = (factors[0], factors[1], factors[1])
     text = "\n".join([header, *(between.join(f"{v * f:.9g}" for v, f in zip(row, scale, strict=True)) for row in rows)])
-    own = scene_with(tmp_path, "numerics.duration_ms=8", loads=text).operation.points("load_table")
+    own = scene_with(tmp_path, "numerics.duration_ms=8", loads=text).operation.read("load_table")
     np.testing.assert_allclose(np.column_stack(own), rows, rtol=1e-12)
 
 

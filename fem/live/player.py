@@ -16,9 +16,8 @@ from lagrange.errors import RunFailed, UsageError
 from lagrange.kinematics import OUTER_RING, kinematics
 from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
-from lagrange.scene.files import content_of
-from lagrange.scene.operation import TABLES
-from lagrange.scene.scene import Scene, parse_scene
+from lagrange.scene.run import IN_PLACE_OF
+from lagrange.scene.scene import Scene, content_of, parse_scene
 from lagrange.scene.surfaces import FROM_LOAD, own_radius
 from lagrange.surface.faults import Spall
 
@@ -249,7 +248,7 @@ class Player:
         ------
         UsageError: the model can't take the scene. RunFailed: it has no start.
         """
-        for key in TABLES:
+        for key in IN_PLACE_OF:
             if (name := getattr(scene.operation, key)) is not None:
                 raise UsageError(
                     f'operation.{key} = "{name}": run-live has sliders for speed and load; leave the table out, or use '

@@ -49,7 +49,7 @@ from fem.solver.frames import rotated
 from lagrange.files.output import replaced
 from lagrange.load_history import load_share
 from lagrange.messages import shown
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.section import load_factor
 from lagrange.surface.faults import own_radius
 from lagrange.surface.passages import spalls

@@ -17,7 +17,7 @@ from lagrange.rating.life import (
     speed_warning,
 )
 from lagrange.rating.sources import Source, Unavailable
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues

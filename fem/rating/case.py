@@ -43,7 +43,7 @@ from lagrange.rating.reference_life import (
 )
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, in_series, lagrangian_pitch
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 from lagrange.section import load_factor, stiffness_factor
 from lagrange.surface.film import film_thicknesses, under_films

@@ -12,7 +12,7 @@ from lagrange.kinematics import kinematics_met, roller_angles
 from lagrange.limits import exceeds
 from lagrange.rating.life import Basic, speed_warning
 from lagrange.rating.sources import Unavailable
-from lagrange.scene.operation import RPM
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 from lagrange.step_size import wave_interval
 from lagrange.surface.faults import Spall

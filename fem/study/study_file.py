@@ -12,13 +12,13 @@ from sys import float_info
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from fem.interface import OF_CHECK
 from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
 from lagrange.errors import UsageError
 from lagrange.files.input import plain_text
-from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable, quoted
+from lagrange.scene.faults import Table, likely_of, printable, quoted
 from lagrange.scene.files import load
 from lagrange.scene.scene import Scene, SceneError, read_scene
 
@@ -48,9 +48,6 @@ class SamplingTable(Table):
         """Whether points are drawn from distributions."""
         return self.method in ("lhs", "sobol")
 
-    def checks(self) -> tuple[Check, ...]:
-        return (self._faults,)
-
     def _faults(self) -> Iterator[str]:
         method, samples = self.method, self.samples
         if self.is_drawn and samples is None:
@@ -65,14 +62,13 @@ class SamplingTable(Table):
         if (method == "list") != (self.file is not None):
             yield 'file: a CSV table of points goes with method = "list", and with no other'
 
+    RULES = (_faults,)
+
 
 class KeepTable(Table):
     quantities: list[str] = Field(list(USUAL), max_length=MOST_NAMES)
     signals: list[str] = Field([], max_length=MOST_NAMES)
     signal_rate_kHz: float | None = Field(None, ge=1e-6, le=1e6)
-
-    def checks(self) -> tuple[Check, ...]:
-        return (self._faults,)
 
     def _faults(self) -> Iterator[str]:
         for name in self.quantities:
@@ -90,6 +86,8 @@ class KeepTable(Table):
         """One of so many samples, an interval apart, s, is kept: at the rate wanted, or at the next higher one."""
         rate = self.signal_rate_kHz
         return 1 if rate is None else max(1, int(1.0 / (1e3 * rate * interval) + 1e-9))
+
+    RULES = (_faults,)
 
 
 class LimitsTable(Table):
@@ -245,11 +243,7 @@ def _text(path: Path) -> str:
 
 
 def _validated(path: Path, text: str) -> StudyTable:
-    data = load(text, str(path))
-    try:
-        return StudyTable.model_validate(data)
-    except ValidationError as error:
-        raise UsageError("\n".join(f"{path}: {fault}" for fault in all_faults(error, StudyTable, data))) from None
+    return StudyTable.parsed(load(text, str(path)), str(path))
 
 
 @contextmanager

@@ -4,6 +4,7 @@ The default cage is a calibration: rollers orbit within −0.1 to +0.25 % of rol
 act, which the model has not. Its plays are not those of a maker's drawing.
 """
 
+# fmt: off  # a key, or a rule, goes on below where it is long
 from collections.abc import Iterator
 from functools import lru_cache
 from math import asin, cos, inf, pi, radians, sin

@@ -4,6 +4,7 @@ What models and contact models take is one table, feature by kind of scene, from
 feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
 """
 
+# fmt: off  # a key, or a rule, goes on below where it is long
 from collections.abc import Iterator
 from math import pi
 from typing import TYPE_CHECKING

@@ -113,7 +113,7 @@ class Table(BaseModel):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # as BaseModel's: tables inside need no call
 
     @classmethod
-    def of(cls, data: dict[str, Any], name: str) -> Self:
+    def parsed(cls, data: dict[str, Any], name: str) -> Self:
         """A table from its keys, nested tables from dictionaries; SceneError: all faults, each after a name."""
         table = cls.__new__(cls)
         table._fill(data, name)

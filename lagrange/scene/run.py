@@ -16,6 +16,7 @@ first_roller = 1               # number of the first roller in the names; defaul
 decimal = ","                  # default "."
 """
 
+# fmt: off  # a key, or a rule, goes on below where it is long
 import re
 from collections.abc import Iterator
 from functools import lru_cache
@@ -210,7 +211,8 @@ def _ideal(o: OperationTable) -> Operation:
 @lru_cache(maxsize=16)
 def _first_speed(text: str, decimal: str, shape: Curve) -> float:
     """Speed of a table at t = 0, rpm. ValueError."""
-    return float(joined(*SPEEDS.read(text, decimal), shape)(0.0)[0])
+    time, values = SPEEDS.read(text, decimal)
+    return float(joined(time, values, shape)(0.0)[0])
 
 
 OF_KINDS: dict[str, dict[str, Any]] = {  # keys that each kind needs, with their defaults
@@ -479,7 +481,9 @@ class OutputTable(Table):
         100_000_000)
 
 
-Length, Acceleration, Force = (Annotated[str, Units(units)] for units in (LENGTHS, ACCELERATIONS, FORCES))
+Length = Annotated[str, Units(LENGTHS)]
+Acceleration = Annotated[str, Units(ACCELERATIONS)]
+Force = Annotated[str, Units(FORCES)]
 
 
 class Columns(Table):

@@ -3,6 +3,7 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
+# fmt: off  # a key, or a rule, goes on below where it is long
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from copy import deepcopy
@@ -164,9 +165,8 @@ class Scene(Table):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
         if isinstance(operation, dict):
             if standard is not None:
-                data, mass = {"name": standard[0]} | data, inner_ring_and_shaft(standard[0])
-            else:
-                mass = heavy_inner_ring_and_shaft(bearing)
+                data = {"name": standard[0]} | data
+            mass = heavy_inner_ring_and_shaft(bearing) if standard is None else inner_ring_and_shaft(standard[0])
             if mass is not None:
                 data = data | {"operation": {"inner_ring_and_shaft_kg": mass} | operation}
         return data
@@ -501,4 +501,4 @@ def _refused(name: str) -> Iterator[None]:
 
 def parse_scene(data: dict[str, Any], name: str) -> Scene:
     """A scene from nested tables. SceneError: all that is wrong with them."""
-    return Scene.of(data, name)
+    return Scene.parsed(data, name)

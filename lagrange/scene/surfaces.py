@@ -3,6 +3,7 @@
 Any number of each; spalls, waves, deviations and a measured profile of one surface add up, but spalls must not overlap.
 """
 
+# fmt: off  # a key, or a rule, goes on below where it is long
 from collections.abc import Iterator
 from math import asin, degrees, pi, radians
 from typing import ClassVar, Literal
@@ -12,7 +13,7 @@ import numpy as np
 from lagrange.axial.facts import slices_over
 from lagrange.bearing import Bearing
 from lagrange.limits import exceeds
-from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Table, key, only
+from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Rule, Table, key, only
 from lagrange.surface.faults import (
     MeasuredSurface,
     Spall,
@@ -41,7 +42,7 @@ class SurfaceTable(Table):
     body: Body = key("outer_ring", "body with this surface")
     roller: int | None = key(None, 'number of the roller, counted from 0, if body = "roller"', 0)
 
-    RULES = (
+    RULES: ClassVar[tuple[Rule, ...]] = (
         (lambda t: t.body == "roller" and t.roller is None, 'body = "roller" needs the number of the roller, e.g. '
             'roller = 0 for the first'),
         only("roller", lambda t: t.body == "roller", 'only with body = "roller", not with "{t.body}"; leave it out'),
@@ -64,8 +65,10 @@ class SpallTable(SurfaceTable):
         most=1000.0, gt=0.0)
     z_mm: float = key(0.0, "offset of its middle along the rollers, with length_mm", -1000.0, 1000.0)
 
-    RULES = (*SurfaceTable.RULES, only("z_mm", lambda t: t.length_mm is not None, "only with length_mm, of spalls of "
-        "part of the rollers' length"))
+    RULES: ClassVar[tuple[Rule, ...]] = (
+        *SurfaceTable.RULES,
+        only("z_mm", lambda t: t.length_mm is not None, "only with length_mm, of spalls of part of the rollers' length")
+    )
 
     def fault(self) -> Spall:
         si, along = self.si(), None

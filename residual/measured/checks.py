@@ -20,7 +20,7 @@ import numpy as np
 from lagrange.catalogue import instead, listed
 from lagrange.messages import said_if_long, say
 from lagrange.scene.keys import key_tables
-from lagrange.scene.operation import FIRST_SPEEDS
+from lagrange.scene.run import FIRST_SPEEDS
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured import diagnosis as judging

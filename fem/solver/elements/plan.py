@@ -40,8 +40,7 @@ from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces
 from lagrange import Bearing, Operation
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import kinematics_met
-from lagrange.scene.scene import Scene
-from lagrange.scene.tables import MODEL_NAMES
+from lagrange.scene.scene import MODEL_NAMES, Scene
 from meshes import Mesh, quality
 
 

@@ -26,8 +26,7 @@ from lagrange.kinematics import fastest_kinematics, kinematics
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
 from lagrange.mounting import HELD
 from lagrange.samples import sampled
-from lagrange.scene.scene import Scene
-from lagrange.scene.tables import MODEL_NAMES
+from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import critical_time_step, fastest_mode, longest_step
 from lagrange.surface.deviation import Turns
 

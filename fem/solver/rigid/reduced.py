@@ -44,8 +44,7 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.kinematics import fastest_kinematics, kinematics, kinematics_met
-from lagrange.scene.scene import Scene
-from lagrange.scene.tables import MODEL_NAMES
+from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import fastest_in_machine
 
 LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned

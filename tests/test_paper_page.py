@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from lagrange.scene.scene import read_scene
-from tests.paper import supports
+from tests.paper import variants
 from tests.paper.page import harris_force, rattle, sinking_frequency, span, text
 from tests.paper.variants import SUPPORTED, VARIANTS, strongest
 
 
 def test_few_supports_let_the_hub_down(monkeypatch):
     """All around: 3.6140 and 3.6012 µm, an independent static solution on refined quadratic meshes."""
-    monkeypatch.setattr(supports, "POSITIONS", 2)
-    around = supports.held(65.0, "all around")
+    monkeypatch.setattr(variants, "POSITIONS", 2)
+    around = variants.held(65.0, "all around")
     assert around.y == pytest.approx((-3.6140, -3.6012), rel=1e-3) and around.loaded == (6, 7)
-    two = supports.held(65.0, "both sides")
+    two = variants.held(65.0, "both sides")
     assert two.y[1] < 2.0 * around.y[0] and two.widest > 5.0
 
 

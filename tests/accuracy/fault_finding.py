@@ -6,7 +6,9 @@ there, and a search that is changed can be tried again without solving; `--no-wr
 `sensor` judges seeded spalls by the record of a simulated sensor instead, in three minutes.
 """
 
+import tempfile
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,22 +18,119 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
+from fem.commands.run_fem import run_main
 from fem.interface import simulate
-from lagrange.scene.scene import parse_scene
+from lagrange.scene.scene import parse_scene, parse_scene_text
 from lagrange.surface.faults import Spall
 from residual.fault_finding import find_faults
 from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
 from residual.measured.signals import Signal
 from residual.record import Record
-from tests.accuracy.random_faults import BODIES, SHORTEST, TURNS, noisy, random_record
+from residual.sources import read_result
 from tests.measurements import markdown_table, publish
 
+KINDS = ("spalled", "perfect", "wavy", "two spalls")
+BODIES = ("outer_ring", "inner_ring", "roller")
+TURNS, SHORTEST = 2.5, 0.08  # of the cage; s
+NOISE = 10e-9  # m
+TRAJECTORIES = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn")
 RUNS = {"spalled": 70, "perfect": 10, "wavy": 20, "two spalls": 20}
 PARTS = {"one spall or none": ("spalled", "perfect", "wavy"), "two spalls": ("two spalls",)}
 ANGLE, WIDTH = 1.0, 0.1  # degrees; of the width
 SAME = np.radians(20.0)  # two spalls of one body lie farther apart
 
 app = App(help=__doc__)
+
+
+def random_settings(rng: np.random.Generator, kind: str) -> list[str]:
+    """One random scene: speeds and loads by their logarithm."""
+    speed = _between(rng, 1000.0, 9000.0)
+    cage = speed / 60.0 * 18.0 / 46.0
+    chosen = {
+        "numerics.mesh_size_mm": 2.0, "numerics.output_interval_us": 10.0,
+        "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / cage), "operation.speed_rpm": speed,
+        "operation.radial_load_N": _between(rng, 300.0, 4000.0),
+        "operation.first_roller_deg": rng.uniform(0.0, 360.0 / 13.0),
+        "bearing.outer_raceway_diameter_mm": 56.0 + rng.uniform(0.0, 0.03),
+    }  # fmt: skip
+    if kind == "spalled":
+        chosen |= _spall(rng, "spall.0", rng.choice(BODIES))
+    if kind == "two spalls":
+        chosen |= _two_spalls(rng)
+    if kind == "wavy":
+        for k in range(rng.integers(1, 3)):
+            body = rng.choice(BODIES)
+            chosen |= _on(rng, f"waviness.{k}", body) | {
+                f"waviness.{k}.order": int(_between(rng, 2.0, 12.0 if body == "roller" else 40.0)),
+                f"waviness.{k}.amplitude_um": _between(rng, 0.05, 1.0),
+                f"waviness.{k}.phase_deg": rng.uniform(0.0, 360.0),
+            }
+        if rng.random() < 0.5:
+            chosen |= {
+                "unequal_roller.0.roller": int(rng.integers(13)),
+                "unequal_roller.0.diameter_deviation_um": rng.uniform(-2.0, 2.0),
+            }
+    return [f"{key}={value:.6g}" if isinstance(value, float) else f"{key}={value}" for key, value in chosen.items()]
+
+
+def _between(rng: np.random.Generator, low: float, high: float) -> float:
+    """Evenly over the decades."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _spall(rng: np.random.Generator, table: str, body: str) -> dict:
+    return _on(rng, table, body) | {
+        f"{table}.angle_deg": rng.uniform(-180.0, 180.0), f"{table}.width_mm": _between(rng, 0.3, 3.0),
+        f"{table}.depth_um": _between(rng, 30.0, 200.0), f"{table}.edge_radius_mm": rng.uniform(0.02, 0.2),
+    }  # fmt: skip
+
+
+def _two_spalls(rng: np.random.Generator) -> dict:
+    """On any two bodies, or 90° to 270° apart on one."""
+    first, second = (_spall(rng, f"spall.{k}", rng.choice(BODIES)) for k in (0, 1))
+    bodies = [(each[f"spall.{k}.body"], each.get(f"spall.{k}.roller")) for k, each in enumerate((first, second))]
+    if bodies[0] == bodies[1]:
+        apart = first["spall.0.angle_deg"] + rng.uniform(90.0, 270.0)
+        second["spall.1.angle_deg"] = (apart + 180.0) % 360.0 - 180.0
+    return first | second
+
+
+def _on(rng: np.random.Generator, table: str, body: str) -> dict:
+    """The body of a fault, and which roller."""
+    return {f"{table}.body": body} | ({f"{table}.roller": int(rng.integers(13))} if body == "roller" else {})
+
+
+def random_record(seed: int, kind: str, number: int, folder: Path | None) -> Record:
+    """Trajectories of one run: from the folder where they lie there, else solved, and kept there."""
+    path = None if folder is None else folder / f"{seed}-{kind.replace(' ', '-')}-{number}.npz"
+    if path is not None and path.exists():
+        with np.load(path) as kept:
+            scene = parse_scene_text(str(kept["scene"]), str(path))
+            return Record(name=path.stem, source=path, scene=scene, **{name: kept[name] for name in TRAJECTORIES})
+    rng = np.random.default_rng((seed, KINDS.index(kind), number))
+    options = [word for each in random_settings(rng, kind) for word in ("--set", each)]
+    with tempfile.TemporaryDirectory() as scratch:
+        result = Path(scratch) / "run.nc"
+        if run_main([*options, "--output", str(result), "--quiet"]) != 0:
+            raise RuntimeError(f"{kind} run {number} of seed {seed} failed")
+        record = read_result(result)
+    if path is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        partly = path.with_suffix(".part.npz")
+        np.savez(partly, scene=record.scene.to_toml(), **{name: getattr(record, name) for name in TRAJECTORIES})
+        partly.replace(path)
+    return record
+
+
+def noisy(record: Record, rng: np.random.Generator) -> Record:
+    """White noise on every sample of every trajectory; on turns as much along the roller's surface."""
+    shaken = {
+        name: getattr(record, name) + NOISE * rng.standard_normal(getattr(record, name).shape)
+        for name in ("inner_x", "inner_y", "roller_x", "roller_y")
+    }
+    turn = record.roller_turn
+    aside = NOISE / record.bearing.roller_radius * rng.standard_normal(turn.shape)
+    return replace(record, **shaken, roller_turn=turn + aside)
 
 
 class Told(NamedTuple):
@@ -191,20 +290,10 @@ def misses(clean: list[Case], shaken: list[Case]) -> str:
 
 @app.default
 def main(*, seed: int, keep: Path | None = None, write: bool = False, processes: int = 2, part: float = 1.0) -> None:
-    """Draw runs, search each once, and print the scores.
+    """Draw a part of the runs of each kind, search each once in so many processes, and print the scores.
 
-    Parameters
-    ----------
-    seed
-        of the draw; runs whose seed the search has not been tried on tell what it is worth
-    keep
-        folder for trajectories, which are solved only where they do not lie there
-    write
-        docs/measurements/fault_finding.md
-    processes
-        that run at once
-    part
-        of the runs of each kind
+    Runs whose seed the search has not been tried on tell what it is worth; `keep` is a folder for trajectories, which
+    are solved only where they do not lie there.
     """
     runs = {kind: max(1, round(part * count)) for kind, count in RUNS.items()}
     clean, shaken = campaign(seed, runs, keep, processes)
@@ -223,7 +312,7 @@ def main(*, seed: int, keep: Path | None = None, write: bool = False, processes:
 
 
 SEEDED = tuple(product((0.8, 1.5, 2.5), ("outer_ring", "inner_ring"), (1450.0, 2700.0), (0.5, 1.0)))
-NOISE, SAMPLING = 0.5, 10.0  # m/s², of a machine; µs
+MACHINE, SAMPLING = 0.5, 10.0  # m/s², its noise; µs
 
 
 def diagnosis_of_sensor(width: float, body: str, rpm: float, seconds: float) -> Diagnosis:
@@ -237,20 +326,14 @@ def diagnosis_of_sensor(width: float, body: str, rpm: float, seconds: float) -> 
     }  # fmt: skip
     scene = parse_scene(tables, "seeded")
     values = simulate(scene)["sensor_ay"]
-    values = values + np.random.default_rng(1).normal(0.0, NOISE, values.size)
+    values = values + np.random.default_rng(1).normal(0.0, MACHINE, values.size)
     signal = Signal(name="sensor", values=values, rate=1e6 / SAMPLING, unit="m/s²")
     return diagnose(signal, Geometry.of(scene.ideal_bearing()), rpm / 60.0)
 
 
 @app.command
 def sensor(*, write: bool = False) -> None:
-    """Judge 24 seeded spalls by the record of a sensor on the housing, as check-vibration does.
-
-    Parameters
-    ----------
-    write
-        docs/measurements/fault_finding.md
-    """
+    """Judge 24 seeded spalls by the record of a sensor on the housing, as check-vibration does."""
     rows, right, missed = [], 0, 0
     for width, body, rpm, seconds in SEEDED:
         found = diagnosis_of_sensor(width, body, rpm, seconds)

@@ -1,7 +1,6 @@
 """The paper's figures against ours: `python -m tests.paper` makes the tables and pictures, ten minutes; `--write`.
 
 variants   what could make the paper's numbers, each as a run; what is measured of it
-supports   the outer ring held at few points: statics
 figures    docs/paper.png, docs/paper-variants.png
 page       docs/paper.md
 """

@@ -6,8 +6,7 @@ from pathlib import Path
 from tests.measurements import DOCS
 from tests.paper.figures import draw_records, draw_variants
 from tests.paper.page import NEAREST, SIDEWAYS, publish_tables
-from tests.paper.supports import held_cases
-from tests.paper.variants import COARSE, SUPPORTED, VARIANTS, measure, record_of
+from tests.paper.variants import COARSE, OUTSIDE_MM, SUPPORTED, SUPPORTS, VARIANTS, held, measure, record_of
 
 if __name__ == "__main__":
     write = "--write" in sys.argv
@@ -24,4 +23,5 @@ if __name__ == "__main__":
     drawn = [runs[name] for name in ("ours", NEAREST, SIDEWAYS)]
     draw_records(DOCS / "paper.png", *drawn, (fine[NEAREST][0], fine[SIDEWAYS][0]))
     draw_variants(DOCS / "paper-variants.png", measured)
-    publish_tables(measured, held_cases(), pairs, supported, write=write)
+    cases = [held(outside, name) for outside in OUTSIDE_MM for name in SUPPORTS]
+    publish_tables(measured, cases, pairs, supported, write=write)

@@ -10,7 +10,7 @@ from residual.figures import STYLE
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 from residual.load_zone import chosen_roller
 from residual.spectrum import power_spectrum
-from tests.paper import read_off
+from tests.paper import variants as read_off
 from tests.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
 
 BAND_COLOUR = dict(color=ORANGE, alpha=0.35, linewidth=0)

@@ -8,9 +8,8 @@ from lagrange import contact_laws
 from lagrange.contact.hertz import delta_star
 from lagrange.scene.scene import read_scene
 from tests.measurements import markdown_table, publish
-from tests.paper import read_off
-from tests.paper.supports import HALF_SUPPORT, Held
-from tests.paper.variants import COARSE, Measured, Range, Variant
+from tests.paper import variants as read_off
+from tests.paper.variants import COARSE, HALF_SUPPORT, Held, Measured, Range, Variant
 
 COMMAND = "python -m tests.paper"
 NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours
@@ -81,26 +80,11 @@ def variant_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
     return [low, *rows]
 
 
-def settings_rows(variants: list[Variant]) -> list[list[str]]:
-    return [[v.title, " ".join(f"`--set {s}`" for s in v.settings) or "none"] for v in variants]
-
-
 def support_rows(cases: list[Held]) -> list[list[str]]:
     return [
         [f"{c.outside_mm:g}", c.supports, span(c.x), span(c.y), f"{c.loaded[0]}–{c.loaded[1]}", text(c.widest)]
         for c in cases
     ]
-
-
-def supported_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
-    """Runs in time of rings held at points."""
-    return [
-        [
-            v.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e3, digits=6), *(span(side) for side in m.fitted),
-            str(m.usual), text(m.frequency, 4), text(m.cage, 4),
-        ]
-        for v, m in measured
-    ]  # fmt: skip
 
 
 def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
@@ -115,10 +99,14 @@ def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
 
 
 def supported_table(measured: list[tuple[Variant, Measured]]) -> str:
-    """The table of those runs."""
+    """Runs in time of rings held at points."""
     heading = ["ring", "x, µm", "y, µm", "ρ, mm", "(22) fitted, N", "(23) fitted, N", "loaded, usually",
                "y moves at, Hz", "cage, Hz"]  # fmt: skip
-    return markdown_table(heading, supported_rows(measured))
+    return markdown_table(heading, [
+        [v.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e3, digits=6), *map(span, m.fitted), str(m.usual),
+         text(m.frequency, 4), text(m.cage, 4)]
+        for v, m in measured
+    ])  # fmt: skip
 
 
 def publish_tables(
@@ -134,7 +122,8 @@ def publish_tables(
         ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
         variant_rows(measured),
     )
-    settings = markdown_table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured]))
+    options = [[v.title, " ".join(f"`--set {s}`" for s in v.settings) or "none"] for v, _ in measured]
+    settings = markdown_table(["run", "options of run-fem"], options)
     supports = markdown_table(
         ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"], support_rows(cases)
     )

@@ -1,4 +1,4 @@
-"""What could make the paper's numbers, each as a run of its scene, and what is read off a run."""
+"""What could make the paper's numbers, each as a run of its scene; what is read off a run, and off the paper."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,16 +6,79 @@ from pathlib import Path
 import numpy as np
 
 from fem.commands.run_fem import run_main
+from fem.contacts.model import standing
+from fem.solver.elements.plan import model_of
+from fem.statics.contact_balance import Loads
+from fem.statics.equilibrium import equilibrium
+from lagrange.columns import ENERGIES
+from lagrange.scene.scene import read_scene
 from residual import Record, evaluate, read_result
 from residual.evaluation import Evaluation
 from residual.load_zone import chosen_roller
 from residual.spectrum import derivative
-from tests.paper.supports import settings_held
 
+# ranges read off the paper's figures 6 to 11, not data. Source: Rubio, García Prada, Castejón, Laniado (IFToMM 2007)
+INNER_X = -80e-6, 60e-6  # m, figure 6
+INNER_Y = -220e-6, -80e-6  # m
+ROLLER_RHO = 22.98e-3, 23.08e-3  # m, figure 7
+ROLLER_VELOCITY = -0.4, 0.4  # m/s
+ROLLER_ACCELERATION = -5e3, 5e3  # m/s²
+ERROR_FORCE = -3000.0, 3000.0  # N, figures 8 and 9, around 0 and around the load
+PEAK = 22.0  # Hz, figures 10 and 11
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
 SKIPPED = 1e-3  # s: left out of every range
 COARSE = 20  # samples: 0.2 ms, three hundred in the paper's record
 BAND = 300.0  # Hz, of figures 10 and 11
+# the outer ring held around few points of its outside only
+MESH = 1e-3  # m
+HALF_SUPPORT = 3e-3  # m, along the outside; much less would be a hinge
+POSITIONS = 4  # of the rollers over one pitch
+
+SUPPORTS = {  # degrees from the load
+    "all around": None, "top": (180.0,), "bottom": (0.0,), "both sides": (90.0, 270.0),
+    "top and 120° off": (180.0, 300.0, 60.0),
+}  # fmt: skip
+OUTSIDE_MM = (65.0, 62.0, 60.0)  # 4.5 mm behind the raceway, as in this project; 3 mm; 2 mm
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """Positions of the hub under 2000 N while the rollers pass over one pitch, µm."""
+
+    supports: str
+    outside_mm: float
+    x: tuple[float, float]
+    y: tuple[float, float]
+    loaded: tuple[int, int]
+    widest: float  # largest displacement of the raceway
+
+
+def held(outside_mm: float, name: str) -> Held:
+    """Solve one ring with one of SUPPORTS."""
+    mesh = f"numerics.mesh_size_mm={1e3 * MESH:g}"
+    model, scene = model_of(read_scene(None, (*settings_held(outside_mm, name), mesh))), read_scene()
+    load, pitch = scene.operation.radial_load_N, 2.0 * np.pi / model.bearing.n_rollers
+    first = scene.ideal_operation().first_roller_angle
+    hubs, counts, widest = [], [], 0.0
+    for angle in first + pitch * np.arange(POSITIONS) / POSITIONS:
+        found = equilibrium(model, standing(model.bearing, angle), Loads(load))
+        hubs.append(1e6 * found.hub)
+        counts.append(int(np.count_nonzero(found.inner_force)))
+        widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))
+    x, y = np.array(hubs).T
+    return Held(
+        supports=name, outside_mm=outside_mm, x=(x.min(), x.max()), y=(y.min(), y.max()),
+        loaded=(min(counts), max(counts)), widest=widest,
+    )  # fmt: skip
+
+
+def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:
+    """What of the paper's scene differs."""
+    angles, outside = SUPPORTS[name], f"bearing.outside_diameter_mm={outside_mm}"
+    if angles is None:
+        return (outside,)
+    given = f"support.angles_deg={list(angles)}", f"support.width_mm={2e3 * HALF_SUPPORT:g}"
+    return outside, "support.kind=points", *given
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,10 +173,7 @@ def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
 
 def imbalance(found: Record) -> float:
     """Largest error of the energy balance over the largest energy that bodies and contacts store."""
-    kinetic, elastic, contact, work, dissipated = (
-        found.energies[f"{name}"]
-        for name in ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
-    )
+    kinetic, elastic, contact, work, dissipated = (found.energies[name] for name in ENERGIES)
     kept = kinetic + elastic + contact - work + dissipated
     return float(np.abs(kept - kept[0]).max() / (elastic + contact).max())
 
@@ -125,15 +185,14 @@ def measure(found: Record, every: int = 1) -> Measured:
     by_harris, by_fit = (evaluate(kept, law=law, start=SKIPPED) for law in ("harris", "fitted"))
     roller = chosen_roller(by_harris.budget.loaded, 1)
     rho, velocity, acceleration = (_range(radial(kept, roller, order)[first:]) for order in range(3))
-    harris_x, harris_y = left_sides(by_harris)
-    fitted_x, fitted_y = left_sides(by_fit)
+    harris, fitted = left_sides(by_harris), left_sides(by_fit)
     loaded = np.count_nonzero(kept.inner_force[first:] > 0.0, axis=1)
     return Measured(
         x=_range(kept.inner_x[first:]), y=_range(kept.inner_y[first:]), rho=rho, velocity=velocity,
         acceleration=acceleration, loaded=(int(loaded.min()), int(loaded.max())), usual=int(np.median(loaded)),
-        harris=(_range(harris_x), _range(harris_y)), fitted=(_range(fitted_x), _range(fitted_y)),
+        harris=tuple(map(_range, harris)), fitted=tuple(map(_range, fitted)),
         frequency=strongest(kept.inner_y[first:], kept.interval),
-        peaks=tuple(strongest(side, kept.interval, BAND) for side in (harris_x, harris_y)),
+        peaks=tuple(strongest(side, kept.interval, BAND) for side in harris),
         cage=abs(kept.cage_speed) / (2.0 * np.pi), imbalance=imbalance(kept),
     )  # fmt: skip
 

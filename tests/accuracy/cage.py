@@ -77,12 +77,15 @@ def caged(model: str, duration: float, cage: dict, **tables) -> Run:
     return run({"model": model, "cage": LOOSE | cage, "numerics": numerics, **tables})
 
 
+def heads(title: str, *names: str) -> None:
+    """Print a title and the head of a table."""
+    print(f"\n{title}\n| {' | '.join(names)} |\n{'|---' * len(names)}|")
+
+
 def print_free_running() -> None:
-    print("\nWithout drag: slip of cage and rollers, spacing, how far the centre goes (0.1 mm pockets), 340 ms")
-    print(
-        "| guidance | friction | gravity, m/s2 | cage's slip, % | rollers' slip, % | spacing off by, µm | centre, µm |"
-    )
-    print("|---|---|---|---|---|---|---|")
+    heads("Without drag: slip of cage and rollers, spacing, how far the centre goes (0.1 mm pockets), 340 ms",
+          "guidance", "friction", "gravity, m/s2", "cage's slip, %", "rollers' slip, %", "spacing off by, µm",
+          "centre, µm")  # fmt: skip
     for guidance in ({"guidance": "rollers"}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.1}):
         for friction, gravity in ((0.0, 0.0), (0.05, 0.0), (0.0, 9.81), (0.05, 9.81)):
             cage = {"pocket_clearance_mm": 0.1, "friction_coefficient": friction, **guidance}
@@ -103,8 +106,7 @@ def print_shared_tractions() -> None:
     limit = 2.0 * FRICTION * load
     torque = limit * bearing.n_rollers * bearing.pitch_radius
     print(f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m")
-    print("| F over 2 mu Q | inner traction over F | outer | cage slows down, rad/s2 |")
-    print("|---|---|---|---|")
+    heads("", "F over 2 mu Q", "inner traction over F", "outer", "cage slows down, rad/s2")
     sliding = []
     for share in (0.25, 0.5, 0.9, 0.98, 1.05, 1.1, 1.2, 1.3):
         found = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene)
@@ -120,9 +122,7 @@ def print_shared_tractions() -> None:
 
 
 def print_light_loads() -> None:
-    print("\n23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load")
-    print("| load, N | cage's slip, % |")
-    print("|---|---|")
+    heads("23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load", "load, N", "cage's slip, %")
     bearing = {"rollers": 23, "roller_diameter_mm": 10.0, "inner_raceway_diameter_mm": 70.0,
                "outer_raceway_diameter_mm": 90.01, "bore_diameter_mm": 55.0, "outside_diameter_mm": 105.0}  # fmt: skip
     for load in (50.0, 100.0, 200.0, 500.0, 2000.0):
@@ -153,9 +153,8 @@ def random_scene(random: np.random.Generator) -> dict:
 
 
 def print_random(count: int) -> None:
-    print(f"\n{count} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)")
-    print("| guidance | rpm | load, N | drag, N m | imbalance | cage's slip, % | outcome |")
-    print("|---|---|---|---|---|---|---|")
+    heads(f"{count} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)",
+          "guidance", "rpm", "load, N", "drag, N m", "imbalance", "cage's slip, %", "outcome")  # fmt: skip
     random, silent, worst = np.random.default_rng(17), 0, 0.0
     for _ in range(count):
         scene = random_scene(random)

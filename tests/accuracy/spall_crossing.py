@@ -189,7 +189,7 @@ def varied(*parts: Part, write: bool = False) -> None:
         the section of docs/measurements/spalls.md
     """
     width = WIDTHS[-1]
-    _, hub = by_program(width, "reduced", 1.0, 0.0)
+    _, hub = by_program(width, "reduced", 1.0)
     table = []
     for part in parts or OTHERS:
         name, how = OTHERS[part]

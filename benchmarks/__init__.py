@@ -1,18 +1,83 @@
 """What measures speed, each a command that prints a table; run from the checkout's root. Correctness: `tests`.
 
-throughput      time of every phase of a step against the machine's ceilings
-phases          the phases of a step, timed, and the work they need at least
-machine         the ceilings, measured
-skips           what a scene does not need it does not pay for; `table_costs`: what tables of it cost
-footprint       memory and start-up time of a process
+throughput      time of every phase of a step against the machine's ceilings, memory, start-up
+table_costs     what tables of a scene cost; what a scene does not need it does not pay for
 planning        what it takes to plan a scene after others
-studies         what a study adds to its points, and what a second worker gives
+expected_time   what --dry-run expects beside what a run takes
+studies         what a study adds to its points, and what a second process gives
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
+reduced_model   the reduced model beside finite elements
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
 live            frames a second of the live page, and what they take
 pictures        docs' pictures; stress below contacts, times, sizes
+measured_records verdicts on records whose truth is known
 same_bits       whether another revision gives the same bits, and takes the same time
 
-measuring       what they share: scenes with some keys set, times, runs in turns, tables
+Here is what they share: scenes with some keys set, times, runs in turns, tables of the terminal.
 """
+
+import resource
+import statistics
+import time
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from fem.solver.elements.plan import ElementPlan
+
+Key = TypeVar("Key", bound=Hashable)
+Value = TypeVar("Value")
+
+
+def paper_plan(size_mm: float, *settings: str) -> "ElementPlan":
+    """Plan of the paper's scene on a mesh, with further keys as run-fem's --set takes them."""
+    from fem.solver.simulate import make_plan
+    from lagrange.scene.scene import read_scene
+
+    return make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm!r}", *settings)))
+
+
+def timed(function: Callable[..., Value], *arguments, clock=time.thread_time) -> tuple[float, Value]:
+    """Time a call, s, and pass on what it returns.
+
+    The default clock is the processor time of this thread, so that waiting for a busy core is not counted.
+    """
+    began = clock()
+    value = function(*arguments)
+    return clock() - began, value
+
+
+def median_seconds(function: Callable, *arguments, repeats: int = 7) -> float:
+    """Median processor time of a call, s, after one that compiles and warms up."""
+    function(*arguments)
+    return statistics.median(timed(function, *arguments)[0] for _ in range(repeats))
+
+
+def in_turns(calls: dict[Key, Callable[[], Value]], turns: int) -> Iterator[dict[Key, Value]]:
+    """Make each call in every turn, every other turn in reverse: what slows the machine slows all alike."""
+    for turn in range(turns):
+        yield {key: calls[key]() for key in (list(calls) if turn % 2 == 0 else reversed(calls))}
+
+
+def processor_seconds(*who: int) -> float:
+    """Processor time so far, s, of `resource.RUSAGE_SELF`, of `RUSAGE_CHILDREN` that have ended, or of both."""
+    return sum(used.ru_utime + used.ru_stime for used in map(resource.getrusage, who))
+
+
+def spread(values: Iterable[float], digits: int = 3) -> str:
+    """Write the lowest and the highest of some numbers."""
+    values = list(values)
+    return f"{min(values):.{digits}f} … {max(values):.{digits}f}"
+
+
+def new_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]] = ()) -> Table:
+    """Make a table for the terminal; the first column is aligned left, the others right."""
+    table = Table(title=title, title_justify="left")
+    for i, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if i else "left")
+    for row in rows:
+        table.add_row(*row)
+    return table

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cyclopts import App
 
-from benchmarks.measuring import in_turns, paper_plan, spread
+from benchmarks import in_turns, paper_plan, spread
 from fem.commands.start_up import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile

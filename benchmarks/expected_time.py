@@ -12,7 +12,7 @@ import time
 from cyclopts import App
 from rich.console import Console
 
-from benchmarks.measuring import new_table
+from benchmarks import new_table
 from fem.solver.compiling import pace
 from fem.solver.simulate import make_plan, size_of_block
 from fem.solver.trial import seconds_by_trial

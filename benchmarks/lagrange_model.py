@@ -14,7 +14,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.measuring import new_table, timed
+from benchmarks import new_table, timed
 from fem.commands.run_fem import run_main
 from fem.solver.rigid.lagrangian import LagrangianPlan, make_plan
 from fem.solver.solver import Samples

@@ -9,13 +9,14 @@ import json
 import shutil
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 from queue import Queue
 from threading import Thread
 
 from rich.console import Console
 
-from benchmarks.measuring import new_table, timed
+from benchmarks import new_table, timed
 from fem.live.player import Player
 from fem.live.server import FRAME, LiveServer
 from lagrange.scene.scene import read_scene
@@ -45,8 +46,9 @@ def costs(player: Player) -> list[str]:
     return [f"{min(work) / FRAME:.2f}", f"{1e3 * min(frames):.1f}", f"{1e-3 * len(json.dumps(frame)):.0f}"]
 
 
-def watched(browser, player: Player, slowness: float) -> list[str]:
-    """Frames a second that a page draws, and the slow motion reached."""
+@contextmanager
+def page_of(browser, player: Player):
+    """The page of a player that is served meanwhile."""
     server, addresses = LiveServer(player), Queue()
     thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)))
     thread.start()
@@ -54,34 +56,24 @@ def watched(browser, player: Player, slowness: float) -> list[str]:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         page.goto(addresses.get())
         page.wait_for_function("() => window.live && window.live.frames > 0")
+        yield page
+        page.close()
+    finally:
+        server.end()
+        thread.join()
+
+
+def watched(browser, player: Player, slowness: float) -> list[str]:
+    """Frames a second that a page draws, and the slow motion reached."""
+    with page_of(browser, player) as page:
         page.evaluate("pace => window.live.send({ pace: { slowness: pace, playing: true } })", slowness)
         time.sleep(WARM)
         look = "[window.live.frames, window.live.frame().time, performance.now()]"
         first = page.evaluate(look)
         time.sleep(LOOK)
         last = page.evaluate(look)
-        page.close()
-    finally:
-        server.end()
-        thread.join()
     frames, simulated, wall = (b - a for a, b in zip(first, last, strict=True))
     return [f"{1e3 * frames / wall:.1f}", f"1/{wall / simulated:.3g}"]
-
-
-def draw(browser, path: Path) -> None:
-    """The page of the paper's bearing, on a desk."""
-    server, addresses = LiveServer(player_of(())), Queue()
-    thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)))
-    thread.start()
-    try:
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
-        page.goto(addresses.get())
-        page.wait_for_function("() => window.live && window.live.frame() && window.live.frame().record > 300")
-        page.screenshot(path=path, full_page=True)
-        page.close()
-    finally:
-        server.end()
-        thread.join()
 
 
 def main() -> None:
@@ -96,7 +88,9 @@ def main() -> None:
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        draw(browser, Path(__file__).parents[1] / "docs" / "live.png")
+        with page_of(browser, player_of(())) as page:  # the paper's bearing, on a desk
+            page.wait_for_function("() => window.live.frame() && window.live.frame().record > 300")
+            page.screenshot(path=Path(__file__).parents[1] / "docs" / "live.png", full_page=True)
         rows = [
             [name, f"1/{slowness:g}", *watched(browser, player_of(settings), slowness)]
             for name, settings in SCENES.items()

@@ -9,15 +9,15 @@ none), `width_mm`, and `geometry`: number of rolling elements, their diameter an
 angle in degrees. `--wide O_=7` takes 7 % as the tolerance of speed for names that begin with O_.
 """
 
-import argparse
-import sys
 import time
 from collections import Counter
 from math import radians
 from pathlib import Path
 
 import numpy as np
+from cyclopts import App
 
+from benchmarks import median_seconds
 from residual.measured.diagnosis import BODIES, DEEP, HARMONICS, Diagnosis, Geometry, damage_width, diagnose
 from residual.measured.signals import Signal
 from tests.reference.synthetic_record import Truth, drawn, synthetic_record
@@ -57,7 +57,7 @@ def depth_of(truth: Truth, found: Diagnosis) -> float:
     return max(float(np.linalg.norm(found.spectrum.modulation(each))) for each in combs)
 
 
-def synthetic(count: int, seed: int) -> None:
+def confusion(count: int, seed: int) -> None:
     """Print the confusion matrix of records drawn by chance, half of them healthy."""
     rng, matrix = np.random.default_rng(seed), Counter()
     for k in range(count):
@@ -79,32 +79,26 @@ def timed() -> None:
     geometry = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
     truth = synthetic_record(np.random.default_rng(1), geometry, 30.0, "BPFO", 1.0, duration=10.0, rate=51_200.0)
     for tolerance in (0.01, 0.05):
-        times = []
-        for _ in range(3):
-            begun = time.process_time()
-            diagnose(truth.signal, geometry, 30.0, tolerance)
-            times.append(time.process_time() - begun)
-        print(f"10 s at 51.2 kHz, tolerance {100.0 * tolerance:g} %: {np.median(times):.2f} s of processor time")
+        taken = median_seconds(diagnose, truth.signal, geometry, 30.0, tolerance, repeats=3)
+        print(f"10 s at 51.2 kHz, tolerance {100.0 * tolerance:g} %: {taken:.2f} s of processor time")
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, nargs="?")
-    parser.add_argument("--speed-tolerance", type=float, default=1.0, help="per cent")
-    parser.add_argument("--wide", action="append", default=[], help="START=PER_CENT")
-    parser.add_argument("--synthetic", type=int, default=0, help="number of records")
-    parser.add_argument("--seed", type=int, default=2026)
-    parser.add_argument("--time", action="store_true")
-    options = parser.parse_args()
-    if options.folder is not None:
-        wide = {start: float(t) for start, t in (each.split("=") for each in options.wide)}
-        measured(options.folder, options.speed_tolerance, wide)
-    if options.synthetic:
-        synthetic(options.synthetic, options.seed)
-    if options.time:
+app = App(help=__doc__, help_format="plaintext")
+
+
+@app.default
+def main(
+    folder: Path | None = None, /, *, speed_tolerance: float = 1.0, wide: tuple[str, ...] = (), synthetic: int = 0,
+    seed: int = 2026, time: bool = False,
+) -> None:  # fmt: skip
+    """Judge records: of a folder, with a tolerance in per cent; so many synthetic ones; or tell the time of one."""
+    if folder is not None:
+        measured(folder, speed_tolerance, {start: float(t) for start, t in (each.split("=") for each in wide)})
+    if synthetic:
+        confusion(synthetic, seed)
+    if time:
         timed()
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    app()

@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from cyclopts import App, Parameter
 
-from benchmarks.measuring import processor_seconds
+from benchmarks import processor_seconds
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.pictures.bodies import drawn_bearing

@@ -8,7 +8,7 @@ import random
 import sys
 from collections.abc import Callable
 
-from benchmarks.measuring import new_table, timed
+from benchmarks import new_table, timed
 from fem.solver.simulate import make_plan
 from fem.solver.solver import RunState
 from lagrange.scene.scene import Scene, read_scene

@@ -9,7 +9,7 @@ from math import pi, sin
 
 from rich.console import Console
 
-from benchmarks.measuring import in_turns, new_table, timed
+from benchmarks import in_turns, new_table, timed
 from fem.solver.row_state import RowState
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan

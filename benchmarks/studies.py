@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from cyclopts import App
 from rich.console import Console
 
-from benchmarks.measuring import new_table
+from benchmarks import new_table
 from fem.study import solving
 from fem.study.folder import Folder, write_dataset
 from fem.study.solving import Points, Processes, Solved, Wanted, checked_points, solve, solve_all

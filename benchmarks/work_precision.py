@@ -15,7 +15,7 @@ import numpy as np
 from cyclopts import App
 from scipy.signal import welch
 
-from benchmarks.measuring import new_table, timed
+from benchmarks import new_table, timed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from fem.statics.exact_statics import exact_statics

@@ -13,9 +13,8 @@ from cyclopts import App
 from rich.console import Console
 
 from benchmarks import new_table
-from fem.solver.compiling import pace
+from fem.solver.compiling import pace, seconds_by_trial
 from fem.solver.simulate import make_plan, size_of_block
-from fem.solver.trial import seconds_by_trial
 from lagrange.scene.scene import read_scene
 from tests.measurements import publish
 

@@ -41,7 +41,7 @@ from lagrange.surface.passages import SpallEvent, spalls
 if TYPE_CHECKING:
     import xarray
 
-    from fem.solver.frames import Frame
+    from fem.solver.elements.arrays import Frame
     from residual import Evaluation
 
 __all__ = [

@@ -21,7 +21,7 @@ from fem.result.checkpoint import (
 )
 from fem.result.run_file import RunFile
 from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
-from fem.solver.compiling import CompiledPlan, remember
+from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by_trial
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
 from lagrange import Bearing
@@ -262,7 +262,6 @@ def _print_table(
 
 def _print_plan(plan: Plan, name: str) -> None:
     """What is decided for a run of that name, and its cost. RunFailed: there is no equilibrium to tell of."""
-    from fem.solver.trial import is_compiled, seconds_by_trial  # only a dry run needs what it imports
 
     console, table, rows, scene = _console(), plan.table(), plan.rows(), plan.scene
     seconds = seconds_by_trial(plan)

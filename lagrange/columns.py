@@ -1,6 +1,6 @@
 """Columns of a run's samples, each declared here alone: the result file, its readers and the handbook follow.
 
-A column more is a line here and the kernel, or the formula in `fem.solver.samples`, that fills it.
+A column more is a line here and the kernel, or the formula in `fem.solver.row_state`, that fills it.
 """
 
 from typing import NamedTuple

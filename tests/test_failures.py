@@ -11,7 +11,7 @@ from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.kernels.ring_kernels import HALO
 from fem.solver.elements.plan import LONGEST_UNWATCHED
-from fem.solver.samples import SampleReader
+from fem.solver.row_state import SampleReader
 from fem.solver.simulate import make_plan, run
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import read_scene

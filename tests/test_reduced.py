@@ -17,10 +17,10 @@ from fem.elastic.vibration import inertia, shift_vibrations
 from fem.kernels.rigid.state import INNER, OUTER
 from fem.kernels.rigid.strikes import given
 from fem.solver import row_state, simulate
+from fem.solver.guards import BY_PRESSURE, add_samples, frequency_error, law_warning, vibration_warning
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.rigid.state import ReducedState, slowest_vibration
 from fem.solver.simulate import make_plan, run
-from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_warning, no_sums, vibration_warning
 from fem.statics.exact_statics import crossings_at, exact_contacts, exact_statics, law_error
 from fem.statics.reduced_bearing import ReducedBearing, tangential_compliance
 from lagrange import Material
@@ -508,7 +508,7 @@ def test_a_run_that_restarts_turns_as_its_times_say(halvings):
     """Whatever the number of steps between samples: rollers turn from sample to sample by their spin, to its noise."""
     plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
     state = plan.first_state()
-    state._halvings = halvings
+    state.restarts["halvings"] = halvings
     state._begin()
     samples = state.advance(plan.n_samples).samples
     turned = np.diff(samples["roller_turn"], axis=0)
@@ -759,7 +759,7 @@ def test_sums_do_not_depend_on_how_samples_are_cut():
     rng = np.random.default_rng(1)
     names = [f"inner_{name}" for name in ("x", "y", "vx", "vy", "ax", "ay")]
     samples = {name: rng.normal(size=50) for name in names}
-    whole, parts = no_sums(), no_sums()
+    whole, parts = np.zeros(6), np.zeros(6)
     add_samples(whole, samples)
     for part in (slice(0, 1), slice(1, 30), slice(30, 50)):
         add_samples(parts, {name: values[part] for name, values in samples.items()})
@@ -767,7 +767,7 @@ def test_sums_do_not_depend_on_how_samples_are_cut():
 
 
 def test_a_hub_that_does_not_vibrate_is_not_warned_of():
-    sums = no_sums()
+    sums = np.zeros(6)
     still = {f"inner_{name}": np.full(10, value) for name, value in
              {"x": 0.0, "y": -1e-5, "vx": 1e-3, "vy": 0.0, "ax": 1e9, "ay": 0.0}.items()}  # fmt: skip
     add_samples(sums, still)
@@ -807,7 +807,7 @@ def test_a_run_whose_energy_is_off_says_so():
     """Rollers that rattle without friction, and no shorter steps: 1 % of what is exchanged in 20 ms."""
     plan = in_longer_steps(RATTLES)
     state, worst = plan.first_state(), 0.0
-    state._halvings = ReducedState.most_halvings  # none is left
+    state.restarts["halvings"] = ReducedState.most_halvings  # none is left
     while state.done < plan.n_samples:
         samples = state.advance(100).samples
         worst = max(worst, np.abs(samples.imbalance).max())

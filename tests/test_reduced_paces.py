@@ -48,7 +48,7 @@ def ran(plan):
 
 def error(state):
     """The largest energy error over the energy exchanged."""
-    return state._missed / state._passed_on
+    return state.missed[0] / state.passed_on[0]
 
 
 def off(found, wanted):
@@ -154,7 +154,7 @@ def test_where_nothing_would_be_won_steps_are_of_one_length():
 def test_a_run_that_restarts_halves_both_lengths():
     plan = plan_of()
     state = plan.first_state()
-    state._halvings = 5
+    state.restarts["halvings"] = 5
     state._begin()
     assert state.plan.time_step == pytest.approx(plan.time_step / 32)
     assert state.plan.long_step == pytest.approx(plan.long_step / 32)

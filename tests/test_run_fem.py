@@ -17,10 +17,10 @@ from fem.quantities import labels, run_summary
 from fem.result.store import ResultFile
 from fem.runner import result_megabytes, size_warning
 from fem.solver.guards import n_in_place, run_warnings
+from fem.solver.limits import of_scene
 from fem.solver.rigid.lagrangian import Judge
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from fem.solver.warnings import of_scene
 from lagrange.columns import columns_of
 from lagrange.contact.hertz import contact_ellipse, contact_pairs, raceway_curvature
 from lagrange.equations import THROUGH, farthest_place
@@ -400,7 +400,7 @@ def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_t
     assert not any("give the hub" in note for note in state.warnings), "it says that shocks excite waves"
     state.forces.fastest[:] = 0.0
     assert f"up to {most:.3g} N more or less than the contacts' forces" in state.warnings[-1]
-    state._largest[:] = 0.0
+    state.largest[:] = 0.0
     assert state._unequal_kicks == ()
 
 

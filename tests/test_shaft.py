@@ -11,8 +11,8 @@ from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.jit import OPTIONS
 from fem.kernels.sample_kernels import DISSIPATED
 from fem.kernels.shaft import Shaft
-from fem.solver.rigid.start import equilibrium_start
 from fem.solver.simulate import make_plan
+from fem.solver.start import equilibrium_start
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping

@@ -7,7 +7,7 @@ import pytest
 
 from fem.interface import simulate
 from fem.solver.rigid.reduced import make_plan as reduced_plan
-from fem.solver.rigid.start import equilibrium_start
+from fem.solver.start import equilibrium_start
 from fem.statics.contact_balance import hub_stiffness
 from lagrange.first_state import Problem, followed
 from lagrange.kinematics import kinematics

@@ -7,8 +7,8 @@ import pytest
 from fem import interface
 from fem.contacts.tilted import MeshedContact, tilted_slices, tilted_tables
 from fem.runner import RunOptions, run_scene
+from fem.solver import start as rigid_start
 from fem.solver.elements import plan as elements
-from fem.solver.rigid import start as rigid_start
 from fem.solver.rigid import state as rigid_state
 from fem.solver.rigid.state import tables_of
 from fem.solver.simulate import make_plan

@@ -25,7 +25,7 @@ from fem.elastic.bodies import RingBody, max_shear, von_mises
 from fem.kernels.state import INNER, OUTER
 from fem.pictures.recover import Instant
 from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, smooth_stress
-from fem.solver.frames import rotated
+from fem.solver.elements.arrays import rotated
 from lagrange.bearing import Bearing
 from lagrange.equations import touching_distances
 from lagrange.surface.deviation import profiles

@@ -166,7 +166,7 @@ def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     displacement (n, 3); stress (n, 9), the tensor by rows; von_mises, max_shear (n,)
     """
     from fem.elastic.bodies import max_shear, von_mises
-    from fem.solver.frames import global_fields, rotated
+    from fem.solver.elements.arrays import global_fields, rotated
 
     model, of_bodies = instant.model, global_fields(instant.model, instant)
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller

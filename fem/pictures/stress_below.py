@@ -30,7 +30,7 @@ import numpy as np
 
 from fem.elastic.bodies import max_shear, turned
 from fem.pictures.recover import Instant
-from fem.solver.frames import global_fields, rotated
+from fem.solver.elements.arrays import global_fields, rotated
 from lagrange import Material
 
 if TYPE_CHECKING:

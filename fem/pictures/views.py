@@ -45,7 +45,7 @@ from fem.pictures.look import Look, Request, Scale, chosen_look
 from fem.pictures.output import MARK
 from fem.pictures.recover import Instant, StoredRun
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, ShearPeak, shear_peak
-from fem.solver.frames import rotated
+from fem.solver.elements.arrays import rotated
 from lagrange.files.output import replaced
 from lagrange.load_history import load_share
 from lagrange.messages import shown

@@ -35,7 +35,7 @@ from lagrange.scene.scene import Scene, parse_stored_scene
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model
-    from fem.solver.frames import Frame
+    from fem.solver.elements.arrays import Frame
 
 NEEDED = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force")
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y", "cage_x", "cage_y")
@@ -179,7 +179,7 @@ def lay_out(file: h5py.File, model: "Model", capacity: int) -> list[str]:
 
 def stored_values(model: "Model", frame: "Frame") -> dict[str, bytes]:
     """Bytes of a frame under the names of `lay_out`."""
-    from fem.solver.frames import global_fields
+    from fem.solver.elements.arrays import global_fields
 
     found = {"time": frame.time, "sample": frame.sample, "roller_turn": frame.roller_turn}
     for name, (displacement, stress) in global_fields(model, frame).items():
@@ -222,7 +222,7 @@ def read_frame(file: h5py.File, model: "Model", index: int, turns: tuple[float, 
     ------
     Damaged, KeyError, ValueError: the group is damaged or of another mesh.
     """
-    from fem.solver.frames import Frame, rotated
+    from fem.solver.elements.arrays import Frame, rotated
 
     values, sizes = {}, _sizes(model)
     for name, about in FRAME.items():

@@ -46,8 +46,8 @@ except ImportError:  # not a POSIX system: files are not locked there
     fcntl = None
 
 if TYPE_CHECKING:
+    from fem.solver.elements.arrays import Frame
     from fem.solver.errors import Estimate
-    from fem.solver.frames import Frame
     from fem.solver.solver import Plan
 
 COMMIT_SECONDS = 0.5  # of wall time between two commits

@@ -1,5 +1,7 @@
 """Plans whose time loop is compiled: loading it, what its bits depend on, how long this machine takes.
 
+Of numba's private parts fem.solver uses these alone: its events of compiling, and the errors of what does not compile.
+
 One small file in the user's cache folder holds, for each processor and model, the last runs' times over what their
 plans would have said without it: processors differ threefold. Times are the processor's: a machine that works for
 others too would say nothing of itself.
@@ -11,13 +13,14 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
 from fem.kernels import kernel_folder
+from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Plan, RunState
 from lagrange.errors import RunFailed
 from lagrange.files.input import read_plain, user_cache
@@ -54,11 +57,9 @@ def pace(model: str) -> float:
 
 def in_words(model: str, seconds: float) -> str:
     """A time to expect, and whether a run of the model has been timed here."""
-    text = f"about {seconds:.2g} s"
-    return (
-        text
-        if _read().get(_key(model))
-        else (f"{text}, perhaps three times that: no run has been timed on this machine yet")
+    timed = _read().get(_key(model))
+    return f"about {seconds:.2g} s" + (
+        "" if timed else ", perhaps three times that: no run has been timed on this machine yet"
     )
 
 
@@ -77,10 +78,8 @@ def remember(model: str, expected: float, took: float) -> None:
 
 def _read() -> dict[str, list[float]]:
     try:
-        known = json.loads(read_plain(pace_file()))
-        return {
-            str(key): [ratio for ratio in map(float, found) if 0.0 < ratio < LARGEST] for key, found in known.items()
-        }
+        known = json.loads(read_plain(pace_file())).items()
+        return {str(key): [ratio for ratio in map(float, found) if 0.0 < ratio < LARGEST] for key, found in known}
     except (OSError, ValueError, TypeError, AttributeError):
         return {}
 
@@ -148,3 +147,60 @@ class CompiledPlan(Plan):
 
     def versions(self) -> dict[str, str]:
         return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}
+
+
+ENOUGH = 0.1  # s of the processor, that a trial takes
+LONGEST_SAMPLE = 0.5  # s, of a sample that is tried
+
+
+class _Needed(RunFailed):
+    """A function would have to be compiled."""
+
+
+@contextmanager
+def _nothing_compiled() -> Iterator[None]:
+    """_Needed: what begins to compile is stopped."""
+    from numba.core.event import Listener, install_listener
+
+    class Refusal(Listener):
+        def on_start(self, event):
+            raise _Needed("a function would have to be compiled")
+
+        def on_end(self, event):
+            pass
+
+    with install_listener("numba:compile", Refusal()):
+        yield
+
+
+def is_compiled(plan: Plan) -> bool:
+    """Whether the time loop need not be compiled; nothing is."""
+    try:
+        with _nothing_compiled():
+            plan.prepare()
+    except _Needed:
+        return False
+    return True
+
+
+def seconds_by_trial(plan: Plan) -> float | None:
+    """Processor time of the whole time loop, s; None where it would have to be compiled first, or takes no steps.
+
+    The first steps stand for all: contacts that rattle, so that a run restarts with smaller steps, take longer.
+    """
+    from numba import config
+
+    if config.DISABLE_JIT or plan.n_samples < 2 or plan.expected_seconds > LONGEST_SAMPLE * (plan.n_samples - 1):
+        return None
+    try:
+        with _nothing_compiled():
+            state = plan.prepare()
+            state.advance(1)
+            size, warm, before = 1, state.done, state.processor
+            while state.done < plan.n_samples and state.processor - before < ENOUGH:
+                state.advance(min(size, plan.n_samples - state.done))
+                size = min(2 * size, LARGEST_BLOCK)
+    except RunFailed:
+        return None
+    taken = state.done - warm
+    return (state.processor - before) / taken * (plan.n_samples - 1) if taken > 0 and state.processor > before else None

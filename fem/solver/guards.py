@@ -1,5 +1,19 @@
-"""Looks at the samples of a run: what no sound one shows, contacts too wide for theory, the error of its energy."""
+"""Looks at the samples of a run: what no sound one shows, contacts too wide for theory, the error of its energy.
 
+And in a run of the reduced model contacts too wide for the laws, and how far a hub's vibration is off because elastic
+rings have no mass there.
+
+A hub of mass M (its ring's with it) vibrates at ω on contacts and rings with the total compliance c. In the
+model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s the raceway's
+displacement in a mode, h the hub's. With their mass
+
+1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
+
+for the inner ring on the hub, and for the outer one, h = 0, likewise. What frequency the model has is what the run
+itself shows: the hub's mean squared acceleration over its mean squared velocity.
+"""
+
+from math import hypot, inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +27,7 @@ from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     from fem.solver.elements.plan import ElementPlan
+    from fem.statics.contact_balance import Condensed
 
 
 class EnergyAccount:
@@ -30,34 +45,22 @@ class EnergyAccount:
     """
 
     def __init__(self):
-        self.exchanged = 0.0  # J, the most so far
-        self._error, self._imbalance, self._dissipated = 0.0, 0.0, 0.0  # J, of the last sample
+        self.sums = np.zeros(4)  # J: the most exchanged so far; of the last sample error, imbalance, dissipated energy
 
     def samples(self, values: dict[str, np.ndarray], imbalance: np.ndarray, exchanged: np.ndarray) -> Samples:
         """The next samples, whose imbalance since the start and exchanged energy, (n,), J, are given.
 
         How samples are cut into blocks changes no bit of them.
         """
-        exchanged = np.fmax.accumulate(np.fmax(exchanged, self.exchanged))
+        most, error, last, given = self.sums.tolist()
+        exchanged = np.fmax.accumulate(np.fmax(exchanged, most))
         found = Samples(values=values, imbalance=imbalance, exchanged=exchanged, error=np.zeros(len(imbalance)))
         dissipated = values["work_dissipated"]
-        left = np.exp(-np.fmax(np.diff(dissipated, prepend=self._dissipated), 0.0) / found.passed_on)
-        added = np.diff(imbalance, prepend=self._imbalance)
-        error = self._error
-        found.error[:] = [
-            error := error * kept + more for kept, more in zip(left.tolist(), added.tolist(), strict=True)
-        ]
-        self.exchanged, self._error = float(exchanged[-1]), float(found.error[-1])
-        self._imbalance, self._dissipated = float(imbalance[-1]), float(dissipated[-1])
+        left = np.exp(-np.fmax(np.diff(dissipated, prepend=given), 0.0) / found.passed_on).tolist()
+        added = np.diff(imbalance, prepend=last).tolist()
+        found.error[:] = [error := error * kept + more for kept, more in zip(left, added, strict=True)]
+        self.sums[:] = exchanged[-1], error, imbalance[-1], dissipated[-1]
         return found
-
-    def to_keep(self) -> list[float]:
-        """What runs on; `take_back` takes it back."""
-        return [self.exchanged, self._error, self._imbalance, self._dissipated]
-
-    def take_back(self, kept: list[float]) -> None:
-        """Go on where another account stood."""
-        self.exchanged, self._error, self._imbalance, self._dissipated = map(float, kept)
 
 
 IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1e-2
@@ -100,7 +103,7 @@ def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
     if plan.scene.cage is not None:
         hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
-    hint = _bare(plan.model.bearing, samples, at) or f"{hint}contact.friction_coefficient above 0"
+    hint = _bare(plan.bearing, samples, at) or f"{hint}contact.friction_coefficient above 0"
     return f"the bearing has come apart {_hub_then(plan.time_step, samples, at)}; {hint}"
 
 
@@ -144,10 +147,26 @@ def largest_forces(samples: Samples) -> np.ndarray:
     return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
 
 
+MISTRUST = (
+    "beyond Hertz's theory and small strains (at most {} mm): forces and deformation there are unreliable; lower "
+    "operation.radial_load_N, raise numerics.load_ramp_ms or use a stiffer material"
+)
+
+
 def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
     if isinstance(bearing, BallBearing):
-        return _ball_warnings(bearing, largest)
+        limits = LONGEST_CONTACT * bearing.element_radius, WIDEST_CONTACT * bearing.element_radius
+        sides: tuple[Side, Side] = ("inner", "outer")
+        for side, force in zip(sides, largest.tolist(), strict=False):
+            axes = contact_ellipse(bearing, side, force)
+            if axes[0] > limits[0] or axes[1] > limits[1]:
+                found, most = (" by ".join(f"{1e3 * axis:.3g}" for axis in each) for each in (axes, limits))
+                return (
+                    f"the largest force of the run, {force:.4g} N on the {side} raceway, makes a contact ellipse with "
+                    f"semi-axes of {found} mm, {MISTRUST.format(most)}",
+                )
+        return ()
     pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
     half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
     widest = WIDEST_CONTACT * bearing.roller_radius
@@ -156,26 +175,97 @@ def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
     return (
         f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
-        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm): {MISTRUST}",
+        f"mm, {MISTRUST.format(f'{1e3 * widest:.3g}')}",
     )
 
 
-MISTRUST = (
-    "forces and deformation there are unreliable; lower operation.radial_load_N, raise numerics.load_ramp_ms or use a "
-    "stiffer material"
-)
+NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach
+LARGEST_LAW_ERROR = 0.005  # of an approach, before a run says so
+BY_PRESSURE = 2.0  # times: what the pressure's change adds to `law_error`
 
 
-def _ball_warnings(bearing: BallBearing, largest: np.ndarray) -> tuple[str, ...]:
-    sides: tuple[Side, Side] = ("inner", "outer")
-    for side, force in zip(sides, largest.tolist(), strict=False):
-        axes = contact_ellipse(bearing, side, force)
-        limits = LONGEST_CONTACT * bearing.element_radius, WIDEST_CONTACT * bearing.element_radius
-        if axes[0] > limits[0] or axes[1] > limits[1]:
-            found, most = (" by ".join(f"{1e3 * axis:.3g}" for axis in each) for each in (axes, limits))
-            where = f"{force:.4g} N on the {side} raceway"
-            return (
-                f"the largest force of the run, {where}, makes a contact ellipse with semi-axes of {found} mm, beyond "
-                f"Hertz's theory and small strains (at most {most} mm): {MISTRUST}",
-            )
-    return ()
+def law_warning(contacts: "Condensed", largest: np.ndarray) -> str | None:
+    """A sentence where a run's largest forces, (3,), N, make a raceway's law err by more than LARGEST_LAW_ERROR."""
+    from fem.statics.exact_statics import law_error  # with much that runs of the Lagrangian model do not need
+
+    bearing, worst = contacts.bearing, (0.0, 0.0, "")
+    for law, force in zip((contacts.inner_law, contacts.outer_law), largest.tolist(), strict=False):
+        width = law.pair.half_width(force) / bearing.roller_radius
+        if NARROW_CONTACT < width < 1.0:
+            worst = max(worst, (BY_PRESSURE * abs(law_error(bearing, law, force)), force, law.pair.kind))
+    error, force, kind = worst
+    if error <= LARGEST_LAW_ERROR:
+        return None
+    return (
+        f"under the largest force of the run, {force:.4g} N, the contact on the {kind} raceway is so wide that its law "
+        f"is about {100.0 * error:.1g} % too stiff: forces and hub displacement are off by as much, with few loaded "
+        "rollers by twice that; lower operation.radial_load_N or use a stiffer material"
+    )
+
+
+LARGEST_ERROR = 0.005  # of the hub's displacement: share of the frequency that is off, times share that vibrates
+NOTHING = 1e-10  # m, an atom's radius: hubs that are displaced by less are where they should be
+COUNT, X, Y, SQUARE, VELOCITY, ACCELERATION = range(6)  # of sums over samples: their number, SI
+
+
+def add_samples(sums: np.ndarray, samples: Samples) -> None:
+    """Add samples to (6,) sums, one after another, so that blocks of any size give the same."""
+    x, y, vx, vy, ax, ay = (samples[f"inner_{name}"] for name in ("x", "y", "vx", "vy", "ax", "ay"))
+    terms = np.stack([np.ones_like(x), x, y, x**2 + y**2, vx**2 + vy**2, ax**2 + ay**2])
+    sums[:] = np.cumsum(np.column_stack([sums, terms]), axis=1)[:, -1]
+
+
+def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: float = 0.0) -> float:
+    """Share by which a hub of so many kg, its ring with it, vibrates faster than at ω, rad/s, which the model gives it.
+
+    Infinite where the model's is so fast that rings have modes below; 0 where it is no more than `least`. Errors:
+    rollers are taken for massless, contacts for closed and of one stiffness.
+    """
+    from fem.elastic.continuum import ring_sections
+    from fem.elastic.vibration import shift_vibrations
+
+    # modes of the inner ring on the hub and of the held outer ring that shift their raceways
+    sections, length, hub = ring_sections(bearing), bearing.roller_length, hub_mass - bearing.inner_ring_mass
+    solid = bearing.bore_radius == 0.0  # its load and its mass act all over it
+    inner, outer = shift_vibrations(sections[0], length, None if solid else hub), shift_vibrations(sections[1], length)
+    modes = inner.frequency**2
+    static = np.sum((inner.shape + inner.carried) ** 2 / modes) + np.sum((outer.shape / outer.frequency) ** 2)
+    soft = 1.0 / (hub_mass * omega**2) - static  # of all else
+
+    def gives_way(square):
+        return (
+            soft
+            - 1.0 / (hub_mass * square)
+            + np.sum(inner.shape**2 / (modes - square))
+            + np.sum(outer.shape**2 / (outer.frequency**2 - square))
+        )
+
+    below, above = 1e-6 * omega**2, (1.0 - 1e-9) * min(modes[0], outer.frequency[0] ** 2)
+    if not omega**2 < above or gives_way(below) >= 0.0:
+        return inf
+    enough = (1.0 + least) ** 2 * omega**2
+    if enough < above and gives_way(enough) >= 0.0:
+        return 0.0
+    from scipy.optimize import brentq  # takes its time to load, and few hubs vibrate so
+
+    return sqrt(brentq(gives_way, below, above)) / omega - 1.0
+
+
+def vibration_warning(bearing: Bearing, hub_mass: float, sums: np.ndarray) -> str | None:
+    """A sentence where the hub's vibration is off by more than LARGEST_ERROR of its displacement."""
+    count = max(sums[COUNT], 1.0)
+    size = sqrt(sums[SQUARE] / count)
+    still = hypot(sums[X], sums[Y]) / count
+    vibrates = sqrt(max(size**2 - still**2, 0.0)) / max(size, NOTHING)
+    if size < NOTHING or sums[VELOCITY] == 0.0 or vibrates < LARGEST_ERROR:
+        return None
+    omega = sqrt(sums[ACCELERATION] / sums[VELOCITY])
+    error = min(frequency_error(bearing, hub_mass, omega, LARGEST_ERROR / vibrates), 1.0)
+    if error * vibrates < LARGEST_ERROR:
+        return None
+    off = f"{100.0 * error:.2g} % too slow" if error < 1.0 else "far too slow"
+    return (
+        f"{100.0 * vibrates:.0f} % of the hub's displacement is vibration, at {1e-3 * omega / (2.0 * pi):.2g} kHz: "
+        f"{off}, because the rings have no inertia of their own in the reduced model; the hub's mean displacement may "
+        f'be off by {100.0 * error * vibrates:.2g} %; if that matters use model = "fem"'
+    )

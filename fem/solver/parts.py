@@ -1,194 +1,120 @@
 """Parts of a scene as the time loops' named tuples: shaft, housing, load history, surfaces, cage, axes that tilt."""
 
+from collections.abc import Sequence
 from math import inf, sqrt
 from typing import Any
 
 import numpy as np
 
 import fem.kernels.cage as kernels
+from fem.kernels import fields
 from fem.kernels.cage import CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.drive import N_NOW, N_OUTER_NOW
-from fem.kernels.fields import at_line, filled, lined_up
+from fem.kernels.fields import at_line, lined_up
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
-from fem.kernels.rigid.state import ReducedDampers, RigidBodies
 from fem.kernels.shaft import Shaft, late_mass
-from fem.kernels.state import (
-    LoadHistory,
-    OuterTurn,
-    Ring,
-    RingProfile,
-    RollerProfiles,
-)
+from fem.kernels.state import LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts as TiltArrays
-from fem.solver.samples import row_places, row_width
+from fem.solver.row_state import row_places, row_width
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial
 from lagrange.bearing import Cage
-from lagrange.contact.damping import ContactDamping
 from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
-from lagrange.mounting import Mounting, Sensor
+from lagrange.mounting import Mounting
 from lagrange.surface.deviation import Profile, profiles
 from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
 
 
-def springs_on(
-    mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, slowed: np.ndarray, mass: float, n: int
-) -> Shaft | None:
-    """The same on a hub with its place and velocity, (2,), m and m/s; `slowed` : (2, 2), m, as `Drive`'s."""
-    shaft = mounting.shaft
-    if shaft is None:
+def filled(kind: type, sizes: dict[str, int], *sources: object, **values: Any) -> Any:
+    """`fields.filled`: what `values` lack comes by equal names from the first source that has it; numbers as declared,
+    so that no whole number makes another type of a tuple.
+    """
+    for name, declared in kind.__annotations__.items():
+        if name not in values and (source := next((each for each in sources if hasattr(each, name)), None)) is not None:
+            values[name] = getattr(source, name)
+        if name in values and declared in (float, int):
+            values[name] = declared(values[name])
+    return fields.filled(kind, sizes, **values)
+
+
+def springs_on(mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, slowed: np.ndarray, mass: float, n: int):
+    """A shaft's springs on a hub with its place and velocity, (2,), m and m/s; `slowed` : (2, 2), m, as `Drive`'s."""
+    if mounting.shaft is None:
         return None
-    return filled(
-        Shaft,
-        {},
-        place=hub,
-        velocity=velocity,
-        slowed=slowed,
-        before=velocity.copy(),
-        mass=float(mass),
-        stiffness=float(shaft.stiffness),
-        damping=float(shaft.damping),
-        column=row_places(n, mounting.parts)["energy_shaft"],
-    )
+    column, before = row_places(n, mounting.parts)["energy_shaft"], velocity.copy()
+    moved = {"place": hub, "velocity": velocity, "slowed": slowed, "before": before}
+    return filled(Shaft, {}, mounting.shaft, **moved, mass=mass, column=column)
 
 
 def housing_of(
     mounting: Mounting, carried: float, ring: Ring | None, place: np.ndarray, dt: float, column: int
 ) -> Housing | None:
-    """The same with a ring of which so much, kg, moves as a whole; None for one without a mesh, or free in its bore."""
-    housing, sensor = mounting.housing, mounting.sensor
+    """A housing with a ring of which so much, kg, moves as a whole; None for one without a mesh, or free in its bore.
+
+    `column` : of a sample's row, the first for it
+    """
+    housing, sensor, sizes = mounting.housing, mounting.sensor, {"width": 0 if ring is None else ring.u.shape[2]}
     if housing is None:
         return None
-    return filled(
-        Housing,
-        {"width": 0 if ring is None else ring.u.shape[2]},
-        place=place.copy(),
-        ring=ring,
-        sensor=None if sensor is None else _resonator(sensor, dt),
-        mass=float(housing.mass + carried),
-        late_mass=late_mass(float(housing.mass + carried), float(housing.damping), dt),
-        stiffness=float(housing.stiffness),
-        damping=float(housing.damping),
-        column=column,
-    )
-
-
-def _resonator(sensor: Sensor, dt: float) -> Resonator:
-    return filled(
-        Resonator,
-        {},
-        step=np.ascontiguousarray(sensor.step(dt)),
-        half_step=np.ascontiguousarray(sensor.step(0.5 * dt)),
-        pull=sensor.pull,
-    )
+    mass = float(housing.mass + carried)
+    resonator = None
+    if sensor is not None:
+        steps = {name: np.ascontiguousarray(sensor.step(t)) for name, t in (("step", dt), ("half_step", 0.5 * dt))}
+        resonator = filled(Resonator, {}, sensor, **steps)
+    late = late_mass(mass, float(housing.damping), dt)
+    known = {"place": place.copy(), "ring": ring, "sensor": resonator, "mass": mass, "late_mass": late}
+    return filled(Housing, sizes, housing, **known, column=column)
 
 
 def history_arrays(
-    bearing: Bearing,
-    operation: Operation,
-    *,
-    growth: float = 0.0,
-    roller_growth: float = 0.0,
-    outer_growth: float = 0.0,
+    bearing: Bearing, operation: Operation, growth: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> LoadHistory | None:
     """None where nothing changes.
 
-    Parameters
-    ----------
-    growth, roller_growth : m s², of the distances at which a roller touches the inner ring, and the outer one, by the
-        square of the shaft's speed
-    outer_growth : m s², of the outer raceway's radius, by the square of the outer ring's
+    `growth` : m s², of the distances at which a roller touches the inner ring, and the outer one, by the square of the
+    shaft's speed; of the outer raceway's radius, by the square of the outer ring's
     """
-    found = operation.history
+    found, outer = operation.history, None
     if found is None:
         return None
-    return filled(
-        LoadHistory,
-        {"n_now": N_NOW},
-        turn_knots=found.turn.x.copy(),
-        turn=np.ascontiguousarray(found.turn.c[::-1].T),
-        load_knots=found.load.x.copy(),
-        load=np.ascontiguousarray(found.load.c[::-1].swapaxes(0, 1)),
-        drive_work=np.array([0.0, np.nan, 0.0]),
-        unbalance=float(found.unbalance),
-        unbalance_angle=float(found.unbalance_angle),
-        outer=_outer_turn(bearing, operation, outer_growth),
-        rotating_load=float(found.rotating_load),
-        rotating_load_angle=float(found.rotating_load_angle),
-        growth=float(growth),
-        roller_growth=float(roller_growth),
-    )
+
+    def turning(spline) -> dict[str, np.ndarray]:
+        work = np.array([0.0, np.nan, 0.0])
+        return {"turn_knots": spline.x.copy(), "turn": np.ascontiguousarray(spline.c[::-1].T), "drive_work": work}
+
+    if found.outer_turn is not None:
+        outer = filled(
+            OuterTurn, {"n_outer_now": N_OUTER_NOW}, **turning(found.outer_turn), frame=np.array([0.0, 1.0, 0.0]),
+            radius=bearing.outer_raceway_radius, speed=operation.outer_speed, growth=growth[2],
+            carries_load=found.rotating_load_with == "outer_ring",
+        )  # fmt: skip
+    load = {"load_knots": found.load.x.copy(), "load": np.ascontiguousarray(found.load.c[::-1].swapaxes(0, 1))}
+    grown = {"growth": growth[0], "roller_growth": growth[1]}
+    return filled(LoadHistory, {"n_now": N_NOW}, found, **turning(found.turn), **load, **grown, outer=outer)
 
 
-def _outer_turn(bearing: Bearing, operation: Operation, growth: float) -> OuterTurn | None:
-    """What turns an outer ring; None where it stands still."""
-    found = operation.history
-    if found is None or found.outer_turn is None:
-        return None
-    return filled(
-        OuterTurn,
-        {"n_outer_now": N_OUTER_NOW},
-        turn_knots=found.outer_turn.x.copy(),
-        turn=np.ascontiguousarray(found.outer_turn.c[::-1].T),
-        frame=np.array([0.0, 1.0, 0.0]),
-        drive_work=np.array([0.0, np.nan, 0.0]),
-        radius=float(bearing.outer_raceway_radius),
-        speed=float(operation.outer_speed),
-        growth=float(growth),
-        carries_load=found.rotating_load_with == "outer_ring",
-    )
-
-
-def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What the inner and the outer raceway's `Pair` know of surfaces that are not perfect.
+def surfaces_of(bearing: Bearing, columns: int, of_part: bool = False) -> PartProfiles:
+    """What inner and outer raceway, and the rollers in their contacts with them, are; None: perfect circles.
 
     Both raceways have a profile where one has, and so one type and one code.
+
+    `of_part` : what the part of the rollers' length that spalls take meets besides
     """
-    surfaces = profiles(bearing)
+    surfaces, on_rings, on_rollers = profiles(bearing), (None, None), (None, None)
     if surfaces is None:
-        nothing = {"profile": None, "roller_profiles": None}
-        return nothing, nothing
-    on_rings, on_rollers = _profiles_met(list(vars(surfaces).values()), columns)
-    return tuple(
-        {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
-    )
-
-
-def surfaces_of(bearing: Bearing, columns: int) -> dict[str, tuple]:
-    """The same as fields of contacts of rigid bodies."""
-    inner, outer = raceway_profiles(bearing, columns)
-    return {
-        "ring_profiles": (inner["profile"], outer["profile"]),
-        "roller_profiles": (inner["roller_profiles"], outer["roller_profiles"]),
-    }
-
-
-def part_profiles(bearing: Bearing, columns: int) -> PartProfiles:
-    """What the part of the rollers' length that spalls take meets besides."""
-    every = vars(profiles(bearing)).values()
-    return PartProfiles(*_profiles_met([None if profile is None else profile.part for profile in every], columns))
-
-
-def _profiles_met(every: list[Profile | None], columns: int) -> tuple[tuple, tuple]:
-    """Of both rings, and of rollers in their contacts with them, in the order of `Profiles`."""
-    rings, rollers, on_rings, on_rollers = every[:2], every[2:], (None, None), (None, None)
-    if any(ring is not None for ring in rings):
-        on_rings = tuple(_ring_profile(ring) for ring in rings)
-    if all(roller is not None for roller in rollers):
-        on_rollers = tuple(_roller_profiles(roller, columns) for roller in rollers)
-    return on_rings, on_rollers
-
-
-def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
-    """Time in which contacts roll over the shortest knot of a profile, s; infinite on perfect circles, or standing."""
-    surfaces = profiles(bearing)
-    # of contacts along every surface
-    speed = float(np.abs(ideal.cage - ideal.outer_ring).max()) * bearing.outer_raceway_radius
-    return inf if surfaces is None or speed == 0.0 else surfaces.shortest / speed
+        return PartProfiles(on_rings, on_rollers)
+    every = list(vars(surfaces).values())
+    if of_part:
+        every = [None if profile is None else profile.part for profile in every]
+    if any(ring is not None for ring in every[:2]):
+        on_rings = tuple(_ring_profile(ring) for ring in every[:2])
+    if all(roller is not None for roller in every[2:]):
+        on_rollers = tuple(_roller_profiles(roller, columns) for roller in every[2:])
+    return PartProfiles(on_rings, on_rollers)
 
 
 def _ring_profile(profile: Profile | None) -> RingProfile:
@@ -204,11 +130,17 @@ def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
 
 
-def rigid_dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
-    """Dampers of contacts between rigid bodies, at rest; None where a scene has none."""
-    if not damping.acts:
-        return None
-    return filled(ReducedDampers, {"columns": columns, "lanes": WIDTH}, law=damping)
+def time_along_a_knot(bearing: Bearing, ideal: Kinematics, spalls: bool = True) -> float:
+    """Time in which contacts roll over the shortest knot of a profile, s; infinite on perfect circles, or standing.
+
+    `spalls` : False: of all but these
+    """
+    surfaces = profiles(bearing)
+    # of contacts along every surface
+    speed = float(np.abs(ideal.cage - ideal.outer_ring).max()) * bearing.outer_raceway_radius
+    if surfaces is None or speed == 0.0:
+        return inf
+    return (surfaces.shortest if spalls else surfaces.shortest_of_waves) / speed
 
 
 FINEST = 1e-4  # µm: a place is found to so much
@@ -263,83 +195,44 @@ def cage_seat(
     return place
 
 
-GUIDE_SIDES = {"inner_ring": -1.0, "outer_ring": 1.0}  # of the cage, where it meets that ring
-
-
 def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None) -> kernels.Cage:
     """The cage at t = 0, concentric and turning with the rollers, at these angles, rad; `first` of its columns."""
-    n, side = bearing.n_rollers, GUIDE_SIDES.get(cage.guidance)
+    n, guided = bearing.n_rollers, cage.guidance != "rollers"
     padded = np.concatenate([angle, np.zeros(-n % WIDTH)])
-    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
-    return lined_up(
-        filled(
-            kernels.Cage,
-            {"columns": padded.size},
-            motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
-            frame=np.array([1.0, 0.0]),
-            cosine=np.cos(padded),
-            sine=np.sin(padded),
-            pockets=filled(CageContacts, {"n": n}),
-            guide=None if side is None else filled(CageContacts, {"n": 1}),
-            mass=float(cage.mass),
-            inertia=float(cage.inertia),
-            pitch_radius=bearing.pitch_radius,
-            roller_radius=bearing.roller_radius,
-            half_clearance=0.5 * cage.pocket_clearance,
-            play=0.5 * (cage.guidance_clearance or 0.0),
-            guide_radius=0.0 if side is None else side * radii[cage.guidance],
-            stiffness=float(cage.stiffness),
-            damping=float(cage.damping),
-            friction=float(cage.friction_coefficient),
-            drag_torque=float(cage.drag_torque),
-            at=row_width(n, None) if first is None else first,
-        )
+    # of the cage, where it meets that ring
+    radii = {"inner_ring": -bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius, "rollers": 0.0}
+    body = filled(
+        kernels.Cage,
+        {"columns": padded.size},
+        cage,
+        bearing,
+        motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
+        frame=np.array([1.0, 0.0]),
+        cosine=np.cos(padded),
+        sine=np.sin(padded),
+        pockets=filled(CageContacts, {"n": n}),
+        guide=filled(CageContacts, {"n": 1}) if guided else None,
+        half_clearance=0.5 * cage.pocket_clearance,
+        play=0.5 * (cage.guidance_clearance or 0.0),
+        guide_radius=radii[cage.guidance],
+        friction=cage.friction_coefficient,
+        at=row_width(n, None) if first is None else first,
     )
+    return lined_up(body)
 
 
-def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: float) -> CagePair:
-    """The cage among the reduced model's bodies; `speed` of the shaft, rad/s."""
-    riders = Riders(
-        centre=bodies.centre,
-        velocity=bodies.velocity,
-        spin=bodies.spin,
-        node_impulse=np.zeros_like(bodies.velocity),
-        body_impulse=np.zeros_like(bodies.velocity),
-        turn_kick=np.zeros_like(bodies.spin),
-        n=bodies.n,
-        mass=bodies.mass,
-        inertia=bodies.inertia,
-        radius=bodies.radius,
-        swelling=None,
-    )
-    hub = ring_that_guides(bodies.hub, bodies.hub_velocity, np.zeros(2), bodies.hub_mass, speed)
-    outer = None if bodies.housing is None else ring_of_housing(bodies.housing, bodies.housing.mass)
-    return CagePair(cage=body, riders=riders, ring=guiding(cage, hub, outer))
+Guide = tuple[np.ndarray, np.ndarray, np.ndarray, float]  # of a ring: place, m, velocity, m/s, impulse, N s, mass, kg
 
 
-def guiding(cage: Cage, hub: GuidingRing, outer: GuidingRing | None) -> GuidingRing | None:
-    """The ring that guides a cage; None where rollers do, or an outer ring that the ground holds."""
-    return {"inner_ring": hub, "outer_ring": outer, "rollers": None}[cage.guidance]
-
-
-def ring_of_housing(housing: Housing, mass: float) -> GuidingRing:
-    return ring_that_guides(housing.place, housing.velocity, housing.impulse, mass)
-
-
-def ring_that_guides(
-    place: np.ndarray, velocity: np.ndarray, impulse: np.ndarray, mass: float, speed: float | None = None
-) -> GuidingRing:
-    """A ring with a body's arrays; `speed` of the shaft that turns it, None: it does not turn."""
-    return filled(
-        GuidingRing,
-        {},
-        place=place,
-        velocity=velocity,
-        impulse=impulse,
-        mass=mass,
-        speed=np.array([0.0 if speed is None else speed]),
-        turns=speed is not None,
-    )
+def cage_pair(
+    body: kernels.Cage, cage: Cage, riders: Riders, hub: Guide, housing: Guide | None, speed: float
+) -> CagePair:
+    """A cage, its rollers and the ring that guides it; `speed` of the shaft, rad/s; `housing` None: the ground."""
+    guide, ring = {"inner_ring": hub, "outer_ring": housing, "rollers": None}[cage.guidance], None
+    if guide is not None:
+        turns, moved = guide is hub, dict(zip(("place", "velocity", "impulse", "mass"), guide, strict=True))
+        ring = filled(GuidingRing, {}, **moved, speed=np.array([float(speed) if turns else 0.0]), turns=turns)
+    return CagePair(cage=body, riders=riders, ring=ring)
 
 
 def cage_springs(bearing: Bearing, cage: Cage | None, operation: Operation) -> tuple[float, float]:
@@ -378,13 +271,13 @@ def axes_at(
         {"columns": columns, "lanes": WIDTH},
         slope=np.array([start.slope_x, start.slope_y], dtype=float),
         slope_rate=np.array([start.slope_x_rate, start.slope_y_rate], dtype=float),
-        inertia=float(across),
-        along=float(along),
+        inertia=across,
+        along=along,
         spin=tuple(float(each.roller) for each in turns),
         cage=tuple(float(each.cage) for each in turns),
         hub_over=1.0 / hub.inertia if hub.is_free else 0.0,
-        hub_spin=float(hub_axial_inertia(bearing, operation)),
-        hub_stiffness=float(hub.stiffness),
+        hub_spin=hub_axial_inertia(bearing, operation),
+        hub_stiffness=hub.stiffness,
         rest=(float(hub.slope_x), float(hub.slope_y)),
         column=row_width(n, cage, operation.mounting),
     )
@@ -419,15 +312,11 @@ def beyond_tables(tilts: TiltArrays | None, tables: tuple[TiltedLaw, ...]) -> st
     *approaches, slope = tilts.furthest.max(axis=1)
     for law, approach, side in zip(tables, approaches, ("inner", "outer"), strict=True):
         deepest = law.first_approach + (law.rows + 1.0) / law.per_approach
-        if approach > deepest:
-            return (
-                f"a roller and the {side} raceway approached by {1e6 * approach:.3g} µm, and contacts that tilt are "
-                f"tabulated up to {1e6 * deepest:.3g} µm"
-            )
         steepest = law.first_slope + (law.columns + 1.0) / law.per_slope
+        most = "and contacts that tilt are tabulated up to"
+        if approach > deepest:
+            what = f"a roller and the {side} raceway approached by"
+            return f"{what} {1e6 * approach:.3g} µm, {most} {1e6 * deepest:.3g} µm"
         if slope > steepest:
-            return (
-                f"a roller and a raceway were misaligned by {1e3 * slope:.3g} mrad, and contacts that tilt are "
-                f"tabulated up to {1e3 * steepest:.3g} mrad"
-            )
+            return f"a roller and a raceway were misaligned by {1e3 * slope:.3g} mrad, {most} {1e3 * steepest:.3g} mrad"
     return None

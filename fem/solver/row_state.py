@@ -1,29 +1,94 @@
-"""States that a compiled time loop advances, writing rows that are looked at as they come."""
+"""States that a compiled time loop advances: its rows are looked at as they come, read as the result's quantities."""
 
 import time
 from abc import abstractmethod
+from collections.abc import Collection
 
 import numpy as np
 
+from fem.kernels import sample_kernels as row
 from fem.kernels.bodies import DONE
 from fem.kernels.fields import kind_of
-from fem.solver.guards import (
-    ASTRAY,
-    DOUBTFUL,
-    energy_trouble,
-    good_rows,
-    largest_forces,
-    n_balanced,
-    n_in_place,
-    place_trouble,
-    run_warnings,
-)
-from fem.solver.samples import SampleReader
+from fem.solver import guards
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
+from lagrange.bearing import Cage
+from lagrange.columns import PER_ROLLER, columns_of
 from lagrange.errors import UsageError
+from lagrange.mounting import ENERGIES, HELD, Mounting, from_outer_ring
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
+TURN = 2.0 * np.pi
+
+
+def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | slice]:
+    """Where a row of the time loops holds each column: those of `sample_kernels`, then those of a scene's parts."""
+    further = columns_of(*parts)
+    places: dict[str, int | slice] = {name: i for i, name in enumerate(row.SCALARS)}
+    at = row.N_SCALARS
+    for name in (*row.BLOCKS, *further):
+        is_block = name in row.BLOCKS or further[name].dimensions == PER_ROLLER
+        places[name] = slice(at, at + n_rollers) if is_block else at
+        at += n_rollers if is_block else 1
+    return places
+
+
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
+    """Numbers in a sample of the time loops."""
+    return _width(row_places(n_rollers, (*mounting.parts, *(() if cage is None else ("cage",)))))
+
+
+def _width(places: dict[str, int | slice]) -> int:
+    return 1 + max(at.stop - 1 if isinstance(at, slice) else at for at in places.values())
+
+
+class SampleReader:
+    """Reads blocks of rows, `plan.looks` a sample, in order; carries what runs on from block to block.
+
+    How the rows are cut into blocks, which is a matter of the wall clock, changes no bit of any quantity.
+    """
+
+    def __init__(self, plan):
+        self.plan, self.count = plan, 0
+        further = [part for part in plan.scene.parts if part not in row.IN_EVERY_ROW]
+        self._places = row_places(plan.bearing.n_rollers, further)
+        self.width = _width(self._places)  # of a row
+        self.angle = np.array(plan.first_angle)  # of the last row
+        self.base = np.full(4, np.nan)  # J, of the first row: works, dissipated, moved and stored energy
+        self.account = guards.EnergyAccount()
+
+    def read(self, rows: np.ndarray) -> Samples:
+        """Quantities of the next rows."""
+        values = {name: rows[:, place].copy() for name, place in self._places.items()}  # each is read several times
+        x, y = from_outer_ring(values, "roller")
+        works = values["work_load"] + values["work_gravity"] + values["work_drive"]
+        stored = values["energy_elastic"] + values["energy_contact"]
+        moved = values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values)
+        if self.count == 0:
+            self.base[:] = works[0], values["work_dissipated"][0], moved[0], stored[0]
+        at_start, gained = self.base, moved - self.base[2]
+        values |= {
+            "time": (self.count + np.arange(len(rows))) / self.plan.looks * self.plan.interval,
+            "roller_rho": np.hypot(x, y),
+            "roller_theta": self._unwrap(np.arctan2(y, x)),
+            "work_external": works - at_start[0],
+            "work_dissipated": values["work_dissipated"] - at_start[1],
+        }
+        self.count += len(rows)
+        imbalance = gained + (stored - at_start[3]) - values["work_external"] + values["work_dissipated"]
+        exchanged = np.fmax(stored - self.plan.pressed_energy, np.abs(gained))
+        return self.account.samples(values, imbalance, exchanged)
+
+    def _unwrap(self, angle: np.ndarray) -> np.ndarray:
+        turns = np.round((self.angle - angle[0]) / TURN)
+        unwrapped = angle + TURN * turns
+        moved = np.diff(angle, axis=0)
+        for passed in np.flatnonzero(np.abs(moved) > np.pi):  # few
+            sample, roller = divmod(passed, angle.shape[1])
+            turns[roller] -= np.round(moved[sample, roller] / TURN)
+            unwrapped[sample + 1 :, roller] = angle[sample + 1 :, roller] + TURN * turns[roller]
+        self.angle[:] = unwrapped[-1]
+        return unwrapped
 
 
 class RowState(RunState):
@@ -34,9 +99,13 @@ class RowState(RunState):
 
     def __init__(self, plan: Plan):
         super().__init__(plan)
-        self.reader = SampleReader(plan)
-        self._largest = np.zeros(3)  # N, so far: see `largest_forces`
-        self._missed, self._passed_on = 0.0, 0.0  # J, the largest energy error so far, and what it is measured by
+        self.begin()
+
+    def begin(self) -> None:
+        """Stand at the start of the plan."""
+        self.reader = SampleReader(self.plan)
+        self.largest = np.zeros(3)  # N, so far: see `largest_forces`
+        self.missed, self.passed_on = np.zeros(1), np.zeros(1)  # J, the largest energy error, what it is measured by
         self._came_apart = False  # whether the last block ended because bodies were out of place
 
     @property
@@ -45,11 +114,7 @@ class RowState(RunState):
 
     @abstractmethod
     def named_arrays(self) -> dict[str, np.ndarray]:
-        """All arrays that a run changes and the next steps need, as views."""
-
-    @abstractmethod
-    def digest(self) -> str:
-        """Of all that the steps need and no run changes."""
+        """Every array that a run changes and the next steps need, once, as views."""
 
     @abstractmethod
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
@@ -62,6 +127,10 @@ class RowState(RunState):
     def frame(self):
         """The fields at the next sample, which the scene asks for."""
         return None
+
+    @abstractmethod
+    def digest(self) -> str:
+        """Of all that the steps need and no run changes."""
 
     def take_steps(self, n_rows: int, before: int = 0) -> tuple[np.ndarray, int, int, int]:
         """Advance the arrays by so many rows: them, the kernel's status, and step and body where it is not DONE.
@@ -104,16 +173,16 @@ class RowState(RunState):
         rows, status, step, body = taken
         samples, trouble, self._came_apart = None, None, False
         if status != DONE:
-            rows = rows[: good_rows(rows)]
+            rows = rows[: guards.good_rows(rows)]
             trouble = self.velocity_trouble(step, body, len(rows))
         if len(rows):
             looked = self.read(rows)
             count, trouble = self.sound_part(looked, trouble)
             sound = looked.first(count)
-            self._largest = np.maximum(self._largest, largest_forces(sound))
+            self.largest[:] = np.maximum(self.largest, guards.largest_forces(sound))
             if count:
-                self._missed = max(self._missed, float(np.abs(sound.error).max()))
-                self._passed_on = float(sound.passed_on[-1])
+                self.missed[0] = max(self.missed[0], np.abs(sound.error).max())
+                self.passed_on[0] = sound.passed_on[-1]
             samples = sound.every(plan.looks)
             self.done += len(samples)
         return Block(samples=samples, frame=frame, trouble=trouble)
@@ -130,21 +199,22 @@ class RowState(RunState):
 
     def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
         """How many of the next samples are sound, and why no more are; `trouble` : after all of them."""
-        plan, bearing = self.plan, self.plan.model.bearing
-        give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
-        balanced, in_place = n_balanced(looked), n_in_place(bearing, give, looked)
+        plan, bearing = self.plan, self.plan.bearing
+        give = guards.ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
+        balanced, in_place = guards.n_balanced(looked), guards.n_in_place(bearing, give, looked)
         self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
         self._came_apart = in_place < balanced
         if self._came_apart:
-            trouble = place_trouble(plan, looked, in_place)
+            trouble = guards.place_trouble(plan, looked, in_place)
         elif balanced < len(looked):
-            trouble = energy_trouble(plan, looked, balanced)
+            trouble = guards.energy_trouble(plan, looked, balanced)
         return min(balanced, in_place), trouble
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        wide, missed, passed_on = run_warnings(self.plan.model.bearing, self._largest), self._missed, self._passed_on
-        if missed <= DOUBTFUL * passed_on:
+        wide = guards.run_warnings(self.plan.bearing, self.largest)
+        missed, passed_on = self.missed[0], self.passed_on[0]
+        if missed <= guards.DOUBTFUL * passed_on:
             return wide
         return (
             *wide,
@@ -152,10 +222,14 @@ class RowState(RunState):
             f"({1e3 * passed_on:.3g} mJ): the motion may be off by as much; {self.plan.finer}",
         )
 
+    def kept_arrays(self) -> dict[str, np.ndarray]:
+        """What a checkpoint keeps, as views: the arrays of the loop and of all that watches them."""
+        reader, account = self.reader, self.reader.account.sums
+        watched = {"largest": self.largest, "missed": self.missed, "passed_on": self.passed_on}
+        return self.named_arrays() | watched | {"angle": reader.angle, "base": reader.base, "account": account}
+
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        arrays = self.named_arrays() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}
-        numbers = {"model": self.digest(), "missed": self._missed, "passed_on": self._passed_on}
-        return arrays | {"largest": self._largest}, numbers
+        return self.kept_arrays(), {"model": self.digest()}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if numbers["model"] != self.digest():
@@ -163,29 +237,33 @@ class RowState(RunState):
                 "its meshes and matrices are not those computed here; go on where it was written, or start again "
                 "without --resume"
             )
-        for name, own in self.named_arrays().items():
+        for name, own in self.kept_arrays().items():
             own[...] = arrays[name]
-        self.check()
-        if np.any(arrays["largest"] < 0.0):
+        self.reader.count = self.done * self.plan.looks
+        if self.done and np.isnan([*self.reader.base, *self.reader.account.sums]).any():
+            raise ValueError(f"nothing of {self.done} samples")
+        if np.any(self.largest < 0.0):
             raise ValueError("forces that pull")
-        self._largest = arrays["largest"]
-        self._missed, self._passed_on = float(numbers["missed"]), float(numbers["passed_on"])
-        self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)
+        self.check()
 
 
-def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
-    """Every array of a named tuple, and of those in it, that a run changes, by where it stands."""
+def collect_arrays(groups: dict[str, tuple]) -> dict[str, tuple[np.ndarray, bool]]:
+    """Every array of named tuples, and of those in them, that outlives a step, once, by where it stands; and whether
+    the model determines it.
+
+    By the fields' declarations; an array without one is given if it holds places in arrays, whole numbers.
+    """
     found: dict[str, tuple[np.ndarray, bool]] = {}
-    collect_arrays(group, place, found)
-    return {name: array for name, (array, given) in found.items() if not given}
 
+    def collect(group: tuple, place: str) -> None:
+        for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
+            if isinstance(entry, np.ndarray):
+                kind = kind_of(group, name) or ("state" if entry.dtype.kind == "f" else "given")
+                if kind != "room" and not any(entry is other for other, _ in found.values()):
+                    found[f"{place}.{name}"] = entry, kind == "given"
+            elif isinstance(entry, tuple):
+                collect(entry, f"{place}.{name}")
 
-def collect_arrays(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
-    """By the fields' declarations; an array without one is given if it holds places in arrays, whole numbers."""
-    for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
-        if isinstance(entry, np.ndarray):
-            kind = kind_of(group, name) or ("state" if entry.dtype.kind == "f" else "given")
-            if kind != "room" and not any(entry is other for other, _ in found.values()):
-                found[f"{place}.{name}"] = entry, kind == "given"
-        elif isinstance(entry, tuple):
-            collect_arrays(entry, f"{place}.{name}", found)
+    for place, group in groups.items():
+        collect(group, place)
+    return found

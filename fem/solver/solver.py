@@ -22,8 +22,8 @@ from lagrange.surface.faults import Spall
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from fem.solver.elements.arrays import Frame
     from fem.solver.errors import ErrorEstimate
-    from fem.solver.frames import Frame
 
 ROUND_OFF = 1e-9  # of the kinetic energy, no imbalance: a bearing without load exchanges next to nothing
 Numbers = dict[str, object]  # what a line of JSON holds

@@ -49,7 +49,7 @@ def found(plan: Plan, halving: bool = True) -> Found:
     """Run a plan; without `halving` a reduced model keeps its step whatever its energy does."""
     blocks, state, trouble = [], plan.first_state(), ""
     if not halving:
-        state._halvings = 99  # none is left
+        state.restarts["halvings"] = 99  # none is left
     plan.prepare()
     try:
         run(plan, blocks.append, state=state, restart=lambda reason: blocks.clear())

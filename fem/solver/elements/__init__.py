@@ -1,1 +1,1 @@
-"""Finite elements: `plan` (all decided before the first step), `start`, `arrays`, `tilted` (rollers that tilt)."""
+"""Finite elements: `plan` (all decided before the first step), `start`, `arrays` and the fields read off them."""

@@ -1,21 +1,24 @@
-"""Arrays of the finite elements' time loop from a model, a start and a time step: bodies, surfaces, pairs, contacts."""
+"""Arrays of the finite elements' time loop from a model, a start and a time step: bodies, surfaces, pairs, contacts.
 
-import hashlib
+And the fields that are read off them: displacements at an instant, and what they are in the fixed axes.
+"""
+
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import expm1
+from typing import Protocol
 
 import numba
 import numpy as np
 
 from fem.contacts.model import KernelData, Model
-from fem.elastic.bodies import DiscBody, RigidRing, RingBody
+from fem.elastic.bodies import DiscBody, RigidRing, RingBody, turned
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
-from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels import disc_kernels, ring_kernels, state
 from fem.kernels.bore import Bore, HeldNodes
-from fem.kernels.cage import CagePair, Riders
-from fem.kernels.fields import at_line, filled, lined_up
+from fem.kernels.cage import Riders
+from fem.kernels.fields import at_line, lined_up
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
@@ -24,47 +27,17 @@ from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.shaft import late_mass
-from fem.kernels.state import (
-    INNER,
-    OUTER,
-    ROLLER,
-    Bodies,
-    BodyDamping,
-    Contacts,
-    Dampers,
-    Disc,
-    DiscSurface,
-    Drive,
-    Forces,
-    Friction,
-    Ground,
-    Hub,
-    Pair,
-    Patches,
-    RigidDisc,
-    Ring,
-    RingSurface,
-    Rollers,
-    Scratch,
-    Shear,
-)
+from fem.kernels.state import INNER, OUTER, ROLLER, Bodies, Contacts, Disc, DiscSurface, Drive, Pair, Ring, Rollers
+from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
+from fem.solver import parts
 from fem.solver.elements.start import Start
-from fem.solver.parts import (
-    cage_state,
-    guiding,
-    history_arrays,
-    housing_of,
-    raceway_profiles,
-    ring_of_housing,
-    ring_that_guides,
-    springs_on,
-)
-from fem.solver.row_state import collect_arrays
-from fem.solver.samples import row_width
+from fem.solver.parts import filled
+from fem.solver.row_state import collect_arrays, row_width
+from fem.solver.start import Tables
 from lagrange import Bearing, Operation
+from lagrange.axial import Axial
 from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics_met
-from lagrange.mounting import Mounting
 from lagrange.scene.run import DampingTable
 from lagrange.surface.deviation import profiles
 
@@ -77,31 +50,23 @@ class Arrays:
     groups: tuple[tuple[Pair, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
     contacts: Contacts
     drive: Drive
-    scratch: Scratch
+    scratch: state.Scratch
+
+    def every(self) -> dict[str, tuple[np.ndarray, bool]]:
+        """Every array that outlives a step, once, by where it stands, and whether the model determines it.
+
+        Surfaces and pairs share those of bodies.
+        """
+        return collect_arrays({"bodies": self.bodies, "contacts": self.contacts, "drive": self.drive})
 
     def named(self) -> dict[str, np.ndarray]:
-        """Every array that a run changes, once, by where it stands; surfaces and pairs share those of bodies."""
-        return {name: array for name, (array, given) in self._all().items() if not given}
-
-    def digest(self) -> str:
-        """Of the arrays that the model determines, which no run changes."""
-        text = hashlib.sha256()
-        for name, (array, given) in self._all().items():
-            if given:
-                text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
-        return text.hexdigest()
+        """Those that a run changes."""
+        return {name: array for name, (array, given) in self.every().items() if not given}
 
     @property
     def nbytes(self) -> int:
         """Of the arrays that a run changes, and of those that each step fills."""
         return sum(getattr(array, "nbytes", 0) for array in (*self.named().values(), *self.scratch))
-
-    def _all(self) -> dict[str, tuple[np.ndarray, bool]]:
-        """Every array that outlives a step, and whether the model determines it."""
-        found: dict[str, tuple[np.ndarray, bool]] = {}
-        for name in ("bodies", "contacts", "drive"):
-            collect_arrays(getattr(self, name), name, found)
-        return found
 
     def check(self) -> None:
         """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
@@ -112,16 +77,25 @@ class Arrays:
         """
         patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
         for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
-            sides = pair.surface or self.bodies.surface, self.bodies.surface
-            for side, surface in enumerate(sides):
+            for side, surface in enumerate((pair.surface or self.bodies.surface, self.bodies.surface)):
+                last = 0  # place in a surface's arrays where a node may stand, with what is read beside and behind it
+                if isinstance(surface, state.RingSurface):
+                    last = surface.u.size - surface.cosines.size - WIDTH
+                elif isinstance(surface, DiscSurface):
+                    last = surface.u.size - surface.columns - 1
                 _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
-                _check_between("patches.place", patches.place[2 * pair.row + side], _last_place(surface))
+                _check_between("patches.place", patches.place[2 * pair.row + side], last)
         if points is not None and points.spread is not None:
             closed, most = points.spread.closed, points.closing.size
             _check_between("closed", closed[..., 0], closed[..., 1])
             _check_between("closed", closed[..., 1], most)
         if shear is not None and np.any(shear.compliance <= 0.0):
             raise ValueError("springs without a compliance")
+
+
+def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
+    if np.any(found < 0) or np.any(found > most):
+        raise ValueError(f"{name} lies outside of its array")
 
 
 REACH = 0.01  # of a roller's radius
@@ -132,122 +106,61 @@ def pair_groups(
     model: Model, rings: tuple[Ring, Ring], drive: Drive, housing: Housing | None, data: KernelData, columns: int
 ) -> tuple:
     """All pairs of bodies that may touch, in groups of one type. `housing`: of the outer ring; None: the ground."""
-    bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
-    nowhere = np.zeros(2)
-    held_at = nowhere if housing is None else housing.place
+    bearing, (hub, ground), nowhere = model.bearing, (model.inner_ring, model.outer_ring), np.zeros(2)
+    held_at, pushed = (nowhere, np.zeros(2)) if housing is None else (housing.place, housing.impulse)
     turning = None if drive.history is None else drive.history.outer
-    if not hub.material.rigid:
-        inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
-    else:
-        inner_surface = _moved_with(bearing, drive.hub, drive, hub.raceway_radius)._replace(
-            speed=drive.speed, history=drive.history
+    profile, n = parts.surfaces_of(bearing, columns), {"n_contacts": bearing.n_rollers}
+
+    def raceway(body: RingBody, ring: Ring, row: int, rigid: object, **more):
+        """Its `Pair` with the rollers; `rigid` : its surface, if it is."""
+        surface = rigid
+        if not body.material.rigid:
+            mass, ripple = ring.row_mass[ring.raceway], at_line(with_seam(data.ripples[row]))
+            of_row = {"row": ring.raceway, "n_nodes": ring.n_sectors, "node_mass": mass, "ripple": ripple}
+            surface = filled(state.RingSurface, {}, ring, **of_row, radius=body.raceway_radius)
+        return Pair(
+            row=row,
+            sign=1.0 if row == INNER else -1.0,
+            radius=body.raceway_radius,
+            orbit=ground.raceway_radius - model.roller.shape.radius,
+            law=data.laws[row],
+            surface=surface,
+            counted_from=nowhere if body.material.rigid else more["centre"],
+            profile=profile.ring_profiles[row],
+            roller_profiles=profile.roller_profiles[row],
+            **more,
         )
-    if not ground.material.rigid:
-        outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])
-    elif housing is None:
-        outer_surface = Ground(radius=ground.raceway_radius, turning=turning)
-    else:
-        outer_surface = _moved_with(bearing, housing.place, housing, ground.raceway_radius)
-    orbit = ground.raceway_radius - model.roller.shape.radius
-    inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
-    on_inner = Pair(
-        row=INNER,
-        sign=1.0,
-        radius=hub.raceway_radius,
-        orbit=orbit,
-        law=data.laws[INNER],
-        surface=inner_surface,
-        centre=drive.hub,
-        counted_from=nowhere if hub.material.rigid else drive.hub,
-        frame=drive.frame,
-        impulse=drive.impulse,
-        moment=drive.moment,
-        **inner_profiles,
-    )
-    on_outer = Pair(
-        row=OUTER,
-        sign=-1.0,
-        radius=ground.raceway_radius,
-        orbit=orbit,
-        law=data.laws[OUTER],
-        surface=outer_surface,
-        centre=held_at,
-        counted_from=nowhere if ground.material.rigid else held_at,
-        frame=np.array([0.0, 1.0, 0.0]) if turning is None else turning.frame,
-        impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
-        moment=np.zeros(2) if turning is None else turning.moment,
-        **outer_profiles,
-    )
+
+    # rigid rings are part of the hub, or of the housing, which does not turn
+    on_hub = filled(state.Hub, {}, drive, **n, place=drive.hub, radius=hub.raceway_radius)
+    on_ground = state.Ground(radius=ground.raceway_radius, turning=turning)
+    if housing is not None:
+        on_ground = filled(state.Hub, {}, housing, **n, speed=0.0, radius=ground.raceway_radius)
+    moved = {"frame": drive.frame, "impulse": drive.impulse, "moment": drive.moment}
+    on_inner = raceway(hub, rings[0], INNER, on_hub, centre=drive.hub, **moved)
+    moved = {"frame": np.array([0.0, 1.0, 0.0]), "moment": np.zeros(2), "impulse": pushed}  # the ground's nobody reads
+    if turning is not None:
+        moved |= {"frame": turning.frame, "moment": turning.moment}
+    on_outer = raceway(ground, rings[1], OUTER, on_ground, centre=held_at, **moved)
     between = Pair(row=ROLLER, law=data.laws[ROLLER])
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
-def _moved_with(bearing: Bearing, place: np.ndarray, body: Drive | Housing, radius: float) -> Hub:
-    """A rigid ring that is part of the hub, or of the housing, and does not turn."""
-    return Hub(
-        place=place,
-        velocity=body.velocity,
-        impulse=body.impulse,
-        n_contacts=bearing.n_rollers,
-        late_mass=body.late_mass,
-        speed=0.0,
-        radius=radius,
-    )
-
-
-def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
+def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | state.RigidDisc:
     """What contacts see of rollers."""
-    if model.roller.material.rigid:
-        return RigidDisc(
-            velocity=rollers.velocity,
-            spin=rollers.spin,
-            turn_kick=rollers.turn_kick,
-            columns=rollers.columns,
-            total_mass=rollers.total_mass,
-            inertia=rollers.inertia,
-            radius=rollers.radius,
-        )
-    return DiscSurface(
-        u=disc.u,
-        w=disc.w,
-        v=disc.v,
-        points=disc.points,
-        inverse_mass=at_line(
-            1.0 / np.append(disc.mass, np.resize(disc.mass[model.roller.first_surface_node :], WIDTH))
-        ),
-        impulse=rollers.node_impulse,
-        ripple=at_line(with_seam(data.ripples[ROLLER])),
-        first=model.roller.first_surface_node,
-        n_nodes=model.roller.shape.surface_nodes,
-        columns=rollers.columns,
-        radius=rollers.radius,
-    )
-
-
-def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
-    return RingSurface(
-        u=ring.u,
-        w=ring.w,
-        v=ring.v,
-        cosines=ring.cosines,
-        sines=ring.sines,
-        ripple=at_line(with_seam(ripple)),
-        row=ring.raceway,
-        n_nodes=ring.n_sectors,
-        node_mass=float(ring.row_mass[ring.raceway]),
-        radius=body.raceway_radius,
-    )
+    body, ripple = model.roller, data.ripples[ROLLER]
+    if body.material.rigid:
+        return filled(state.RigidDisc, {}, rollers)
+    masses = np.append(disc.mass, np.resize(disc.mass[body.first_surface_node :], WIDTH))
+    known = {"inverse_mass": at_line(1.0 / masses), "ripple": at_line(with_seam(ripple))}
+    n = body.shape.surface_nodes
+    return filled(DiscSurface, {}, disc, rollers, **known, impulse=rollers.node_impulse, n_nodes=n)
 
 
 def contact_arrays(
-    model: Model,
-    operation: Operation,
-    start: Start,
-    data: KernelData,
-    friction: float,
-    mass: ReciprocalMass,
+    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, mass: ReciprocalMass,
     columns: int,
-) -> Contacts:
+) -> Contacts:  # fmt: skip
     """Contacts at the start, with its static forces. `mass` : of nodes.
 
     Errors
@@ -256,53 +169,38 @@ def contact_arrays(
     """
     if mass.share > 0.0 and friction > 0.0 and data.shear_levels is None:
         raise ValueError("contacts without tangential springs need lumped masses")
-    n = model.bearing.n_rollers
-    pairs = len(data.laws)
-    force = np.zeros((pairs, columns))
+    n, pairs, moves = model.bearing.n_rollers, len(data.laws), operation.mounting.housing is not None
+    force, shear, overlapping = np.zeros((pairs, columns)), None, None
     force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
     sizes = {"pairs": pairs, "columns": columns, "entries": N_NODES * len(data.units)}
+    if data.shear_levels is not None:
+        shear = filled(state.Shear, sizes, level=np.array(data.shear_levels))
+    else:
+        overlapping = _overlapping(model, data.neighbourly)
+    rigid = [body.material.rigid for body in (model.roller, model.inner_ring, model.outer_ring)]
+    shared = rigid[0] or rigid[1] or (rigid[2] and moves)  # rigid bodies, by contacts
+    how = {"coefficient": friction, "overlapping": overlapping, "whole": True if shared else None, "shear": shear}
     return Contacts(
-        forces=filled(Forces, sizes, force=force),
-        patches=filled(Patches, sizes, columns=columns, units=data.units),
-        friction=filled(
-            Friction,
-            sizes,
-            coefficient=float(friction),
-            overlapping=_overlapping(model, data.neighbourly) if data.shear_levels is None else None,
-            whole=True if _shares_rigid_bodies(model, operation) else None,
-            shear=None if data.shear_levels is None else filled(Shear, sizes, level=np.array(data.shear_levels)),
-        ),
+        forces=filled(state.Forces, sizes, force=force),
+        patches=filled(state.Patches, sizes, columns=columns, units=data.units),
+        friction=filled(state.Friction, sizes, **how),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
     )
 
 
-def _shares_rigid_bodies(model: Model, operation: Operation) -> bool:
-    moves = operation.mounting.housing is not None
-    return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
-
-
 def _overlapping(model: Model, width: float) -> int | None:
     """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
 
-    On a raceway those of rollers that touch, on a roller its own.
+    On a raceway those of rollers that touch; on a roller its own, from a raceway to the other roller, which is less
+    than from raceway to raceway. On rigid bodies none.
     """
-    on_raceways, on_rollers = _nodes_between(model)
-    if on_raceways < width:
-        return ALWAYS
-    return WHERE_ROLLERS_TOUCH if on_rollers < width else None
-
-
-def _nodes_between(model: Model) -> tuple[float, float]:
-    """Node spacings between contacts of two rollers that touch: on a raceway, and on a roller; infinite on rigid ones.
-
-    On a roller that is from a raceway to the other roller, less than from raceway to raceway.
-    """
-    bearing = model.bearing
+    bearing, rings = model.bearing, (model.inner_ring, model.outer_ring)
     apart = np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius)) / np.pi  # turns
-    rings = [ring.n_sectors * apart for ring in (model.inner_ring, model.outer_ring) if not ring.material.rigid]
-    on_rollers = model.roller.shape.surface_nodes * (0.25 - 0.5 * apart)
-    return min(rings, default=np.inf), np.inf if model.roller.material.rigid else on_rollers
+    if any(ring.n_sectors * apart < width for ring in rings if not ring.material.rigid):
+        return ALWAYS
+    on_roller = model.roller.shape.surface_nodes * (0.25 - 0.5 * apart)
+    return WHERE_ROLLERS_TOUCH if on_roller < width and not model.roller.material.rigid else None
 
 
 def _reach(model: Model, operation: Operation) -> float:
@@ -321,74 +219,65 @@ def _reach(model: Model, operation: Operation) -> float:
 
 
 def make_arrays(
-    model: Model,
-    operation: Operation,
-    start: Start,
-    dt: float,
-    friction: float,
-    ramp: float,
-    largest_force: float,
+    model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float, largest_force: float,
     mass: ReciprocalMass,
-) -> Arrays:
+) -> Arrays:  # fmt: skip
     """Positions at t = 0 and velocities at −dt/2.
 
     `ramp` in s; the largest static contact force in N; `mass` : of nodes.
     """
-    slowing = mass.at(dt)
-    inner = ring_nodes(model.inner_ring, dt, slowing)
-    outer = ring_nodes(model.outer_ring, dt, slowing)
-    rollers = _rollers(model.roller, model.bearing.n_rollers)
-    disc = disc_nodes(model.roller, dt, rollers.columns)
+    slowing, data, around = mass.at(dt), model.kernel_data(largest_force), start.equilibrium
+    hub, ground, mounting, n = model.inner_ring, model.outer_ring, operation.mounting, model.bearing.n_rollers
+    inner, outer = ring_nodes(hub, dt, slowing), ring_nodes(ground, dt, slowing)
+    columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
+    body = model.roller
+    whole = {"total_mass": body.total_mass, "inertia": body.polar_inertia, "radius": body.shape.radius}
+    rollers, disc = filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole), disc_nodes(body, dt, columns)
     drive = _drive(model, operation, start, dt, ramp, slowing)
-    data = model.kernel_data(largest_force)
-    contacts = contact_arrays(model, operation, start, data, friction, mass, rollers.columns)
-    if not model.inner_ring.material.rigid:
-        places = start.equilibrium.inner_ring, start.equilibrium.hub + start.housing
-        rates, chord = (start.inner_rate, start.hub_velocity), dt if start.steady else 0.0
-        momenta = _place_turning(model.inner_ring, inner, places, rates, operation.speed, chord, slowing)
-        drive.velocity[:] -= held_velocity(model.inner_ring, momenta, slowing, drive.mass)
-    if not model.outer_ring.material.rigid:
-        shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
-        _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
-        outer_momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
-        _fill(outer.w, outer_momenta)
-        if operation.history is not None and operation.history.outer_turn is not None:
-            places, rates = (start.equilibrium.outer_ring, np.zeros(2)), (start.outer_rate, np.zeros(2))
-            chord = dt if start.steady else 0.0
-            _place_turning(model.outer_ring, outer, places, rates, operation.outer_speed, chord, slowing)
-    _place_rollers(model.roller, rollers, disc, start, dt, slowing)
+    contacts = contact_arrays(model, operation, start, data, friction, mass, columns)
+    chord, history = dt if start.steady else 0.0, operation.history
+    if not hub.material.rigid:
+        places, rates = (around.inner_ring, around.hub + start.housing), (start.inner_rate, start.hub_velocity)
+        momenta = _place_turning(hub, inner, places, rates, operation.speed, chord, slowing)
+        drive.velocity[:] -= held_velocity(hub, momenta, slowing, drive.mass)
+    if not ground.material.rigid:
+        outer_momenta = ring_momenta(ground, start.outer_rate, slowing)
+        if history is not None and history.outer_turn is not None:
+            places, rates = (around.outer_ring, np.zeros(2)), (start.outer_rate, np.zeros(2))
+            _place_turning(ground, outer, places, rates, operation.outer_speed, chord, slowing)
+        else:
+            shift = np.broadcast_to(start.housing, (len(ground.points), 2))
+            _fill(outer.u, around.outer_ring + ground.polar(shift))
+            _fill(outer.w, outer_momenta)
+    _place_rollers(body, rollers, disc, start, dt, slowing)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
     if mass.share == 0.0:
         disc, inner, outer = (group._replace(v=group.w) for group in (disc, inner, outer))
     if mass.calming == 0.0:
         disc, inner, outer = (group._replace(calmed=group.w) for group in (disc, inner, outer))
-    surface = disc_surface(model, rollers, disc, data)
-    column = N_SCALARS + len(BLOCKS) * rollers.n
-    housing = housing_body(model, operation, outer, start.housing, dt, column)
-    shaft = springs_on(operation.mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, rollers.n)
-    of_bore = column + len(replace(operation.mounting, bore=None).columns)
-    bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
+    column = N_SCALARS + len(BLOCKS) * n
+    housing = _housing(model, operation, outer, start.housing, dt, column)
+    shaft = parts.springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
+    of_bore = column + len(replace(mounting, bore=None).columns)
+    bore = bore_body(ground, outer, start.outer_rate, housing, of_bore)
     others = tuple(body for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if housing is not None and housing.ring is not None:
-        housing.velocity[:] -= held_velocity(model.outer_ring, outer_momenta, slowing, housing.mass)
-    if isinstance(model.outer_ring, SupportedRing):
-        held = model.outer_ring.held_sectors.astype(np.int64)
+        housing.velocity[:] -= held_velocity(ground, outer_momenta, slowing, housing.mass)
+    if isinstance(ground, SupportedRing):
+        held = ground.held_sectors.astype(np.int64)
         place = outer.u[outer.held][:, HALO + held].copy()
-        moved = {"u": outer.u, "w": outer.w, "calmed": outer.calmed}
-        others = (*others, HeldNodes(**moved, sectors=held, place=place, row=outer.held))
+        others = (*others, filled(HeldNodes, {}, outer, sectors=held, place=place, row=outer.held))
+    copies = {"rollers_w": disc.w, "rollers_velocity": rollers.velocity, "inner_w": inner.w, "outer_w": outer.w}
+    copies = {name: np.zeros_like(array) for name, array in copies.items()}
+    sizes = {"columns": columns, "inner": inner.u.shape[2], "outer": outer.u.shape[2]}
+    surface = disc_surface(model, rollers, disc, data)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
-        groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
+        groups=pair_groups(model, (inner, outer), drive, housing, data, columns),
         contacts=lined_up(contacts),
         drive=drive,
-        scratch=lined_up(_scratch(rollers, disc, inner, outer)),
+        scratch=lined_up(filled(state.Scratch, sizes, **copies)),
     )
-
-
-def _rollers(disc: DiscBody, n: int) -> Rollers:
-    columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
-    whole = {"total_mass": disc.total_mass, "inertia": disc.polar_inertia, "radius": disc.shape.radius}
-    return filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole)
 
 
 def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
@@ -415,7 +304,11 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
 def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     """Nodes at rest of a ring, for steps of `dt`, s."""
     if isinstance(ring, RigidRing):
-        return _rigid_ring(ring)
+        width = WIDTH + 2 * HALO  # one node, in a register of its own
+        gyration, mass = np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]), np.array([ring.total_mass])
+        rows = dict.fromkeys(("first_row", "last_row", "raceway", "held"), 0)
+        one = {"radii": gyration, "row_mass": mass, "cosines": np.ones(width), "n_sectors": 1}
+        return filled(Ring, {"n_rows": 1, "width": width}, **one, **rows)
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
     table = -dt * ring_kernels.coefficients(ring.stencil) / ring.row_mass[:, None]
@@ -437,22 +330,6 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
         last_row=first + len(ring.free_rows),
         raceway=ring.raceway_row,
         held=ring.held_row,
-    )
-
-
-def _rigid_ring(ring: RigidRing) -> Ring:
-    width = WIDTH + 2 * HALO  # one node, in a register of its own
-    return filled(
-        Ring,
-        {"n_rows": 1, "width": width},
-        radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
-        row_mass=np.array([ring.total_mass]),
-        cosines=np.ones(width),
-        n_sectors=1,
-        first_row=0,
-        last_row=0,
-        raceway=0,
-        held=0,
     )
 
 
@@ -515,52 +392,31 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowing: Slowing) -> Drive:
     mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
+    late = late_mass(mass, 0.0 if shaft is None else shaft.damping, dt)
     return filled(
         Drive,
         {},
+        operation,
         hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
         frame=np.array([0.0, 1.0, 0.0]),
         mass=mass,
-        late_mass=late_mass(mass, 0.0 if shaft is None else shaft.damping, dt),
-        speed=float(operation.speed),
-        gravity=float(operation.gravity),
-        dt=float(dt),
+        late_mass=late,
+        dt=dt,
         slowing=slowing.waves,
         calming=slowing.velocities / float(dt),
-        radial_load=float(operation.radial_load),
-        ramp=float(ramp),
-        history=history_arrays(model.bearing, operation),
+        ramp=ramp,
+        history=parts.history_arrays(model.bearing, operation),
     )
 
 
 def hub_mass(ring: RingBody, operation: Operation) -> float:
     """What moves with the hub, kg: the shaft, and the ring's held row or a rigid ring."""
-    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
-    return float(operation.inner_mass - ring.total_mass + held)
+    return float(operation.inner_mass - ring.total_mass + _held_mass(ring))
 
 
-def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring) -> Scratch:
-    return filled(
-        Scratch,
-        {"columns": rollers.columns, "inner": inner.u.shape[2], "outer": outer.u.shape[2]},
-        rollers_w=np.zeros_like(disc.w),
-        rollers_velocity=np.zeros_like(rollers.velocity),
-        inner_w=np.zeros_like(inner.w),
-        outer_w=np.zeros_like(outer.w),
-    )
-
-
-def _last_place(surface: tuple) -> int:
-    """The last place in a surface's arrays where a node may stand, with what is read beside and behind it."""
-    if isinstance(surface, RingSurface):
-        return surface.u.size - surface.cosines.size - WIDTH
-    return surface.u.size - surface.columns - 1 if isinstance(surface, DiscSurface) else 0
-
-
-def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
-    if np.any(found < 0) or np.any(found > most):
-        raise ValueError(f"{name} lies outside of its array")
+def _held_mass(ring: RingBody) -> float:
+    return ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
 
 
 def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int) -> Bore | None:
@@ -572,90 +428,172 @@ def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housi
     """
     if not isinstance(body, BoredRing):
         return None
-    return filled(
-        Bore,
-        {"n_sectors": body.n_sectors, "width": ring.w.shape[2]},
-        ring=ring,
-        place=np.zeros(2) if housing is None else housing.place,
-        impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
-        velocity=body.cartesian(outer_rate).reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0),
-        play=float(body.play),
-        stiffness=float(body.stiffness),
-        column=column,
-    )
+    sizes, velocity = {"n_sectors": body.n_sectors, "width": ring.w.shape[2]}, body.cartesian(outer_rate)
+    velocity = velocity.reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0)
+    # the ground's impulse nobody reads
+    place, impulse = (np.zeros(2), np.zeros(2)) if housing is None else (housing.place, housing.impulse)
+    known = {"ring": ring, "place": place, "impulse": impulse, "velocity": velocity, "column": column}
+    return filled(Bore, sizes, **known, play=body.play, stiffness=body.stiffness)
 
 
-def housing_body(
+def _housing(
     model: Model, operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
 ) -> Housing | None:
-    """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring.
-
-    `column` : of a sample's row, the first for it
-    """
-    mounting, body = operation.mounting, model.outer_ring
-    if mounting.housing is None:
-        return None
-    if isinstance(body, BoredRing):  # which moves by itself
-        return housing_of(mounting, 0.0, None, place, dt, column)
-    rigid = body.material.rigid
-    carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
-    return housing_of(mounting, carried, None if rigid else ring, place, dt, column)
+    """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring."""
+    body = model.outer_ring
+    free = isinstance(body, BoredRing)  # which moves by itself
+    carried = None if free or body.material.rigid else ring
+    return parts.housing_of(operation.mounting, 0.0 if free else _held_mass(body), carried, place, dt, column)
 
 
 def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
     """The arrays with what a scene's [damping] says; themselves where it says nothing."""
-    contacts, bodies, dt = arrays.contacts, arrays.bodies, arrays.drive.dt
+    contacts, bodies, history = arrays.contacts, arrays.bodies, arrays.drive.history
     if table.contacts.acts:
         levels = np.array(model.kernel_data(1.0).whole_levels)
-        shape = contacts.forces.force.shape
-        sizes = dict(zip(("pairs", "columns"), shape, strict=True))
-        contacts = contacts._replace(dampers=filled(Dampers, sizes, law=table.contacts, whole=levels))
+        sizes = dict(zip(("pairs", "columns"), contacts.forces.force.shape, strict=True))
+        contacts = contacts._replace(dampers=filled(state.Dampers, sizes, law=table.contacts, whole=levels))
     if table.bodies_1_s > 0.0:
-        step = table.bodies_1_s * dt
+        share = -expm1(-table.bodies_1_s * arrays.drive.dt)
         around = [body for body in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
-        turning = None if arrays.drive.history is None else arrays.drive.history.outer
-        damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else turning)
+        turning = None if history is None else history.outer
+        damping = filled(state.BodyDamping, {}, share=share, around=around[0] if around else turning)
         bodies = bodies._replace(damping=damping)
     return replace(arrays, contacts=contacts, bodies=bodies)
 
 
 def with_cage(
-    arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, seat: np.ndarray, mounting: Mounting
+    arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, seat: np.ndarray, operation: Operation
 ) -> Arrays:
-    """Arrays of the finite elements with a cage; `seat` : (2,), m, of its centre from the outer ring's."""
-    rollers, drive = arrays.bodies.rollers, arrays.drive
-    first = row_width(bearing.n_rollers, None, mounting)
-    body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
+    """Arrays with a cage; `seat` : (2,), m, of its centre from the outer ring's."""
+    rollers, drive, bodies = arrays.bodies.rollers, arrays.drive, arrays.bodies
+    first = row_width(bearing.n_rollers, None, operation.mounting)
+    body = parts.cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
     body.motion[0, :2] = start.housing + seat
-    if arrays.bodies.disc.mass.size:
+    if bodies.disc.mass.size:
         rollers = rollers._replace(swelling=np.zeros(rollers.columns))
-    housing = next((body for body in arrays.bodies.others if isinstance(body, Housing)), None)
-    outer = None if housing is None else ring_of_housing(housing, housing.late_mass)
-    pair = CagePair(
-        cage=body,
-        riders=_riders(rollers),
-        ring=guiding(
-            cage, ring_that_guides(drive.hub, drive.velocity, drive.impulse, drive.late_mass, drive.speed), outer
-        ),
-    )
+    housing = next((body for body in bodies.others if isinstance(body, Housing)), None)
+    outer = None if housing is None else (housing.place, housing.velocity, housing.impulse, housing.late_mass)
+    hub = drive.hub, drive.velocity, drive.impulse, drive.late_mass
+    riders = filled(Riders, {}, rollers, mass=rollers.total_mass)
+    pair = parts.cage_pair(body, cage, riders, hub, outer, drive.speed)
     return replace(
         arrays,
-        bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, body)),
+        bodies=bodies._replace(rollers=rollers, others=(*bodies.others, body)),
         groups=((pair,), *arrays.groups),  # before impulses through nodes, which it would take for its rollers' own
     )
 
 
-def _riders(rollers: Rollers) -> Riders:
-    return Riders(
-        centre=rollers.centre,
-        velocity=rollers.velocity,
-        spin=rollers.spin,
-        node_impulse=rollers.node_impulse,
-        body_impulse=rollers.body_impulse,
-        turn_kick=rollers.turn_kick,
-        n=rollers.n,
-        mass=rollers.total_mass,
-        inertia=rollers.inertia,
-        radius=rollers.radius,
-        swelling=rollers.swelling,
+def with_axes(
+    arrays: Arrays, bearing: Bearing, operation: Operation, axial: Axial, cage: Cage | None, tables: Tables,
+    start: Start,
+) -> Arrays:  # fmt: skip
+    """Arrays with axes that tilt from a start on."""
+    bodies, rollers, (laws, rests) = arrays.bodies, arrays.bodies.rollers, parts.laws_of(tables)
+    sizes, uneven = {"columns": rollers.columns}, profiles(bearing) is not None
+    part = None if rests[INNER] is None else parts.surfaces_of(bearing, rollers.columns, of_part=True)
+    absent = ([] if uneven else ["edges"]) + ([] if part is not None else ["sunken"])
+    tilts = parts.axes_at(bearing, operation, axial, cage, start.tilts, rollers.columns)
+    axes = filled(Axes, sizes, tilts=tilts, tilted=filled(PatchMoments, sizes, **dict.fromkeys(absent)), n=rollers.n)
+    outer = next(pair for group in arrays.groups for pair in group if getattr(pair, "row", None) == OUTER)
+
+    def sliced(pair):
+        """A raceway's pair with tables, and without edges, which these take: for patches they would be ripples."""
+        if not isinstance(pair, Pair) or pair.surface is None:
+            return pair
+        row, whole, surfaces = pair.row, {"profile": pair.profile, "roller_profiles": pair.roller_profiles}, None
+        if uneven:
+            of_part = None if part is None else (part.ring_profiles[row], part.roller_profiles[row])
+            surfaces = filled(TiltedSurfaces, {}, pair, rest=rests[row], whole=tuple(whole.values()), part=of_part)
+        law = filled(
+            SlicedLaw, {}, pair.law, pair, table=laws[row], axes=axes, length=bearing.roller_length,
+            slope=axes.tilts.slope if row == INNER else np.zeros(2),
+            on_ring=axes.on_hub if row == INNER else np.zeros(2),
+            middle=outer.centre, back=outer.impulse, surfaces=surfaces,
+        )  # fmt: skip
+        smooth = {
+            name: each._replace(compliance=at_line(np.zeros_like(each.compliance)))
+            for name, each in whole.items()
+            if each is not None
+        }
+        return pair._replace(law=law, **smooth)
+
+    groups = tuple(tuple(sliced(pair) for pair in group) for group in arrays.groups)
+    return replace(arrays, bodies=bodies._replace(others=(*bodies.others, axes)), groups=groups)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """Displacements at one sample, in the bodies' own frames; m."""
+
+    sample: int
+    time: float  # s
+    roller_turn: np.ndarray  # (n_rollers,), rad
+    ring_turn: float  # rad, of the inner ring
+    outer_turn: float  # rad, of the outer ring
+    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
+    inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
+
+
+def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Frame:
+    """The solver's displacements just before a sample is taken."""
+    rollers, disc, drive, ring = arrays.bodies.rollers, arrays.bodies.disc, arrays.drive, model.inner_ring
+    turn = float(drive.frame[0])
+    outer, bodies = model.outer_ring, np.zeros((model.roller.n_nodes, 2, rollers.n))
+    inner, outside = (np.zeros((body.n_rows, 2, body.n_sectors)) for body in (ring, outer))
+    if not model.roller.material.rigid:
+        bodies = disc.u.reshape(model.roller.n_nodes, 2, rollers.columns)[:, :, : rollers.n].copy()
+    if not ring.material.rigid:
+        shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
+        inner = arrays.bodies.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
+    if not outer.material.rigid:
+        carried = [body.place for body in arrays.bodies.others if isinstance(body, Housing)]
+        outside = arrays.bodies.outer.u[:, :, HALO:-HALO].copy()
+        for place in carried:
+            outside -= outer.polar(np.broadcast_to(place, (len(outer.points), 2)))
+    return Frame(
+        sample=sample,
+        time=sample * interval,
+        roller_turn=rollers.turn[: rollers.n].copy(),
+        ring_turn=turn,
+        outer_turn=0.0 if drive.history is None or drive.history.outer is None else float(drive.history.outer.frame[0]),
+        rollers=np.moveaxis(bodies, -1, 0),
+        inner_ring=inner,
+        outer_ring=outside,
     )
+
+
+class Displaced(Protocol):
+    """What has displacements as a `Frame` has them."""
+
+    roller_turn: np.ndarray
+    ring_turn: float
+    outer_turn: float
+    rollers: np.ndarray
+    inner_ring: np.ndarray
+    outer_ring: np.ndarray
+
+
+def global_fields(model: Model, frame: Displaced) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Displacement (..., n_nodes, 2), m, and the mesh's stress (..., n_nodes, 3), Pa, of each kind of body.
+
+    In the fixed axes; a roller's arrays have the rollers in front.
+    """
+    n = len(frame.roller_turn)
+    local = (model.roller.stress @ frame.rollers.reshape(n, -1).T).T.reshape(n, -1, 3)
+    turn = frame.roller_turn[:, None]
+    fields = {"roller": (rotated(frame.rollers, turn), turned(local, turn))}
+    for name, angle in (("inner_ring", frame.ring_turn), ("outer_ring", frame.outer_turn)):
+        ring = getattr(model, name)
+        polar = getattr(frame, name)
+        stress = (ring.stress @ ring.cartesian(polar).ravel()).reshape(-1, 3)
+        fields[name] = ring.cartesian(polar, angle), turned(stress, angle)
+    return fields
+
+
+def rotated(vectors: np.ndarray, angle) -> np.ndarray:
+    """Vectors (..., 2) turned counter-clockwise by angles, rad, of shape (...) or one that broadcasts to it."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

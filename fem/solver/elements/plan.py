@@ -1,5 +1,6 @@
 """The finite elements as a solver: discrete model, everything decided before the first step, what --dry-run tells."""
 
+import hashlib
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import import_module
@@ -14,26 +15,24 @@ from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.kernels import time_loop
+from fem.kernels.state import Pair
+from fem.kernels.tilted_patches import SlicedLaw
 from fem.quantities import largest_loads
+from fem.solver import limits
 from fem.solver.compiling import CompiledPlan, in_words, pace
-from fem.solver.elements.arrays import Arrays, hub_mass, make_arrays, with_cage, with_damping
-from fem.solver.elements.start import Start, Tilting, equilibrium_start, rest_start
-from fem.solver.elements.tilted import beyond_axes, check_slices, check_slices_unmeshed, tilting_of, with_axes
-from fem.solver.frames import frame_of
-from fem.solver.limits import (
-    check_contact_model,
-    check_contacts,
-    check_mesh_size,
-    check_meshes,
-    check_outer_ring,
-    check_rollers,
-    check_speed,
-    check_widths,
+from fem.solver.elements.arrays import Arrays, frame_of, hub_mass, make_arrays, with_axes, with_cage, with_damping
+from fem.solver.elements.start import (
+    Start,
+    Tilting,
+    check_slices,
+    check_slices_unmeshed,
+    equilibrium_start,
+    rest_start,
+    tilting_of,
 )
-from fem.solver.parts import LESS, cage_seat, cage_springs, time_along_a_knot
+from fem.solver.parts import LESS, beyond_tables, cage_seat, cage_springs, time_along_a_knot
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.solver import Block, may_strike, sample_count
-from fem.solver.warnings import plan_warnings
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import TiltedBalance, static_equilibrium, static_error
 from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces
@@ -44,11 +43,6 @@ from lagrange.scene.scene import MODEL_NAMES, Scene
 from meshes import Mesh, quality
 
 
-def expected_forces(scene: Scene) -> ExpectedForces:
-    """The contact forces to expect of a scene."""
-    return ExpectedForces(scene.ideal_bearing(), scene.ideal_operation())
-
-
 def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     """The discrete model of a scene; `expected`: its forces, where they are needed elsewhere too.
 
@@ -57,16 +51,16 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
     coarse to resolve the contacts or for a ring, or has too many nodes.
     """
-    check_rollers(scene)
-    expected = expected_forces(scene) if expected is None else expected
+    limits.check_rollers(scene)
+    expected = ExpectedForces(scene.ideal_bearing(), scene.ideal_operation()) if expected is None else expected
     bearing, mesh_size = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm
-    kind = contact_model(scene.contact.model, mesh_size, expected)
-    check_mesh_size(bearing, mesh_size, kind.shapes)
-    check_contact_model(kind, scene, expected)
-    check_outer_ring(kind, scene)
+    kind = _contact_model(scene.contact.model, mesh_size, expected)
+    limits.check_mesh_size(bearing, mesh_size, kind.shapes)
+    limits.check_contact_model(kind, scene, expected)
+    limits.check_outer_ring(kind, scene)
     if not kind.has_law:
         model = kind.build(bearing, mesh_size, expected, scene.contact)
-        check_meshes(model)
+        limits.check_meshes(model)
         return model
     sound = replace(bearing, faults=())
     model, mounting = replace(_built(kind, sound, mesh_size), bearing=bearing), scene.mounting()
@@ -81,11 +75,11 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
 @lru_cache(maxsize=1)
 def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
     found = kind.build(bearing, mesh_size)
-    check_meshes(found)
+    limits.check_meshes(found)
     return found
 
 
-def contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:
+def _contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:
     """The contact model of a scene's name: on a mesh, m, that is fine enough for it."""
     *finer, usual = MODELS[name]
     pairs = contact_pairs(expected.bearing)[:2]
@@ -109,23 +103,30 @@ KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m
 class ElementState(RowState):
     """The arrays of all elastic bodies."""
 
-    def __init__(self, plan: "ElementPlan"):
-        super().__init__(plan)
-        self.arrays = plan.arrays()
+    def begin(self) -> None:
+        super().begin()
+        self.arrays = self.plan.arrays()
 
     def named_arrays(self) -> dict[str, np.ndarray]:
         return self.arrays.named()
 
     def digest(self) -> str:
-        return self.arrays.digest()
+        text = hashlib.sha256()
+        for name, (array, given) in self.arrays.every().items():
+            if given:
+                text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
+        return text.hexdigest()
 
     def check(self) -> None:
         self.arrays.check()
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)
-        if block.trouble is None and (trouble := beyond_axes(self.arrays)) is not None:
-            return replace(block, trouble=f"{trouble}; {LESS}")
+        pairs = (pair for group in self.arrays.groups for pair in group if isinstance(pair, Pair))
+        laws = [pair.law for pair in pairs if isinstance(pair.law, SlicedLaw)]
+        tilts = laws[0].axes.tilts if laws else None
+        if block.trouble is None and (beyond := beyond_tables(tilts, tuple(law.table for law in laws))) is not None:
+            return replace(block, trouble=f"{beyond}; {LESS}")
         return block
 
     def frame(self):
@@ -157,6 +158,9 @@ class ElementPlan(CompiledPlan):
     frame_stride: int  # samples between stored fields; 0: none
     warnings: tuple[str, ...] = ()
 
+    bearing = property(lambda self: self.model.bearing)
+    first_angle = property(lambda self: self.start.angle)
+    mesh_nodes = property(lambda self: self.model.n_nodes)
     model_name = MODEL_NAMES["fem"]
     lacks = "waves shorter than the mesh"
 
@@ -176,12 +180,8 @@ class ElementPlan(CompiledPlan):
         return (self.n_samples - 1) * self.stride
 
     @property
-    def mesh_nodes(self) -> int:
-        return self.model.n_nodes
-
-    @property
     def degrees_of_freedom(self) -> int:
-        axial, n = self.scene.ideal_axial(), self.model.bearing.n_rollers
+        axial, n = self.scene.ideal_axial(), self.bearing.n_rollers
         return self.model.degrees_of_freedom + (0 if axial is None else n + 2 * axial.has_free_slope)
 
     @property
@@ -192,7 +192,7 @@ class ElementPlan(CompiledPlan):
     @property
     def expected_seconds(self) -> float:
         a_step = SECONDS_PER_DOF[self.mass] * self.model.degrees_of_freedom
-        a_step += SECONDS_PER_ROLLER * self.model.bearing.n_rollers
+        a_step += SECONDS_PER_ROLLER * self.bearing.n_rollers
         return pace("fem") * a_step * self.steps
 
     def table(self) -> Table:
@@ -251,19 +251,15 @@ class ElementPlan(CompiledPlan):
 
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
-        numerics = self.scene.numerics
-        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-        friction = self.scene.friction_coefficient
-        how = self.time_step, friction, ramp, self.largest_force, self.mass
-        arrays = make_arrays(self.model, self.operation, self.start, *how)
-        arrays = with_damping(arrays, self.model, self.scene.damping)
-        axial, cage, start = self.scene.ideal_axial(), self.scene.ideal_cage(), self.start
+        scene, start, operation, bearing = self.scene, self.start, self.operation, self.bearing
+        ramp = 1e-3 * scene.numerics.load_ramp_ms if scene.numerics.start == "rest" else 0.0
+        how = self.time_step, scene.friction_coefficient, ramp, self.largest_force, self.mass
+        arrays = with_damping(make_arrays(self.model, operation, start, *how), self.model, scene.damping)
+        axial, cage = scene.ideal_axial(), scene.ideal_cage()
         if axial is not None and self.tilting is not None and start.tilts is not None:
-            bearing = self.model.bearing
-            arrays = with_axes(arrays, bearing, self.operation, axial, cage, self.tilting, start.tilts)
-        if cage is None:
-            return arrays
-        return with_cage(arrays, self.model.bearing, cage, start, self.seat, self.operation.mounting)
+            tables = self.tilting.laws[0].table, self.tilting.laws[1].table
+            arrays = with_axes(arrays, bearing, operation, axial, cage, tables, start)
+        return arrays if cage is None else with_cage(arrays, bearing, cage, start, self.seat, operation)
 
     @property
     def resting(self) -> TiltedBalance | None:
@@ -295,49 +291,42 @@ def make_plan(scene: Scene) -> ElementPlan:
     RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """
-    numerics, axial, tilting = scene.numerics, scene.ideal_axial(), None
-    operation = scene.ideal_operation()
+    numerics, axial, tilting, cage = scene.numerics, scene.ideal_axial(), None, scene.ideal_cage()
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     if axial is not None:
-        check_slices_unmeshed(scene.ideal_bearing(), operation, axial)
-    forces = expected_forces(scene)
-    fastest = kinematics_met(forces.bearing, operation)
-    check_speed(forces.bearing, fastest)
+        check_slices_unmeshed(bearing, operation, axial)
+    forces, fastest = ExpectedForces(bearing, operation), kinematics_met(bearing, operation)
+    limits.check_speed(bearing, fastest)
     model = model_of(scene, forces)
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
         if not model.has_law:  # contacts wider than all pressure points have none: better say so
-            check_widths(model.bearing, forces.largest)
+            limits.check_widths(bearing, forces.largest)
         raise
-    check_contacts(model, loaded.equilibrium)
-    expected = max(
-        float(loaded.equilibrium.inner_force.max()),
-        float(loaded.equilibrium.outer_force.max()),
-        5.0 * operation.heaviest / model.bearing.n_rollers,
-    )
+    limits.check_contacts(model, loaded.equilibrium)
+    inner, outer = loaded.equilibrium.inner_force, loaded.equilibrium.outer_force
+    expected = max(float(inner.max()), float(outer.max()), 5.0 * operation.heaviest / bearing.n_rollers)
     if axial is not None:
         tilting = tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
         loaded = equilibrium_start(model, operation, tilting)
         check_slices(model, axial, loaded)
     start = rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
-    on_bearing, on_cage = cage_springs(model.bearing, scene.ideal_cage(), operation)
-    springs = operation.mounting, hub_mass(model.inner_ring, operation), on_bearing
-
-    sticks = scene.contact.friction_coefficient > 0.0
+    on_bearing, on_cage = cage_springs(bearing, cage, operation)
+    springs, sticks = (hub_mass(model.inner_ring, operation), on_bearing), scene.contact.friction_coefficient > 0.0
 
     def critical_with(mass: ReciprocalMass) -> float:
-        found = critical_time_step(model, next_rung(expected), *springs, mass, sticks)
+        found = critical_time_step(model, next_rung(expected), operation.mounting, *springs, mass, sticks)
         return found if on_cage == 0.0 else min(found, 2.0 / sqrt(on_cage))
 
     found = start.equilibrium
     raceways = float(max(found.inner_force.max(), found.outer_force.max()))
-    seat = cage_seat(model.bearing, scene.ideal_cage(), start.angle, found.rho, found.hub, raceways)
     interval = 1e-6 * numerics.output_interval_us
-    along = KNOTS_A_STEP * time_along_a_knot(model.bearing, fastest)
+    along = KNOTS_A_STEP * time_along_a_knot(bearing, fastest)
     mass, critical = LUMPED, critical_with(LUMPED)
     longest = lumped = min(numerics.time_step_safety * critical, along)
     damped = scene.damping.contacts.acts  # by forces that are implicit in velocities of nodes with lumped masses
-    if not may_strike(scene, model.bearing, operation) and not damped and (model.has_law or not sticks):
+    if not may_strike(scene, bearing, operation) and not damped and (model.has_law or not sticks):
         for slowed in LONG:
             further = critical_with(slowed)
             if min(numerics.time_step_safety * further, along) > slowed.worth * lumped:
@@ -347,23 +336,20 @@ def make_plan(scene: Scene) -> ElementPlan:
     steps = max(1, ceil(interval / longest))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride = looks * ceil(steps / looks)  # `ElementPlan.looks` shall divide it
+    warnings = limits.plan_warnings(scene, model, operation, loaded.equilibrium, interval)
     return ElementPlan(
         scene=scene,
         model=model,
         operation=operation,
         start=start,
         tilting=tilting,
-        seat=seat,
+        seat=cage_seat(bearing, cage, start.angle, found.rho, found.hub, raceways),
         critical_time_step=critical,
         time_step=interval / stride,
         stride=stride,
         largest_force=expected,
         mass=mass,
-        warnings=(
-            *plan_warnings(scene, model, operation, loaded.equilibrium, interval),
-            *model.outer_ring.warnings,
-            *(() if start.warning is None else (start.warning,)),
-        ),
+        warnings=(*warnings, *model.outer_ring.warnings, *(() if start.warning is None else (start.warning,))),
         n_samples=sample_count(scene),
         frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
     )

@@ -1,20 +1,27 @@
-"""The state a run starts from: static equilibrium in rolling motion, or undeformed and centred."""
+"""The state a run starts from: static equilibrium in rolling motion, or undeformed and centred; rollers may tilt."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.contacts.model import Model, Motion
-from fem.contacts.tilted import MeshedContact
+from fem.contacts.subgrid import SubgridModel
+from fem.contacts.tilted import MeshedContact, rounded_range
 from fem.elastic.outer_support import BoredRing
+from fem.solver import start as massless
+from fem.solver.start import unloaded
 from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
 from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
 from fem.statics.exact_statics import exact_contacts
-from lagrange import Kinematics, Operation
+from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
+from lagrange import Bearing, Kinematics, Operation
+from lagrange.axial import Axial
+from lagrange.axial.slices import MORE
+from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.surface.deviation import profiles
-from lagrange.tilt import HubTilt, Tilts
+from lagrange.tilt import HubTilt, Tilts, hub_tilt
 
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
 
@@ -78,8 +85,7 @@ def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | Non
             return equilibrium(model, motion, Loads.of(acting), near or tilting.near, tilting.at(acting, ring))
         return equilibrium(model, motion, Loads.of(acting)._replace(spring=hub_spring(operation, ring)), near)
 
-    motion, ideal = rolling_motion(model, operation, 0.0)
-    ring = np.zeros(2)
+    (motion, ideal), ring = rolling_motion(model, operation, 0.0), np.zeros(2)
     if operation.mounting.shaft is not None:
         on_springs = _weight_on_springs(model, operation)
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
@@ -96,7 +102,7 @@ def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | Non
 
     way = LOOK_AHEAD * model.roller.shape.surface_spacing
     found, warning = passing(lambda time: at(time, ring, middle), stiffness, model.bearing, operation, way)
-    still = replace(_still(model, operation, middle, motion), warning=warning)
+    still = _still(model, operation, middle, motion, warning=warning)
     if found is None:
         return still
     axes = None
@@ -118,35 +124,22 @@ def rest_start(model: Model, operation: Operation, tilting: Tilting | None = Non
 
     So are rollers that tilt.
     """
-    motion, _ = rolling_motion(model, operation, 0.0)
+    (motion, _), surfaces, bearing = rolling_motion(model, operation, 0.0), profiles(model.bearing), model.bearing
     if tilting is not None:
-        idle = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
+        idle = unloaded(operation)
         found = equilibrium(model, motion, Loads.of(idle), tilting.near, tilting.at(idle, np.zeros(2)))
         return _still(model, operation, found, motion)
-    surfaces = profiles(model.bearing)
-    clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
+    clearance = bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
     pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
-    if pressed or clearance < -ROUND_OFF * model.bearing.roller_radius:
+    if pressed or clearance < -ROUND_OFF * bearing.roller_radius:
         return _still(model, operation, equilibrium(model, motion, Loads(0.0)), motion)
-    n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
+    n = bearing.n_rollers
+    inner, outer = (np.zeros((ring.n_rows, 2, ring.n_sectors)) for ring in (model.inner_ring, model.outer_ring))
     undeformed = Equilibrium(
-        hub=np.zeros(2),
-        rho=np.full(n, model.bearing.pitch_radius),
-        inner_force=np.zeros(n),
-        outer_force=np.zeros(n),
-        inner_ring=np.zeros((inner.n_rows, 2, inner.n_sectors)),
-        outer_ring=np.zeros((outer.n_rows, 2, outer.n_sectors)),
-        rollers=np.zeros((n, model.roller.n_nodes, 2)),
-    )
-    return replace(_still(model, operation, undeformed, motion), steady=False)
-
-
-def housing_place(model: Model, operation: Operation, motion: Motion, found: Equilibrium) -> np.ndarray:
-    """Where a housing stands on its springs under the contact forces on the outer ring and both weights, (2,), m."""
-    force, housing = found.outer_force @ motion.radial, operation.mounting.housing
-    if housing is None:
-        return np.zeros(2)
-    return (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
+        hub=np.zeros(2), rho=np.full(n, bearing.pitch_radius), inner_force=np.zeros(n), outer_force=np.zeros(n),
+        inner_ring=inner, outer_ring=outer, rollers=np.zeros((n, model.roller.n_nodes, 2)),
+    )  # fmt: skip
+    return _still(model, operation, undeformed, motion, steady=False)
 
 
 def _weight_on_springs(model: Model, operation: Operation) -> float:
@@ -154,8 +147,11 @@ def _weight_on_springs(model: Model, operation: Operation) -> float:
     return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
-def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
-    ideal = kinematics(model.bearing, *operation.ring_speeds)
+def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion: Motion, **more) -> Start:
+    ideal, housing, place = kinematics(model.bearing, *operation.ring_speeds), operation.mounting.housing, np.zeros(2)
+    if housing is not None:  # on its springs, under the contact forces on the outer ring and both weights
+        force = equilibrium.outer_force @ motion.radial
+        place = (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
     return Start(
         equilibrium=equilibrium,
         kinematics=ideal,
@@ -165,6 +161,49 @@ def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion:
         roller_rate=np.zeros_like(equilibrium.rollers),
         inner_rate=np.zeros_like(equilibrium.inner_ring),
         outer_rate=np.zeros_like(equilibrium.outer_ring),
-        housing=housing_place(model, operation, motion, equilibrium),
+        housing=place,
         tilts=None if equilibrium.axes is None else tilts_moving(equilibrium.axes),
+        **more,
     )
+
+
+def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, near: Equilibrium) -> Tilting:
+    """Contacts for forces at rest of so many N, near the equilibrium of parallel axes.
+
+    Of a contact's plane compliance A (B − ½ ln Q) its mesh has what the law below the grid leaves, a constant.
+
+    Errors
+    ------
+    UsageError: a mesh that resolves contacts, by points or nearly by patches.
+    """
+    bearing, too_fine = model.bearing, None
+    most = MORE * rounded_range(force, 0.0)[0]
+    if not isinstance(model, SubgridModel):
+        too_fine = "resolves the contacts"
+    elif most > (least := min(model.inner_law.Q_line, model.outer_law.Q_line)):
+        too_fine = f"resolves contacts under {least:.4g} N, and tables of rollers go to {most:.4g} N"
+    if too_fine is not None:
+        raise UsageError(
+            f"[axial]: the mesh {too_fine}, where slices have no law of their own; use a larger numerics.mesh_size_mm"
+        )
+    contacts, _ = kept_contacts(bearing)
+    laws, below = (contacts.inner_law, contacts.outer_law), (model.inner_law, model.outer_law)
+    inner, outer = (whole.A * (whole.B - law.B) for whole, law in zip(laws, below, strict=True))
+    tables = massless.tables_of(bearing, operation, axial, laws, force, (inner, outer))
+    met = (MeshedContact(table=tables[0], meshed=inner), MeshedContact(table=tables[1], meshed=outer))
+    return Tilting(laws=met, hub=hub_tilt(operation, axial), near=near)
+
+
+def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) -> None:
+    """`check_slices` before anything is meshed, of an outer ring that is held all around. UsageError."""
+    if operation.mounting.points is None and operation.mounting.bore is None:
+        model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), gravity=operation.gravity)
+        massless.check_slices(model, operation, axial, massless.equilibrium_start(model, operation))
+
+
+def check_slices(model: Model, axial: Axial, start: Start) -> None:
+    """Refuse coupled slices that are too narrow for the forces of a start. UsageError."""
+    contacts, _ = kept_contacts(model.bearing)
+    laws, axes = (contacts.inner_law, contacts.outer_law), start.equilibrium.axes
+    if axes is not None and (reason := massless.narrow_slices(model.bearing, axial, laws, axes)) is not None:
+        raise UsageError(reason)

@@ -1,1 +1,1 @@
-"""Rigid bodies in one time loop: `plan` (two step lengths), `reduced` and `lagrangian` (the models), `start`."""
+"""Rigid bodies in one time loop: `lagrangian` and `reduced` (the models' plans), `state` (arrays and runs)."""

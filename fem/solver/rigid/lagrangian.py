@@ -1,7 +1,8 @@
-"""The Lagrangian model as a solver: rigid bodies on contacts with laws of their own, in the time loop of rigid bodies.
+"""Plans of rigid bodies in one time loop, without a compiler: two step lengths, and the Lagrangian model.
 
-Tractions and mesh energy are 0, the springs' energy is `energy_contact`. Friction, mesh and time step safety of the
-scene play no part. No mesh; steps are compiled, and where none are taken no compiler is loaded.
+Bearings with spalls take steps of two lengths. The Lagrangian model's rigid bodies touch by laws of their own:
+tractions and mesh energy are 0, the springs' energy is `energy_contact`; friction, mesh and time step safety of the
+scene play no part. Where no steps are taken no compiler is loaded.
 """
 
 from collections.abc import Callable
@@ -13,22 +14,165 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.quantities import largest_loads
-from fem.solver.compiling import in_words, pace
+from fem.solver.compiling import CompiledPlan, in_words, pace
 from fem.solver.guards import ASTRAY, EnergyAccount, largest_forces, run_warnings
-from fem.solver.rigid.plan import RigidPlan, sections_of
+from fem.solver.limits import of_scene
+from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
-from fem.solver.warnings import of_scene
-from lagrange import Bearing, Operation, contact_laws, static_equilibrium
+from lagrange import Bearing, Kinematics, contact_laws, static_equilibrium
 from lagrange.contact.laws import warning
 from lagrange.errors import RunFailed
 from lagrange.first_state import Problem
-from lagrange.kinematics import fastest_kinematics, kinematics
+from lagrange.kinematics import fastest_kinematics, kinematics, roller_angles
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
 from lagrange.mounting import HELD
 from lagrange.samples import sampled
 from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import critical_time_step, fastest_mode, longest_step
-from lagrange.surface.deviation import Turns
+from lagrange.surface.deviation import Turns, profiles
+
+ARRAYS = 30  # per roller and sample of a block, at the most at a time
+WAY = 0.02  # of a spall with its edges, that contacts go in a section at most: what is looked at no more often
+REACH = 2.0  # sections' ways, from which on a contact is near
+WORTH = 0.7  # of the steps of one length, that those of two must come down to
+AFTER = 1.3  # times the way near edges: steps stay short while strikes die away
+INSTANTS = 400  # of a turn of the cage, by which the share of short steps is found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sections:
+    """Steps of one length each."""
+
+    count: int  # of a row
+    near: int  # steps of a section near edges, or while strikes die away
+    far: int  # of any other
+    share: float  # of sections near edges, about
+    margin: float  # m, beyond edges, from which on contacts are near
+    strike: float  # J, of a roller that falls into a spall
+
+    @property
+    def mean(self) -> float:
+        """Steps of a section, about."""
+        return self.share * self.near + (1.0 - self.share) * self.far
+
+
+def sections_of(bearing: Bearing, ideal: Kinematics, row: float, short: float, long: float) -> Sections | None:
+    """How rows of a time, s, are cut; None: steps of one length do as well.
+
+    Parameters
+    ----------
+    ideal : at the fastest speed
+    short, long : s, the longest steps near edges and elsewhere
+    """
+    arcs, turning = list(spalls_met(bearing)), abs(ideal.cage - ideal.outer_ring)
+    speed = turning * bearing.outer_raceway_radius
+    if not arcs or speed == 0.0 or short >= long:
+        return None
+    fall = max(np.abs(np.diff(profile.coefficients)).max() / profile.spacing for _, profile, _, _ in arcs) * speed
+    ways = (2.0 * half * radius for _, _, (_, _, half), radius in arcs)
+    count = ceil(row / max(WAY * min(ways) / speed, long))
+    section = row / count
+    steps, margin = [ceil(section / step * (1.0 - 1e-12)) for step in (short, long)], REACH * section * speed
+    # share of the time in which a contact is near an edge, of rollers that roll
+    time = np.arange(INSTANTS)[:, None] / INSTANTS * (2.0 * pi / turning)
+    at = roller_angles(bearing, 0.0) + ideal.cage * time
+    contact = {
+        "inner_ring": at - ideal.shaft * time,
+        "outer_ring": at - ideal.outer_ring * time,
+        "inside": at + pi - ideal.roller * time,
+        "outside": at - ideal.roller * time,
+    }
+    near = np.zeros(INSTANTS, dtype=bool)
+    for body, _, (roller, middle, half), radius in arcs:
+        met = contact[body] if roller is None else contact[body][:, roller, None]
+        away = np.abs(np.mod(met - middle + pi, 2.0 * pi) - pi)
+        near |= np.any(away < half + margin / radius, axis=1)
+    share, strike = min(1.0, AFTER * float(near.mean())), float(0.5 * bearing.roller_mass * fall**2)
+    found = Sections(count=count, near=steps[0], far=steps[1], share=share, margin=margin, strike=strike)
+    return found if found.mean <= WORTH * found.near else None
+
+
+def spalls_met(bearing: Bearing):
+    """Body, profile, (roller, middle and half, rad), radius, m, of every spall in every contact that it comes into."""
+    if (surfaces := profiles(bearing)) is None:
+        return
+    bodies = (
+        ("inner_ring", surfaces.inner_ring, bearing.inner_raceway_radius),
+        ("outer_ring", surfaces.outer_ring, bearing.outer_raceway_radius),
+        ("inside", surfaces.rollers_inside, bearing.roller_radius),
+        ("outside", surfaces.rollers_outside, bearing.roller_radius),
+    )
+    for body, profile, radius in bodies:
+        for spall in () if profile is None else profile.spalls:
+            yield body, profile, spall, radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidPlan(CompiledPlan):
+    """A plan for the time loop of rigid bodies: steps of one length, or of two where spalls are.
+
+    It has `bearing`, `operation`, `axial` (None: axes stay parallel) and `first_angle`, (n_rollers,), rad.
+    """
+
+    scene: Scene
+    n_samples: int
+    stride: int  # steps between samples, the shortest ones
+    looks: int = 1  # at the energy per sample
+    sections: Sections | None  # of two step lengths; None: of one
+    warnings: tuple[str, ...] = ()
+    unwatched = inf  # steps between two looks at the most
+
+    def changed(self, **changes):
+        """The same but for these."""
+        return replace(self, **changes)
+
+    def halved(self, times: int):
+        """The same with a step halved so many times, and looks that are frequent enough."""
+        finer, looks, stride, cut = 2**times, self.looks, self.stride * 2**times, self.sections
+        while stride > looks * self.unwatched and finer > 1:  # and divide the stride all the way
+            looks, finer = 2 * looks, finer // 2
+        cut = cut and replace(cut, near=finer * cut.near, far=finer * cut.far)
+        return self.changed(stride=stride, looks=looks, sections=cut)
+
+    def reaching(self, times: int):
+        """The same whose tables of contacts that tilt go to so many times the force."""
+        raise NotImplementedError
+
+    def too_far(self, times: int) -> str | None:
+        """Why tables of contacts that tilt can't go to so many times the force, and what to do; None: they can."""
+        return None
+
+    @property
+    def time_step(self) -> float:
+        return self.interval / self.stride
+
+    @property
+    def long_step(self) -> float:
+        """Away from edges of spalls, s."""
+        cut = self.sections
+        return self.time_step if cut is None else self.interval / (self.looks * cut.count * cut.far)
+
+    @property
+    def steps(self) -> int:
+        """Of the run; of two lengths, about."""
+        cut = self.sections
+        return round((self.stride if cut is None else self.looks * cut.count * cut.mean) * (self.n_samples - 1))
+
+    def step_rows(self, more: str = "") -> dict[str, str]:
+        """What --dry-run shows of the steps; `more` : on their length."""
+        critical, step, about, most = self.critical_time_step, self.long_step, "", ""
+        length = f"{1e6 * step:.3g} µs{more} ({step / critical:.2f} of the critical {1e6 * critical:.3g} µs)"
+        if self.sections is not None:
+            about, most = "about ", " at most"
+            length += f", {1e6 * self.time_step:.3g} µs near edges and until impacts have decayed"
+        block = 8e-6 * ARRAYS * (self.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
+        return {
+            "time step": length,
+            "steps": f"{about}{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "samples": f"{self.n_samples}, one every {self.stride} steps{most}",
+            "memory of a block of samples": f"{block:.1f} MB",
+        }
+
 
 JUDGED = 0.5e-3  # s from the start
 SHOCKED = 5.0  # times the largest static force: of 670 sound random starts one reached it, of 25 wrong ones 23
@@ -36,7 +180,7 @@ STABLE = 1.4  # ω·step of the stiffest mode met; leapfrog is stable up to 2
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-6 of it
 SURE = 1e-13  # of the kinetic energy: what it rounds to
 MET = ("inner_force", "outer_force", "energy_contact", "energy_error", "least_moved", "largest_moved", "dissipated",
-       "first_kinetic")  # fmt: skip
+       "first_kinetic", "first_force", "soon_force")  # fmt: skip
 
 
 class Judge:
@@ -44,49 +188,44 @@ class Judge:
 
     def __init__(self, problem: Problem, step: float):
         self._problem, self._step = problem, step
-        self._start = np.zeros(2)  # N, largest force of the first sample and within JUDGED of it
-        self._met = dict.fromkeys(MET, 0.0) | {"least_moved": inf, "largest_moved": -inf}
+        # forces, N: the largest, of the first sample, and within JUDGED of it; energies, J
+        self.met = dict.fromkeys(MET, 0.0) | {"least_moved": inf, "largest_moved": -inf}
 
     def meet(self, samples: Samples) -> None:
         """Take the next samples into account."""
-        met, names = self._met, ("energy_kinetic", "energy_shaft", "energy_support")
+        met, names = self.met, ("energy_kinetic", "energy_shaft", "energy_support")
         moved = np.sum([samples[name] for name in names if samples.get(name) is not None], axis=0)
+        forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
         for name in ("inner_force", "outer_force", "energy_contact"):
             met[name] = max(met[name], float(np.abs(samples[name]).max()))
         met["energy_error"] = max(met["energy_error"], float(np.abs(samples.imbalance).max()))
         met["least_moved"] = min(met["least_moved"], float(moved.min()))
         met["largest_moved"] = max(met["largest_moved"], float(moved.max()))
         met["dissipated"] = float(samples["work_dissipated"][-1])
-        forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
         if samples["time"][0] == 0.0:
-            met["first_kinetic"] = float(samples["energy_kinetic"][0])
-            self._start[0] = forces[0]
-        self._start[1] = forces[samples["time"] <= JUDGED].max(initial=self._start[1])
+            met["first_kinetic"], met["first_force"] = float(samples["energy_kinetic"][0]), float(forces[0])
+        met["soon_force"] = float(forces[samples["time"] <= JUDGED].max(initial=met["soon_force"]))
 
     @property
     def critical_time_step(self) -> float:
         """Under the largest forces so far, s."""
-        return critical_time_step(self._problem, *self._largest)
-
-    @property
-    def _largest(self) -> tuple[float, float]:
-        return self._met["inner_force"], self._met["outer_force"]
+        return critical_time_step(self._problem, self.met["inner_force"], self.met["outer_force"])
 
     @property
     def too_fast(self) -> str | None:
         """A sentence where the stiffest mode under the largest forces so far is too fast for the step."""
-        omega, step = fastest_mode(self._problem, *self._largest), self._step
-        if omega * step < STABLE:
+        omega = fastest_mode(self._problem, self.met["inner_force"], self.met["outer_force"])
+        if omega * self._step < STABLE:
             return None
         return (
-            f"the forces met make a mode of {omega / (2 * pi):.3g} Hz, too fast for the step of {step:.3g} s; set "
-            f"time_step = {0.5 * STABLE / omega:.2g} or less"
+            f"the forces met make a mode of {omega / (2 * pi):.3g} Hz, too fast for the step of {self._step:.3g} s; "
+            f"set time_step = {0.5 * STABLE / omega:.2g} or less"
         )
 
     @property
     def rattling(self) -> str | None:
         """A sentence where the energy errs by much of what contacts and dampers took and motion gained or lost."""
-        met, step = self._met, self._step
+        met, step = self.met, self._step
         if met["energy_error"] <= SURE * met["first_kinetic"]:
             return None
         moved = met["largest_moved"] - met["least_moved"]
@@ -100,53 +239,34 @@ class Judge:
 
     def warnings(self, largest: np.ndarray) -> tuple[str, ...]:
         """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""
-        problem = self._problem
-        of_start = problem.first_state.warning
-        wide = run_warnings(problem.bearing, largest) or self._deep(largest)
-        return (*(() if of_start is None else (of_start,)), *self._shocked, *wide)
-
-    def _deep(self, largest: np.ndarray) -> tuple[str, ...]:
-        """A sentence where a law that is softer than Hertz's lets bodies overlap far; `largest` : (3,), N."""
-        sides = zip(("inner", "outer"), self._problem.laws, largest.tolist(), strict=False)
+        problem, first, soon = self._problem, self.met["first_force"], self.met["soon_force"]
+        bearing, found = problem.bearing, [problem.first_state.warning]
+        steady = problem.operation.is_steady and not bearing.faults
+        if problem.start == "equilibrium" and steady and soon > SHOCKED * first:  # energy can't show a wrong start
+            found.append(
+                f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, "
+                f"{soon / first if first else inf:.2g} times the largest static force: the motion does not "
+                "start in equilibrium; leave out the beginning (check-residual --start), or add contact damping"
+            )
+        # a law that is softer than Hertz's lets bodies overlap far
+        sides = zip(("inner", "outer"), problem.laws, largest.tolist(), strict=False)
         depth, side = max((float(law.approach(force)), side) for side, law, force in sides)
-        most = ASTRAY * self._problem.bearing.roller_radius
-        if depth <= most:
-            return ()
-        return (
-            f"the largest force makes bodies overlap by {1e3 * depth:.3g} mm on the {side} raceway, which is no small "
-            f"approach (at most {1e3 * most:.3g} mm here): places and forces near such contacts are not to be trusted; "
-            "take a stiffer contact law or a lighter load",
-        )
-
-    @property
-    def _shocked(self) -> tuple[str, ...]:
-        """A sentence where a steady load's equilibrium does not last: energy can't show a start that is wrong."""
-        problem, (first, soon) = self._problem, self._start
-        steady = problem.operation.is_steady and not problem.bearing.faults
-        if problem.start != "equilibrium" or not steady or soon <= SHOCKED * first:
-            return ()
-        return (
-            f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, {soon / first:.2g} times the "
-            "largest static force: the motion does not start in equilibrium; leave out the beginning (check-residual "
-            "--start), or add contact damping",
-        )
-
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        """What a checkpoint keeps."""
-        return {"start": self._start}, {"met": dict(self._met)}
-
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        """Go on from what another judge of the same plan kept."""
-        self._start = arrays["start"]
-        self._met = {name: float(numbers["met"][name]) for name in MET}
+        most, wide = ASTRAY * bearing.roller_radius, run_warnings(bearing, largest)
+        if not wide and depth > most:
+            found.append(
+                f"the largest force makes bodies overlap by {1e3 * depth:.3g} mm on the {side} raceway, which is no "
+                f"small approach (at most {1e3 * most:.3g} mm here): places and forces near such contacts are not to "
+                "be trusted; take a stiffer contact law or a lighter load"
+            )
+        return (*(sentence for sentence in found if sentence), *wide)
 
 
 KEPT = "turns", "tilts"  # of a state: no arrays
+NONE_HERE = "inner_traction", "outer_traction", "roller_roller_force", "roller_turn"
 WORKS = "energy_elastic", "work_external", "work_dissipated", "work_damping_contact", "work_damping_bodies"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Beginning:
+class Beginning(NamedTuple):
     """Motion at t = 0 in the fixed frame, m, m/s, m/s², and its sample, by the result file's names."""
 
     angle: np.ndarray  # (n_rollers,), rad
@@ -170,44 +290,36 @@ def beginning(problem: Problem) -> Beginning:
     RuntimeError: no equilibrium.
     """
     bearing, operation, held = problem.bearing, problem.operation, problem.angles == "kinematic"
-    state = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0))
-    touch = contact_state(bearing, problem.contacts, state, problem.damping)
-    hub_acceleration = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
+    state, m = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0)), bearing.roller_mass
+    touch, history = contact_state(bearing, problem.contacts, state, problem.damping), operation.history
     ring = np.array([state.ring_x, state.ring_y])
     ring_acceleration = np.array(housing_accelerations(bearing, operation, state, touch))
     radial = np.array([np.cos(state.theta), np.sin(state.theta)])
     around = np.array([-radial[1], radial[0]])
-    m = bearing.roller_mass
     outwards = -radial_equations(bearing, operation, state, touch, state.rho * state.theta_rate**2) / m
     aside = touch.inner_force * touch.tangential + touch.outer_force * touch.outer_slope
     along = aside / m - operation.gravity * np.cos(state.theta)
-    history = operation.history
     gain = 0.0 if history is None else float(kinematics(bearing, *history.ring_speeds(0.0, 1)).cage)
     if held:
         along = ring_acceleration @ around + 2.0 * state.rho_rate * state.theta_rate + state.rho * gain
-    pushed = outwards * radial + (0.0 if held else 1.0) * along * around
+    coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name not in KEPT}
+    alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
+    per_roller, spin = np.zeros((1, bearing.n_rollers)), kinematics(bearing, *operation.ring_speeds).roller
+    samples = sampled(problem, np.zeros(1), alone) | dict.fromkeys(NONE_HERE, per_roller)
+    accelerating = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
     return Beginning(
         angle=state.theta,
         hub=np.array([state.x, state.y]) + ring,
         hub_velocity=np.array([state.x_rate, state.y_rate]),
-        hub_acceleration=hub_acceleration,
+        hub_acceleration=accelerating,
         centre=ring[:, None] + state.rho * radial,
         velocity=state.rho_rate * radial + state.rho * state.theta_rate * around,
         acceleration=outwards * radial + along * around,
-        pushed=pushed,
+        pushed=outwards * radial + (0.0 if held else 1.0) * along * around,
         ring=ring,
         ring_acceleration=ring_acceleration,
-        samples=_samples(problem, state),
+        samples=samples | dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin},
     )
-
-
-def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
-    coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name not in KEPT}
-    alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
-    found, per_roller = sampled(problem, np.zeros(1), alone), np.zeros((1, problem.bearing.n_rollers))
-    found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
-    spin = kinematics(problem.bearing, *problem.operation.ring_speeds).roller
-    return found | dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin}
 
 
 class StartState(RunState):
@@ -218,11 +330,8 @@ class StartState(RunState):
     def __init__(self, plan: "LagrangianPlan"):
         super().__init__(plan)
         self._judge, self._largest = Judge(plan.problem, plan.time_step), np.zeros(3)
+        self.steps_per_sample = plan.stride
         _ = plan.begin
-
-    @property
-    def steps_per_sample(self) -> int:
-        return self.plan.stride
 
     def advance(self, most: int) -> Block:
         start = self.plan.begin.samples
@@ -241,8 +350,7 @@ class StartState(RunState):
         return super().outcome_attributes | more
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        arrays, numbers = self._judge.to_keep()
-        return arrays, numbers | {"halvings": 0, "doublings": 0}
+        return {}, {"halvings": 0, "doublings": 0}  # as a run does that has taken its first sample
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if self.done:
@@ -256,13 +364,6 @@ ON_SURFACES = 2.0  # times, where these are not perfect circles
 SECONDS_PER_SAMPLE = 0.2e-6  # and element
 
 
-class Ideal(NamedTuple):
-    """What reading samples asks of a model and of a start."""
-
-    bearing: Bearing
-    angle: np.ndarray  # (n_rollers,), rad
-
-
 @dataclass(frozen=True, kw_only=True)
 class LagrangianPlan(RigidPlan):
     """A problem and its time steps, before any refinement."""
@@ -270,23 +371,21 @@ class LagrangianPlan(RigidPlan):
     problem: Problem
     law_warning: str | None  # on law and material, which concern this run alone
     reach: int = 1  # times the usual, forces up to which tables of tilted contacts go
+    bearing = property(lambda self: self.problem.bearing)
+    operation = property(lambda self: self.problem.operation)
+    axial = property(lambda self: self.problem.axial)
+    first_angle = property(lambda self: self.begin.angle)
     model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
     lacks = "bending of the rings, elastic waves"
 
-    def halved(self, times: int) -> "LagrangianPlan":
-        """The same with a step halved so many times."""
-        finer = 2**times
-        return self._beginning(
-            replace(self, stride=self.stride * finer, sections=self.sections and self.sections.finer(finer))
-        )
+    def changed(self, **changes) -> "LagrangianPlan":
+        found = replace(self, **changes)
+        found.__dict__["begin"] = self.begin
+        return found
 
     def reaching(self, times: int) -> "LagrangianPlan":
-        return self._beginning(replace(self, reach=times * self.reach))
-
-    def _beginning(self, plan: "LagrangianPlan") -> "LagrangianPlan":
-        plan.__dict__["begin"] = self.begin
-        return plan
+        return self.changed(reach=times * self.reach)
 
     @property
     def static_energy(self) -> float:
@@ -307,39 +406,27 @@ class LagrangianPlan(RigidPlan):
             raise RunFailed(str(error)) from None
 
     @property
-    def operation(self) -> Operation:
-        return self.problem.operation
-
-    @property
-    def model(self) -> Ideal:
-        return Ideal(self.problem.bearing, self.begin.angle)
-
-    start = model
-
-    @property
     def degrees_of_freedom(self) -> int:
         """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage.
 
         Rollers that tilt have one more each, a hub whose slope is free two.
         """
-        more = 0 if self.problem.operation.mounting.housing is None else 2
-        more += 0 if self.problem.free_cage is None else 3
-        hub = self.problem.hub_tilt
-        more += 0 if hub is None else self.problem.bearing.n_rollers + (2 if hub.is_free else 0)
-        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + more
+        problem, n, hub = self.problem, self.bearing.n_rollers, self.problem.hub_tilt
+        found = 2 + (2 * n if problem.angles == "free" else n) + (0 if problem.free_cage is None else 3)
+        found += 0 if hub is None else n + (2 if hub.is_free else 0)
+        return found + (0 if self.operation.mounting.housing is None else 2)
 
     @property
     def expected_seconds(self) -> float:
         """Of all steps and samples, s, unless contacts rattle."""
-        problem, n = self.problem, self.problem.bearing.n_rollers
-        each = SECONDS_PER_EIGHT * ceil(n / 8)
-        each *= (ON_SURFACES if problem.bearing.faults else 1.0) * (DAMPED if problem.damping.acts else 1.0)
+        n, damped = self.bearing.n_rollers, self.problem.damping.acts
+        each = SECONDS_PER_EIGHT * ceil(n / 8) * (ON_SURFACES if self.bearing.faults else 1.0)
+        each *= DAMPED if damped else 1.0
         return pace("lagrange") * (each * self.steps + SECONDS_PER_SAMPLE * self.n_samples * n)
 
     def static_hub(self) -> np.ndarray:
-        problem = self.problem
-        alone = replace(problem.operation, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
-        still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
+        alone = replace(self.operation, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
+        still = static_equilibrium(self.bearing, alone, self.problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
@@ -360,22 +447,21 @@ class LagrangianPlan(RigidPlan):
         return {"numpy": np.__version__, **super().versions()}
 
     def rows(self) -> dict[str, str]:
-        options, problem = self.scene.lagrange, self.problem
+        options, problem, tilts = self.scene.lagrange, self.problem, self.axial is not None
         try:
-            statics = static_equilibrium(problem.bearing, problem.operation, problem.laws)
+            found = static_equilibrium(self.bearing, self.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        largest = statics.inner_force.max(), statics.outer_force.max()
-        if problem.axial is not None:
-            largest = self.begin.samples["inner_force"].max(), self.begin.samples["outer_force"].max()
+        forces = vars(found) if not tilts else self.begin.samples
+        largest = forces["inner_force"].max(), forces["outer_force"].max()
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}",
             "damping of a contact": problem.damping.words,
-            **problem.operation.mounting.rows,
+            **self.operation.mounting.rows,
             **self.step_rows(", halved where contacts rattle"),
             "expected time": in_words("lagrange", self.expected_seconds),
-            "largest static forces": largest_loads(problem.bearing, *largest, tilts=problem.axial is not None),
+            "largest static forces": largest_loads(self.bearing, *largest, tilts=tilts),
         }
 
 
@@ -394,10 +480,11 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         cage=scene.ideal_cage(),
         axial=scene.ideal_axial(),
     )
-    steps, sections = ceil(interval / longest_step(problem) * (1.0 - 1e-12)), None
+    longest, sections = longest_step(problem), None
     if problem.damping.acts:  # contacts without dampers vibrate on after a strike
         fastest = fastest_kinematics(bearing, problem.operation)
-        sections = sections_of(bearing, fastest, interval, longest_step(problem), longest_step(problem, spalls=False))
+        sections = sections_of(bearing, fastest, interval, longest, longest_step(problem, spalls=False))
+    steps = ceil(interval / longest * (1.0 - 1e-12))
     return LagrangianPlan(
         scene=scene,
         problem=problem,

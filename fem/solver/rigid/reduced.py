@@ -10,26 +10,17 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.contacts.tilted import rounded_range, too_narrow
+from fem.contacts.tilted import NOTHING, rounded_range, too_narrow
 from fem.kernels.lanes import WIDTH
 from fem.quantities import largest_loads
+from fem.solver import start as starts
 from fem.solver.compiling import in_words, pace
-from fem.solver.limits import check_rollers, check_speed, check_widths
+from fem.solver.limits import check_rollers, check_speed, check_widths, plan_warnings
 from fem.solver.parts import cage_seat, critical_with_cage, time_along_a_knot
-from fem.solver.rigid.plan import RigidPlan, sections_of, time_along_a_wave
-from fem.solver.rigid.start import (
-    ReducedStart,
-    check_slices,
-    equilibrium_start,
-    rest_start,
-    standing_hub,
-    tables_of,
-    tilted_start,
-)
+from fem.solver.rigid.lagrangian import RigidPlan, sections_of
 from fem.solver.rigid.state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import may_strike, sample_count
-from fem.solver.warnings import plan_warnings
 from fem.statics.reduced_bearing import (
     ReducedBearing,
     UnseenWaves,
@@ -38,7 +29,6 @@ from fem.statics.reduced_bearing import (
     unseen_waves,
 )
 from lagrange import Operation
-from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.slices import MORE
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
@@ -63,20 +53,18 @@ def time_of_dampers(model: ReducedBearing, force: float, operation: Operation, d
     return 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient)
 
 
-def _softness(model: ReducedBearing, force: float) -> np.ndarray:
-    """Of a roller's two contacts under a force, N; (2, 2), m/N."""
-    inner, outer = (float(law.softness(force)) for law in (model.inner_law, model.outer_law))
-    return np.array([[inner, model.across], [model.across, outer]])
-
-
 def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, float]:
-    """The same, and the force, which is less where that is beyond Hertz and contacts would push one another in."""
-    soft = _softness(model, force)
-    usual = np.linalg.eigvalsh(_softness(model, force / LOAD_MARGIN))[0]
-    while np.linalg.eigvalsh(soft)[0] < usual / STIFFEST:
+    """Of a roller's two contacts under a force, N; (2, 2), m/N; and the force, which is less where that is beyond
+    Hertz and contacts would push one another in."""
+
+    def softness(pressed: float) -> np.ndarray:
+        inner, outer = (float(law.softness(pressed)) for law in (model.inner_law, model.outer_law))
+        return np.array([[inner, model.across], [model.across, outer]])
+
+    usual = np.linalg.eigvalsh(softness(force / LOAD_MARGIN))[0]
+    while np.linalg.eigvalsh(softness(force))[0] < usual / STIFFEST:
         force *= 0.5
-        soft = _softness(model, force)
-    return soft, force
+    return softness(force), force
 
 
 def strongest_coupling(model: ReducedBearing, force: float) -> float:
@@ -127,13 +115,16 @@ class ReducedPlan(RigidPlan):
     relaxation_factor: float  # of coupled force increments
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
-    start: ReducedStart
-    # of contacts of rollers that tilt; None: axes stay parallel
-    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable] | None
+    start: starts.ReducedStart
+    tables: starts.Tables | None  # of contacts of rollers that tilt; None: axes stay parallel
     largest_force: float  # N, about, of a contact at rest
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
+    bearing = property(lambda self: self.model.bearing)
+    axial = property(lambda self: self.scene.ideal_axial())
+    first_angle = property(lambda self: self.start.angle)
+    unwatched = LONGEST_UNWATCHED
     model_name = MODEL_NAMES["reduced"]
     finer = "lower numerics.time_step_safety"
     lacks = "elastic waves, except the energy that impacts lose to them; warns if that matters"
@@ -141,35 +132,25 @@ class ReducedPlan(RigidPlan):
     @property
     def degrees_of_freedom(self) -> int:
         """Two of the hub, three of each roller; tilts and two of a hub's free slope."""
-        n = self.model.bearing.n_rollers
-        axial = self.scene.ideal_axial()
-        tilts = 0 if axial is None else n + 2 * axial.has_free_slope
-        return 2 + 3 * n + tilts
+        n, axial = self.bearing.n_rollers, self.axial
+        return 2 + 3 * n + (0 if axial is None else n + 2 * axial.has_free_slope)
 
     @property
     def expected_seconds(self) -> float:
-        return pace("reduced") * SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * self.steps
+        return pace("reduced") * SECONDS_PER_LANES * ceil(self.bearing.n_rollers / WIDTH) * self.steps
 
     def static_hub(self) -> np.ndarray:
-        return standing_hub(self.model, self.operation)
-
-    def halved(self, times: int) -> "ReducedPlan":
-        """The same with a step halved so many times, and looks that are frequent enough."""
-        finer, looks, sections = 2**times, self.looks, self.sections
-        stride = self.stride * finer
-        while stride > looks * LONGEST_UNWATCHED and finer > 1:  # and divide the stride all the way
-            looks, finer = 2 * looks, finer // 2
-        return replace(self, stride=stride, looks=looks, sections=sections and sections.finer(finer))
+        return starts.standing_hub(self.model, self.operation)
 
     def reaching(self, times: int) -> "ReducedPlan":
-        axial = self.scene.ideal_axial()
-        if axial is None or times == 1:
+        if self.axial is None or times == 1:
             return self
-        tables = tables_of(self.model, self.operation, axial, times * self.largest_force)
-        return replace(self, tables=tables, start=tilted_start(self.model, self.operation, axial, tables, self.start))
+        tables = _tables(self.model, self.operation, self.axial, times * self.largest_force)
+        start = starts.tilted_start(self.model, self.operation, self.axial, tables, self.start)
+        return replace(self, tables=tables, start=start)
 
     def too_far(self, times: int) -> str | None:
-        axial, bearing = self.scene.ideal_axial(), self.model.bearing
+        axial, bearing = self.axial, self.bearing
         if axial is None or not axial.coupling:
             return None
         force = MORE * rounded_range(times * self.largest_force, 0.0)[0]
@@ -184,19 +165,18 @@ class ReducedPlan(RigidPlan):
         return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
-        start = self.start
+        largest = self.start.inner_force.max(), self.start.outer_force.max()
         return {
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
             **self.operation.mounting.rows,
             **self.step_rows(),
             "expected time": in_words("reduced", self.expected_seconds),
-            "largest static forces": largest_loads(
-                self.model.bearing,
-                start.inner_force.max(),
-                start.outer_force.max(),
-                tilts=self.scene.axial is not None,
-            ),
+            "largest static forces": largest_loads(self.bearing, *largest, tilts=self.axial is not None),
         }
+
+
+def _tables(model: ReducedBearing, operation: Operation, axial, force: float) -> starts.Tables:
+    return starts.tables_of(model.bearing, operation, axial, (model.inner_law, model.outer_law), force, NOTHING)
 
 
 def make_plan(scene: Scene) -> ReducedPlan:
@@ -206,66 +186,6 @@ def make_plan(scene: Scene) -> ReducedPlan:
     ------
     UsageError: balls, rigid bodies or a contact model that needs a mesh; no equilibrium under the load.
     """
-    _check(scene)
-    bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
-    ideal = kinematics(bearing, *operation.ring_speeds)
-    check_speed(bearing, kinematics_met(bearing, operation))
-    model = reduced_bearing(bearing, ideal, operation.gravity)
-    fastest = fastest_kinematics(bearing, operation)
-    loaded = equilibrium_start(model, operation)
-    static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
-    check_widths(bearing, static)
-    load = operation.heaviest + operation.inner_mass * operation.gravity
-    largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
-    tangential = tangential_compliance(bearing, largest)
-    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
-    critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
-    interval = 1e-6 * numerics.output_interval_us
-    of_dampers = time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts)
-    longest = min(SHARE * critical, of_dampers)
-    on_waves = min(longest, KNOTS_A_STEP * time_along_a_wave(bearing, fastest)) * numerics.time_step_safety
-    longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest)) * numerics.time_step_safety
-    steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
-    start = rest_start(model, operation) if numerics.start == "rest" else loaded
-    axial, tables = scene.ideal_axial(), None
-    if axial is not None:
-        check_slices(model, operation, axial, loaded)
-        tables = tables_of(model, operation, axial, largest)
-        start = tilted_start(model, operation, axial, tables, start)
-    of_start = () if start.warning is None else (start.warning,)
-    raceways = float(max(start.inner_force.max(), start.outer_force.max()))
-    looks = ceil(steps / LONGEST_UNWATCHED)
-    stride, sections = looks * ceil(steps / looks), None
-    if scene.damping.contacts.acts:  # contacts without dampers vibrate on after a strike
-        sections = sections_of(bearing, fastest, interval / looks, longest, on_waves)
-    if sections is not None:
-        stride = looks * sections.count * sections.near
-    return ReducedPlan(
-        scene=scene,
-        model=model,
-        operation=operation,
-        tangential=tangential,
-        relaxation_factor=relaxation_factor(strongest_coupling(model, LOAD_MARGIN * largest)),
-        waves=unseen_waves(bearing, operation.inner_mass),
-        strikes=scene.cage is not None or may_strike(scene, bearing, operation),
-        start=start,
-        tables=tables,
-        largest_force=largest,
-        seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
-        static_energy=float(
-            model.contacts.inner_law.energy(loaded.inner_force).sum()
-            + model.contacts.outer_law.energy(loaded.outer_force).sum()
-        ),
-        critical_time_step=critical,
-        stride=stride,
-        looks=looks,
-        sections=sections,
-        n_samples=sample_count(scene),
-        warnings=(*plan_warnings(scene, model, operation, loaded, interval), *of_start),
-    )
-
-
-def _check(scene: Scene) -> None:
     check_rollers(scene)
     if scene.bodies.rigid:
         raise UsageError(
@@ -277,3 +197,57 @@ def _check(scene: Scene) -> None:
             f'contact.model = "{scene.contact.model}" is only for meshes, which the reduced model does not have; leave '
             'it out, or use model = "fem"'
         )
+    bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
+    check_speed(bearing, kinematics_met(bearing, operation))
+    model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), operation.gravity)
+    fastest, damping, cage = fastest_kinematics(bearing, operation), scene.damping.contacts, scene.ideal_cage()
+    loaded = starts.equilibrium_start(model, operation)
+    static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
+    check_widths(bearing, static)
+    load = operation.heaviest + operation.inner_mass * operation.gravity
+    largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
+    met, tangential = LOAD_MARGIN * largest, tangential_compliance(bearing, largest)
+    critical = critical_with_cage(critical_time_step(model, met, tangential, operation), bearing, cage, operation)
+    interval = 1e-6 * numerics.output_interval_us
+    longest = min(SHARE * critical, time_of_dampers(model, met, operation, damping))
+    longest, on_waves = (
+        min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest, spalls)) * numerics.time_step_safety
+        for spalls in (True, False)
+    )
+    steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
+    start = starts.rest_start(model, operation) if numerics.start == "rest" else loaded
+    axial, tables = scene.ideal_axial(), None
+    if axial is not None:
+        starts.check_slices(model, operation, axial, loaded)
+        tables = _tables(model, operation, axial, largest)
+        start = starts.tilted_start(model, operation, axial, tables, start)
+    raceways = float(max(start.inner_force.max(), start.outer_force.max()))
+    looks = ceil(steps / LONGEST_UNWATCHED)
+    stride, sections = looks * ceil(steps / looks), None
+    if damping.acts:  # contacts without dampers vibrate on after a strike
+        sections = sections_of(bearing, fastest, interval / looks, longest, on_waves)
+    if sections is not None:
+        stride = looks * sections.count * sections.near
+    stored = model.contacts.inner_law.energy(loaded.inner_force).sum()
+    stored += model.contacts.outer_law.energy(loaded.outer_force).sum()
+    warnings = plan_warnings(scene, model, operation, loaded, interval)
+    return ReducedPlan(
+        scene=scene,
+        model=model,
+        operation=operation,
+        tangential=tangential,
+        relaxation_factor=relaxation_factor(strongest_coupling(model, met)),
+        waves=unseen_waves(bearing, operation.inner_mass),
+        strikes=scene.cage is not None or may_strike(scene, bearing, operation),
+        start=start,
+        tables=tables,
+        largest_force=largest,
+        seat=cage_seat(bearing, cage, start.angle, start.rho, start.hub, raceways),
+        static_energy=float(stored),
+        critical_time_step=critical,
+        stride=stride,
+        looks=looks,
+        sections=sections,
+        n_samples=sample_count(scene),
+        warnings=(*warnings, *(() if start.warning is None else (start.warning,))),
+    )

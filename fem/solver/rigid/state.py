@@ -1,118 +1,292 @@
-"""Runs of rigid bodies in their time loop: what restarts them, their arrays, samples and warnings, what is kept."""
+"""Runs of rigid bodies in their time loop: their arrays, what restarts them, samples and warnings, what is kept."""
 
 import hashlib
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import replace
+from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.kernels.bodies import TWELFTH
-from fem.kernels.fields import filled
+from fem.kernels.cage import Riders
+from fem.kernels.fields import at_line
+from fem.kernels.lanes import WIDTH
+from fem.kernels.rigid import paces
+from fem.kernels.rigid import state as kernels
 from fem.kernels.rigid.loop import advance_rigid
 from fem.kernels.rigid.rays import Prescribed
-from fem.kernels.rigid.state import Before, Contacts, Radiation, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.rigid.state import Contacts, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
-from fem.solver.guards import n_in_place, through_trouble
-from fem.solver.parts import LESS, axes_at, beyond_tables, surfaces_of
-from fem.solver.rigid.arrays import (
-    STILL,
-    Placed,
-    columns_for,
-    contact_forces,
-    coupling_of,
-    law_constants,
-    outer_drive,
-    paces_of,
-    rigid_bodies,
-    tilted_contacts,
-)
-from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan
-from fem.solver.row_state import RowState, changing_arrays
-from fem.solver.samples import SampleReader, row_width
+from fem.kernels.state import Law
+from fem.kernels.tilts import TiltedForces
+from fem.solver import guards, parts
+from fem.solver.parts import filled
+from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan, RigidPlan, spalls_met
+from fem.solver.row_state import RowState, collect_arrays, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
-from fem.solver.validity import add_samples, law_warning, no_sums, vibration_warning
-from lagrange import Bearing
+from fem.statics.reduced_bearing import ReducedBearing, neighbours_of
+from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial
 from lagrange.axial.slices import steepest_slope
+from lagrange.bearing import Cage
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.equations import THROUGH, touching_distances
 from lagrange.first_state import Problem
 from lagrange.fits import growths, outer_growth
-from lagrange.kinematics import kinematics, turned
+from lagrange.kinematics import kinematics, kinematics_met, turned
 from lagrange.motion import State, StatedDampers, contact_state, hub_equations, rotation_energy
 from lagrange.mounting import from_outer_ring
 from lagrange.step_size import expected_force
-from lagrange.surface.deviation import Turns
+from lagrange.surface.deviation import Turns, profiles
 from lagrange.tilt import Tilts
 
 if TYPE_CHECKING:
     from fem.solver.rigid.reduced import ReducedPlan
+
+STILL = np.zeros(2)
+BODIES = {"inner_ring": paces.ON_INNER_RING, "outer_ring": paces.ON_OUTER_RING, "inside": paces.INSIDE,
+          "outside": paces.OUTSIDE}  # fmt: skip
+CALM = 3e-5  # of the energy of load and strike: what a change to longer steps may miss
+STEADY = 4.0  # times what rollers on their circles have of that: less is no vibration
+Tables = tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]  # of inner and outer contacts
+Sides = tuple[np.ndarray | None, np.ndarray | None]  # (n_rollers,) each, of inner and outer contacts
+
+
+def columns_for(n_rollers: int) -> int:
+    """Lanes for so many rollers, in whole registers."""
+    return -(-n_rollers // WIDTH) * WIDTH
+
+
+def rigid_bodies(
+    bearing: Bearing, operation: Operation, cage: Cage | None, dt: float, placed: dict[str, np.ndarray], **of_model: Any
+) -> RigidBodies:
+    """Everything that moves; `of_model` : fields that only the model knows.
+
+    Parameters
+    ----------
+    cage : one that moves freely
+    placed : where bodies are as the loop begins, half a step behind in velocity; m and m/s from the ground: `angle`,
+        (n_rollers,), rad; `hub` and `hub_velocity`, (2,); `centre` and `velocity`, (2, n_rollers); `ring` and
+        `ring_velocity`, (2,), of the outer ring in its housing; `cage` and `cage_velocity`, (2,), of a free cage
+    """
+    n, mounting, columns = bearing.n_rollers, operation.mounting, columns_for(bearing.n_rollers)
+    hub, hub_velocity, mass = placed["hub"].copy(), placed["hub_velocity"].copy(), float(operation.inner_mass)
+    housing = parts.housing_of(mounting, bearing.outer_ring_mass, None, placed["ring"], dt, row_width(n, None))
+    if housing is not None:
+        housing.velocity[:] = placed["ring_velocity"]
+    of_roller = {"mass": bearing.roller_mass, "radius": bearing.roller_radius, "n": n, "columns": columns}
+    shaft = parts.springs_on(mounting, hub, hub_velocity, np.zeros((2, 2)), mass, n)
+    of_hub = {"hub": hub, "hub_velocity": hub_velocity, "hub_mass": mass, "shaft": shaft, "housing": housing}
+    bodies = filled(RigidBodies, {"columns": columns}, **of_hub, **of_roller, **of_model, cage=None)
+    bodies.centre[:, :n], bodies.velocity[:, :n] = placed["centre"], placed["velocity"]
+    if cage is None:
+        return bodies
+    speed = kinematics(bearing, *operation.ring_speeds).cage
+    state = parts.cage_state(bearing, cage, placed["angle"], speed, row_width(n, None, mounting))
+    state.motion[:2, :2] = placed["cage"], placed["cage_velocity"]
+    unused = {name: np.zeros_like(bodies.velocity) for name in ("node_impulse", "body_impulse")}
+    riders = filled(Riders, {}, bodies, **unused, turn_kick=np.zeros_like(bodies.spin), swelling=None)
+    guide = bodies.hub, bodies.hub_velocity, np.zeros(2), mass
+    around = None if housing is None else (housing.place, housing.velocity, housing.impulse, housing.mass)
+    return bodies._replace(cage=parts.cage_pair(state, cage, riders, guide, around, operation.speed))
+
+
+def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.ndarray) -> kernels.Coupling:
+    """Compliances along the rings, by each roller's neighbours; `tangential` : (3,), m/N, of contacts that stick."""
+    bearing, rings, columns = model.bearing, model.rings, columns_for(model.bearing.n_rollers)
+    found, at = neighbours_of(bearing, rings)
+    pocket = np.arange(columns)
+    pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
+    apart = 2.0 * np.pi / bearing.pockets * pocket
+
+    def of_each(values: np.ndarray) -> np.ndarray:
+        """(..., neighbours, columns) of (..., pockets)."""
+        filled_in = np.zeros((*values.shape[:-1], at.shape[0], columns))
+        filled_in[..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
+        return at_line(filled_in)
+
+    return kernels.Coupling(
+        between=model.between.constants,
+        across=model.across,
+        relaxation_factor=relaxation_factor,
+        **vars(found) | {name: of_each(getattr(rings, name)) for name in ("along", "steep", "bent", "crossed")},
+        apart=np.array([np.cos(apart), np.sin(apart)]),
+        tangential=tangential,
+    )
+
+
+def contact_forces(
+    bearing: Bearing, contacts: Contacts, forces: Sides, moments: Sides, damping: ContactDamping,
+    absent: tuple[str, ...], radiation: kernels.Radiation | None,
+) -> ReducedForces:  # fmt: skip
+    """Contacts under a start's forces, N, and, where they tilt, moments, N m.
+
+    `absent` : accounts that are not kept. Where contacts are not coupled what neighbours tell each other has no room.
+    """
+    n, coupling, columns, dampers = bearing.n_rollers, contacts.coupling, columns_for(bearing.n_rollers), None
+    halo = 0 if coupling is None else int(np.abs(coupling.distance).max(initial=0))
+    sizes = {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": 0}
+    if coupling is None:
+        sizes["haloed"] = 0
+        known = {"first": np.full((2, columns), np.nan), "tilt": np.zeros((2, 0)), "lifted": np.zeros((2, 2, 0))}
+    else:
+        sizes["neighbours"], known = coupling.distance.size, {"along": at_line(coupling.along)}
+    if damping.acts:
+        dampers = filled(kernels.ReducedDampers, sizes, law=damping)
+    around = np.arange(-halo, n + halo) % n
+
+    def begun(name: str, group: tuple, sides: Sides) -> tuple:
+        """With what contacts have at the start, and expect, where others do: in their guess."""
+        for i, values in enumerate(sides):
+            getattr(group, name)[i, :n] = values
+            if coupling is not None:
+                group.guess[i, : around.size] = values[around]
+        return group
+
+    absent += () if profiles(bearing) is not None else kernels.UNEVEN
+    own = {"radiation": radiation, "halo": halo, "dampers": dampers}
+    found = begun("force", filled(ReducedForces, sizes, **own, **known, **dict.fromkeys(absent)), forces)
+    if coupling is None:
+        found.estimate[:2, :n] = found.force[:2, :n]
+    if contacts.tilted is None:
+        return found
+    missing = [] if contacts.tilted.part is not None else ["sunken"]
+    missing += [] if found.slope is not None else ["edges"]
+    tilted = begun("moment", filled(TiltedForces, sizes, **dict.fromkeys(missing)), moments)
+    if dampers is not None:
+        reach, length = bearing.inner_raceway_radius + bearing.roller_radius, bearing.roller_length
+        dampers = dampers._replace(tilted=filled(kernels.TiltedDampers, sizes, over_reach=1.0 / reach, length=length))
+    return found._replace(tilted=tilted, dampers=dampers)
+
+
+def paces_of(plan: RigidPlan, drive: ReducedDrive) -> tuple[tuple[ReducedDrive, ...], paces.Paces | None]:
+    """The drive at every pace of a plan, and when which; None: there is one."""
+    found, long, bearing = plan.sections, plan.long_step, plan.bearing
+    if found is None:
+        return (drive,), None
+    spalls = list(spalls_met(bearing))
+    arcs = [(middle, np.cos(min(half + found.margin / radius, pi))) for _, _, (_, middle, half), radius in spalls]
+    smooth, sensor = profiles(bearing).shortest_of_waves == inf, plan.operation.mounting.sensor
+    steps = {} if sensor is None else {"step": (drive.dt, long), "half_step": (0.5 * drive.dt, 0.5 * long)}
+    of_sensor = {name: np.array([sensor.step(t) for t in times]) for name, times in steps.items()}
+    outward = bearing.pitch_radius * np.abs(kinematics_met(bearing, plan.operation).cage).max() ** 2
+    steady = STEADY * bearing.n_rollers * bearing.roller_mass * outward**2
+    pace = filled(
+        paces.Paces,
+        {},
+        counts=np.array([found.near, found.far], dtype=np.intp),
+        sections=found.count,
+        now=np.zeros(1, dtype=np.intp),
+        made=np.zeros(2, dtype=np.intp),
+        where=np.array([(BODIES[body], spall[0] or 0) for body, _, spall, _ in spalls], dtype=np.intp),
+        arcs=np.array(arcs),
+        stiffness=2.0 * bearing.roller_mass / plan.critical_time_step**2,
+        outward=outward,
+        calm=steady + 12.0 * CALM * (plan.static_energy + found.strike) / long**2,
+        smooth=smooth,
+        **dict.fromkeys(("step", "half_step"), np.zeros((2, 2, 3))) | of_sensor,
+    )
+    return (drive, drive._replace(dt=float(long), looks=not smooth)), pace
+
+
+def law_constants(law) -> kernels.PowerConstants | Law:
+    """A law as kernels take it."""
+    if isinstance(law, PowerLaw):
+        return filled(kernels.PowerConstants, {}, law)
+    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+        most, unused = law.largest_force, {"half_width_factor": 0.0, "curvature": 0.0}
+        return filled(Law, {}, A=2.0 * law.compliance, B=0.5 * law.level, Q_line=most, **unused)
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `fem.kernels.rigid.contacts.law_force`")
+
+
+def _numbers(group: tuple) -> Iterator[np.ndarray]:
+    """Every number of a tuple and of those in it, in order."""
+    for entry in group:
+        if isinstance(entry, tuple):
+            yield from _numbers(entry)
+        else:
+            yield np.ravel(np.asarray(entry, dtype=float))
+
 
 MOST_DOUBLINGS = 4  # of the force that tables go to
 
 
 class RigidState(RowState):
     """Rigid bodies and contacts. A run whose steps turn out too long restarts with half of them, one whose contacts
-    leave their tables with tables up to twice the force.
-
-    Its plan has `halved(times)`, the same with so many halvings of the step, `reaching(times)`, the same whose tables
-    of contacts that tilt go to so many times the force, and `sections` of two step lengths.
-    """
+    leave their tables with tables up to twice the force."""
 
     most_halvings: int
 
-    def __init__(self, plan):
+    def __init__(self, plan: RigidPlan):
+        self._whole, self.restarts = plan, {"halvings": 0, "doublings": 0}  # how often the run has restarted
         super().__init__(plan)
-        self._whole, self._halvings, self._doublings = plan, 0, 0
-        self._begin()
 
     @abstractmethod
-    def arrays_of(self, plan) -> tuple[RigidBodies, tuple, ReducedForces, ReducedDrive]:
-        """Bodies, contacts and their forces, and what acts from outside, at a plan's start."""
+    def start_arrays(self, plan) -> None:
+        """Set bodies, contacts, their forces and the drive to a plan's start, by `assemble`."""
 
-    def _begin(self) -> None:
-        self.plan = plan = self._whole.reaching(2**self._doublings).halved(self._halvings)
-        self.reader = SampleReader(plan)
-        self._largest, self._missed, self._passed_on = np.zeros(3), 0.0, 0.0
-        self.bodies, self.contacts, self.forces, self.drive = self.arrays_of(plan)
+    def begin(self) -> None:
+        self.plan = plan = self._whole.reaching(2 ** self.restarts["doublings"]).halved(self.restarts["halvings"])
+        super().begin()
+        self.start_arrays(plan)
         self.drives, self.paces = paces_of(plan, self.drive)
-        self._before = filled(Before, {"columns": self.bodies.columns})
+        self._before = filled(kernels.Before, {"columns": self.bodies.columns})
+
+    def assemble(
+        self, plan: RigidPlan, bodies: RigidBodies, tilts: Tilts | None, tables: Tables | None, forces: Sides,
+        moments: Sides, damping: ContactDamping, absent: tuple[str, ...], drive: dict[str, Any],
+        radiation: kernels.Radiation | None = None, grown: tuple[float, float] = (0.0, 0.0), **of_contacts: Any,
+    ) -> None:  # fmt: skip
+        """What bodies, contacts and drive need of a plan; `tables` None: axes stay parallel.
+
+        `grown` : m, by which the distances of touching at the inner ring and at the outer one are larger
+        """
+        bearing, operation, columns, tilted = plan.bearing, plan.operation, bodies.columns, None
+        if tables is not None:
+            axes = parts.axes_at(bearing, operation, plan.axial, plan.scene.ideal_cage(), tilts, columns)
+            bodies, (laws, rests) = bodies._replace(tilts=axes), parts.laws_of(tables)
+            part = None if rests[0] is None else parts.surfaces_of(bearing, columns, of_part=True)
+            known = {"tables": laws, "rests": rests, "part": part, "share": 12.0 / float(bearing.roller_length) ** 2}
+            tilted = filled(kernels.TiltedContacts, {}, **known, length=bearing.roller_length)
+        (reach, track), surfaces = touching_distances(bearing), parts.surfaces_of(bearing, columns)._asdict()
+        touching = {"reach": float(reach + grown[0]), "track": float(track + grown[1])}
+        self.bodies, self.contacts = bodies, Contacts(**touching, **surfaces, **of_contacts, tilted=tilted)
+        self.forces = contact_forces(bearing, self.contacts, forces, moments, damping, absent, radiation)
+        raceway, step = bearing.inner_raceway_radius, plan.time_step
+        self.drive = filled(ReducedDrive, {}, operation, **drive, dt=step, inner_radius=raceway)
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)
         tables = () if self.contacts.tilted is None else self.contacts.tilted.tables
-        if block.trouble is None and (beyond := beyond_tables(self.bodies.tilts, tables)) is not None:
-            return self._further(block, beyond)
-        return self.judged(block)
+        if block.trouble is not None or (beyond := parts.beyond_tables(self.bodies.tilts, tables)) is None:
+            return self.judged(block)
+        doublings = self.restarts["doublings"]
+        reason = parts.LESS if doublings == MOST_DOUBLINGS else self.plan.too_far(2 ** (doublings + 1))
+        if reason is not None:
+            return replace(block, trouble=f"{beyond}; {reason}")
+        return self.restart(block, f"{beyond}; the run restarts with tables up to twice the force", "doublings")
 
     @abstractmethod
     def judged(self, block: Block) -> Block:
         """The block, or the restart that it takes."""
 
-    def _further(self, block: Block, beyond: str) -> Block:
-        """The restart with tables that go further, or the end where they cannot."""
-        reason = LESS if self._doublings == MOST_DOUBLINGS else self.plan.too_far(2 ** (self._doublings + 1))
-        if reason is not None:
-            return replace(block, trouble=f"{beyond}; {reason}")
-        self._doublings += 1
-        return self._again(block.samples, f"{beyond}; the run restarts with tables up to twice the force")
-
     @property
     def may_restart(self) -> bool:
         """Whether a halving is left."""
-        return self._halvings < self.most_halvings
+        return self.restarts["halvings"] < self.most_halvings
 
-    def restart(self, samples: Samples | None, reason: str) -> Block:
-        """The block that makes all samples so far void, of a run that is at its start again with half the step."""
-        self._halvings += 1
-        return self._again(samples, f"{reason}; the run restarts with half of it")
-
-    def _again(self, samples: Samples | None, why: str) -> Block:
+    def restart(self, block: Block, why: str, way: str = "halvings") -> Block:
+        """The block that makes all samples so far void, of a run that is at its start again."""
+        why += "; the run restarts with half of it" if way == "halvings" else ""
+        self.restarts[way] += 1
         self.void_steps += self.progress.steps
         self.done, self.imbalance = 0, 0.0
-        self._begin()
-        return Block(samples=samples, restarts=why)
+        self.begin()
+        return Block(samples=block.samples, restarts=why)
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         moving = self.bodies, self.contacts, self.forces, self._before
@@ -134,18 +308,15 @@ class RigidState(RowState):
         return found if self.paces is None else found | {"long_step": self.plan.long_step}
 
     def named_arrays(self) -> dict[str, np.ndarray]:
-        found: dict[str, np.ndarray] = {}
-        for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
-            found |= changing_arrays(group, place)
-        return found if self.paces is None else found | {"paces.now": self.paces.now, "paces.made": self.paces.made}
-
-    @property
-    def fixed(self) -> tuple:
-        """Compliances of the contacts, without surfaces, which follow from the scene that checkpoints hold."""
-        return self.contacts._replace(ring_profiles=(), roller_profiles=())
+        every = collect_arrays({"bodies": self.bodies, "forces": self.forces, "drive": self.drive})
+        of_paces = {} if self.paces is None else {"paces.now": self.paces.now, "paces.made": self.paces.made}
+        return {name: array for name, (array, given) in every.items() if not given} | of_paces
 
     def digest(self) -> str:
-        return hashlib.sha256(np.concatenate([*_numbers(self.fixed)]).tobytes()).hexdigest()
+        # without surfaces, which follow from the scene that checkpoints hold
+        waves, fixed = self.forces.radiation, self.contacts._replace(ring_profiles=(), roller_profiles=())
+        fixed = fixed if waves is None else (*fixed, waves.inertia, waves.settling)
+        return hashlib.sha256(np.concatenate([*_numbers(fixed)]).tobytes()).hexdigest()
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = super().to_keep()
@@ -155,33 +326,17 @@ class RigidState(RowState):
         self.take_restarts(numbers)
         super().take_back(arrays, numbers)
 
-    @property
-    def restarts(self) -> Numbers:
-        """How often the run has restarted, by reason."""
-        return {"halvings": self._halvings, "doublings": self._doublings}
-
     def take_restarts(self, numbers: Numbers) -> None:
         """Stand at the start with the step and the tables that another state of the same plan had."""
-        halvings, doublings = int(numbers["halvings"]), int(numbers["doublings"])
-        if not (0 <= halvings <= self.most_halvings and 0 <= doublings <= MOST_DOUBLINGS):
-            raise ValueError(f"{halvings} halvings of the step, {doublings} doublings of tables")
-        self._halvings, self._doublings = halvings, doublings
-        self._begin()
-
-
-def _numbers(group: tuple):
-    """Every number of a tuple and of those in it, in order."""
-    for entry in group:
-        if isinstance(entry, tuple):
-            yield from _numbers(entry)
-        else:
-            yield np.ravel(np.asarray(entry, dtype=float))
+        found = {name: int(numbers[name]) for name in self.restarts}
+        if not (0 <= found["halvings"] <= self.most_halvings and 0 <= found["doublings"] <= MOST_DOUBLINGS):
+            raise ValueError(f"{found['halvings']} halvings of the step, {found['doublings']} doublings of tables")
+        self.restarts = found
+        self.begin()
 
 
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
 MOST_TURN = 1e6  # rad, that `lane_functions.cosine_and_sine` takes
-
-
 # of the largest force in one vibration of the bodies: beyond, forces of random bearings were off by up to 6 %, beyond
 # a half by up to a factor of 2; below both by 2 % at most
 SHOCK, HARD_SHOCK = 0.075, 0.5
@@ -196,74 +351,64 @@ class ReducedState(RigidState):
 
     most_halvings = 6
 
-    def arrays_of(self, plan: "ReducedPlan"):
-        scene, model, operation, start, dt = plan.scene, plan.model, plan.operation, plan.start, plan.time_step
-        bearing, numerics, axial, free = model.bearing, scene.numerics, scene.ideal_axial(), scene.ideal_cage()
+    def begin(self) -> None:
+        super().begin()
+        self.worst, self.hub_sums = np.zeros(1), np.zeros(6)  # J, the largest energy error of samples so far
+
+    def start_arrays(self, plan: "ReducedPlan") -> None:
+        scene, model, start, operation, dt = plan.scene, plan.model, plan.start, plan.operation, plan.time_step
+        bearing, waves, axial, numerics = model.bearing, plan.waves, plan.axial, scene.numerics
         radial = np.array([np.cos(start.angle), np.sin(start.angle)])
         around = np.array([-radial[1], radial[0]])
         cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-        placed = Placed(
-            angle=start.angle,
-            hub=start.hub + start.ring,
-            hub_velocity=start.hub_velocity,
+        placed = {
+            "angle": start.angle,
+            "hub": start.hub + start.ring,
+            "hub_velocity": start.hub_velocity,
             # steps take forces dt²/12 of the acceleration ahead, inwards on a circle; so far out they are static ones
-            centre=(1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None],
-            velocity=start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial,
-            ring=start.ring,
-            ring_velocity=STILL,
-            cage=start.ring + plan.seat,
-            cage_velocity=STILL,
-        )
-        inertia = float(0.5 * bearing.roller_mass * bearing.roller_radius**2)
-        bodies = rigid_bodies(bearing, operation, free, placed, dt, inertia=inertia)
+            "centre": (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None],
+            "velocity": start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial,
+            "ring": start.ring,
+            "ring_velocity": STILL,
+            "cage": start.ring + plan.seat,
+            "cage_velocity": STILL,
+        }
+        inertia = 0.5 * bearing.roller_mass * bearing.roller_radius**2
+        bodies = rigid_bodies(bearing, operation, scene.ideal_cage(), dt, placed, inertia=inertia)
         bodies.spin[: bearing.n_rollers] = start.kinematics.roller
-        columns, tilted = bodies.columns, None
-        if axial is not None:
-            bodies = bodies._replace(tilts=axes_at(bearing, operation, axial, free, start.tilts, columns))
-            tilted = tilted_contacts(plan.tables, bearing, columns)
-        reach, track = touching_distances(bearing)
-        contacts = Contacts(
-            inner=model.inner_law.constants,
-            outer=model.outer_law.constants,
-            reach=float(reach + model.inner_growth + model.roller_growth),
-            track=float(track - model.roller_growth + model.outer_growth),
-            **surfaces_of(bearing, columns),
-            sag=model.sag,
-            coupling=coupling_of(model, plan.relaxation_factor, plan.tangential),
-            tilted=tilted,
-        )
         absent, radiation = ("ahead", "cut"), None  # rollers that tilt have accounts of their own
-        if tilted is None:
+        if axial is None:
             absent = () if plan.strikes else ("ahead", "cut", "taken")
-            known = {"inertia": plan.waves.inertia, "settling": 1.0 / plan.waves.slowest}
-            radiation = filled(Radiation, {"columns": columns}, state=np.zeros(1, dtype=np.intp), **known)
-        pressed, moments = (start.inner_force, start.outer_force), (start.inner_moment, start.outer_moment)
-        forces = contact_forces(bearing, contacts, pressed, moments, scene.damping.contacts, absent, radiation)
+            known = {"inertia": waves.inertia, "settling": 1.0 / waves.slowest, "state": np.zeros(1, dtype=np.intp)}
+            radiation = filled(kernels.Radiation, {"columns": bodies.columns}, **known)
         inner, roller = growths(bearing, kinematics(bearing, 1.0))
         growth = inner + roller, roller, outer_growth(bearing, kinematics(bearing, 0.0, 1.0))
-        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-        drive = outer_drive(bearing, operation, dt, ramp, float(scene.friction_coefficient), growth)
-        return bodies, contacts, forces, drive
-
-    def _begin(self) -> None:
-        super()._begin()
-        self._worst = 0.0  # J, the largest energy error of samples so far
-        self._hub_sums = no_sums()
+        drive = {
+            "ramp": 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
+            "friction": scene.friction_coefficient,
+            "history": parts.history_arrays(bearing, operation, growth),
+        }
+        self.assemble(
+            plan, bodies, start.tilts, plan.tables, (start.inner_force, start.outer_force),
+            (start.inner_moment, start.outer_moment), scene.damping.contacts, absent, drive, radiation,
+            (model.inner_growth + model.roller_growth, model.outer_growth - model.roller_growth),
+            inner=model.inner_law.constants, outer=model.outer_law.constants, sag=model.sag,
+            coupling=coupling_of(model, plan.relaxation_factor, plan.tangential),
+        )  # fmt: skip
 
     def judged(self, block: Block) -> Block:
-        samples = block.samples
-        lost = block.trouble is not None
+        samples, lost = block.samples, block.trouble is not None
         if samples is not None and len(samples):
             lost = lost or self._loses_energy(samples)
-            add_samples(self._hub_sums, samples)
+            guards.add_samples(self.hub_sums, samples)
         if not (lost and self.may_restart):
             return block
-        if self._came_apart and self._halvings and abs(self.imbalance) <= LIMIT:
-            return block  # no fault of the steps: with shorter ones, too, and while energy balances
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
         if self._came_apart:
+            if self.restarts["halvings"] and abs(self.imbalance) <= LIMIT:
+                return block  # no fault of the steps: with shorter ones, too, and while energy balances
             reason = "the bearing comes apart"
-        return self.restart(samples, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
+        return self.restart(block, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
     def _loses_energy(self, samples: Samples) -> bool:
         """Whether the run's energy is, or by its end will be, off by more than LIMIT of what is exchanged.
@@ -271,10 +416,10 @@ class ReducedState(RigidState):
         Before the end that is taken to grow in proportion to the time, from what the load stores in contacts at rest
         where less has been exchanged: but for one of 444 random bearings, runs that end well stay 14 % below.
         """
-        worst = np.fmax(np.maximum.accumulate(np.abs(samples.error)), self._worst)
-        self._worst = float(worst[-1])
+        worst = np.fmax(np.maximum.accumulate(np.abs(samples.error)), self.worst)
+        self.worst[0] = worst[-1]
         if self.done == self.plan.n_samples:
-            return self._worst > LIMIT * float(samples.exchanged[-1])
+            return bool(worst[-1] > LIMIT * float(samples.exchanged[-1]))
         share = np.arange(self.done - len(samples) + 1, self.done + 1) / self.plan.n_samples
         least = np.fmax(self.plan.static_energy, ROUND_OFF * np.abs(samples["energy_kinetic"]))
         return bool(np.any(worst * share > LIMIT * np.fmax(samples.exchanged, least)))
@@ -284,65 +429,38 @@ class ReducedState(RigidState):
         """The most that a force has changed in a vibration of the bodies' own, over the largest force."""
         now = self.drives[0 if self.paces is None else self.paces.now[0]]
         rate = float(self.forces.fastest.max()) / now.dt
-        return rate * slowest_vibration(self.plan.model.bearing) / max(float(self._largest.max()), 1e-30)
+        return rate * slowest_vibration(self.plan.bearing) / max(float(self.largest.max()), 1e-30)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        found = super().warnings
-        if self.shock < SHOCK:
-            return found + self._slow_hub + self._stiff_laws + self._unequal_kicks
-        off = "tens of per cent" if self.shock > HARD_SHOCK else "several per cent"
-        return (
-            *found,
-            "impacts excite elastic waves, which the reduced model represents only in part: individual peak forces may "
-            f'be off by {off}; for peak forces use model = "fem"',
-        )
+        found, plan, mounting = list(super().warnings), self.plan, self.plan.operation.mounting
+        if (shock := self.shock) >= SHOCK:
+            off = "tens of per cent" if shock > HARD_SHOCK else "several per cent"
+            return (
+                *found,
+                "impacts excite elastic waves, which the reduced model represents only in part: individual peak forces "
+                f'may be off by {off}; for peak forces use model = "fem"',
+            )
+        if mounting.shaft is None and mounting.housing is None:  # else they are what the hub vibrates by
+            found.append(guards.vibration_warning(plan.bearing, plan.operation.inner_mass, self.hub_sums))
+        found.append(guards.law_warning(plan.model.contacts, self.largest))
+        most, largest = float(self.forces.beyond[0]), float(self.largest[0])
+        if most > BEYOND * largest > 0.0:  # without a force there is nothing to compare with
+            key = "output_interval_us" if plan.stride == 1 else "time_step_safety"  # what makes steps shorter
+            found.append(
+                f"when contacts open or close, the energy-conserving step gives the hub up to {most:.3g} N more or "
+                f"less than the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner ring), "
+                f"and the momentum balance is off by as much; lower numerics.{key}"
+            )
+        return tuple(sentence for sentence in found if sentence)
 
-    @property
-    def _slow_hub(self) -> tuple[str, ...]:
-        """A sentence where the rings' mass changes the hub's vibration."""
-        plan, mounting = self.plan, self.plan.operation.mounting
-        if mounting.shaft is not None or mounting.housing is not None:  # then they are not what the hub vibrates by
-            return ()
-        said = vibration_warning(plan.model.bearing, plan.operation.inner_mass, self._hub_sums)
-        return () if said is None else (said,)
-
-    @property
-    def _stiff_laws(self) -> tuple[str, ...]:
-        """A sentence where contacts became so wide that their laws are too stiff."""
-        said = law_warning(self.plan.model.contacts, self._largest)
-        return () if said is None else (said,)
-
-    @property
-    def _unequal_kicks(self) -> tuple[str, ...]:
-        """A sentence on samples whose forces are not what the hub was given, if they are off by more than BEYOND."""
-        most, largest = float(self.forces.beyond[0]), float(self._largest[0])
-        if most <= BEYOND * largest or largest == 0.0:  # without a force there is nothing to compare with
-            return ()
-        key = "output_interval_us" if self.plan.stride == 1 else "time_step_safety"  # what makes steps shorter
-        return (
-            f"when contacts open or close, the energy-conserving step gives the hub up to {most:.3g} N more or less "
-            f"than the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner ring), and the "
-            f"momentum balance is off by as much; lower numerics.{key}",
-        )
-
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        arrays, numbers = super().to_keep()
-        return arrays | {"hub_sums": self._hub_sums}, numbers | {"worst": self._worst}
-
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        super().take_back(arrays, numbers)
-        self._worst, self._hub_sums = float(numbers["worst"]), arrays["hub_sums"]
-
-    @property
-    def fixed(self) -> tuple:
-        waves = self.forces.radiation
-        return super().fixed if waves is None else (*super().fixed, waves.inertia, waves.settling)
+    def kept_arrays(self) -> dict[str, np.ndarray]:
+        return super().kept_arrays() | {"hub_sums": self.hub_sums, "worst": self.worst}
 
     def check(self) -> None:
         bodies, n = self.bodies, self.bodies.n
         from_hub = np.hypot(*(bodies.centre[:, :n] - bodies.hub[:, None]))
-        ring = np.zeros(2) if bodies.housing is None else bodies.housing.place
+        ring = STILL if bodies.housing is None else bodies.housing.place
         nearest = min(from_hub.min(), np.hypot(*(bodies.centre[:, :n] - ring[:, None])).min())
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
@@ -372,68 +490,68 @@ class LagrangianState(RigidState):
 
     most_halvings = 3  # before a warning instead
 
-    def arrays_of(self, plan: LagrangianPlan):
-        def gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.ndarray:
-            """Velocity that a body gains in half a step, s, with its dashpot's share at the end of it."""
+    def begin(self) -> None:
+        super().begin()
+        self.judge = Judge(self.plan.problem, self.plan.time_step)
+        self.base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
+
+    def start_arrays(self, plan: LagrangianPlan) -> None:
+        problem, begin, dt, cage = plan.problem, plan.begin, plan.time_step, plan.scene.ideal_cage()
+        bearing, operation, axial = problem.bearing, problem.operation, problem.axial
+        n, half, ahead, mounting = bearing.n_rollers, 0.5 * dt, TWELFTH * dt**2, operation.mounting
+
+        def gained(acceleration: np.ndarray, mass: float, springs) -> np.ndarray:
+            """Velocity that a body gains in half a step, with its dashpot's share at the end of it."""
             return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
 
-        problem, begin, dt = plan.problem, plan.begin, plan.time_step
-        bearing, operation = problem.bearing, problem.operation
-        half, ahead, mounting = 0.5 * dt, TWELFTH * dt**2, operation.mounting
-        ring_velocity = np.zeros(2)
+        ring_velocity = STILL
         if mounting.housing is not None:
             mass = mounting.housing.mass + bearing.outer_ring_mass
-            ring_velocity = -gained(begin.ring_acceleration, half, mass, mounting.housing)
-        placed = Placed(
-            angle=begin.angle,
-            hub=begin.hub - ahead * begin.hub_acceleration,
-            hub_velocity=begin.hub_velocity
-            - gained(begin.hub_acceleration, half, float(operation.inner_mass), mounting.shaft),
-            centre=begin.centre - ahead * begin.pushed,
-            velocity=begin.velocity - half * begin.acceleration,
-            ring=begin.ring - ahead * begin.ring_acceleration,
-            ring_velocity=ring_velocity,
-            cage=begin.ring,
-            cage_velocity=np.array([0.0, half * operation.gravity]),
-        )
-        n, held, ideal = bearing.n_rollers, problem.angles == "kinematic", kinematics(bearing, 1.0)
-        by_outer = kinematics(bearing, 0.0, 1.0)
-        rays = np.zeros((2, columns_for(n)))
+            ring_velocity = -gained(begin.ring_acceleration, mass, mounting.housing)
+        of_hub = gained(begin.hub_acceleration, float(operation.inner_mass), mounting.shaft)
+        placed = {
+            "angle": begin.angle,
+            "hub": begin.hub - ahead * begin.hub_acceleration,
+            "hub_velocity": begin.hub_velocity - of_hub,
+            "centre": begin.centre - ahead * begin.pushed,
+            "velocity": begin.velocity - half * begin.acceleration,
+            "ring": begin.ring - ahead * begin.ring_acceleration,
+            "ring_velocity": ring_velocity,
+            "cage": begin.ring,
+            "cage_velocity": np.array([0.0, half * operation.gravity]),
+        }
+        held, rays = problem.angles == "kinematic", np.zeros((2, columns_for(n)))
         rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
-        shown = held and plan.scene.ideal_cage() is not None
-        prescribed = Prescribed(
-            spin=float(ideal.roller),
-            cage=float(ideal.cage),
-            spin_by_outer=float(by_outer.roller),
-            cage_by_outer=float(by_outer.cage),
+        by_shaft, by_outer = kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0)
+        prescribed = filled(
+            Prescribed,
+            {},
+            spin=by_shaft.roller,
+            cage=by_shaft.cage,
+            spin_by_outer=by_outer.roller,
+            cage_by_outer=by_outer.cage,
             first=rays if held else None,
             force=np.zeros(columns_for(n)),
             work=np.zeros(2),
-            column=row_width(n, None, mounting) if shown else -1,
+            column=row_width(n, None, mounting) if held and cage is not None else -1,
         )
-        of_model = {"inertia": np.inf, "prescribed": prescribed}  # their spin is prescribed
-        free = None if problem.free_cage is None else plan.scene.ideal_cage()
-        bodies = rigid_bodies(bearing, operation, free, placed, dt, **of_model)
-        columns, axial, tilts, laws = bodies.columns, problem.axial, problem.first_state.state.tilts, (None, None)
-        tilted, (reach, track) = None, touching_distances(bearing)
+        free = None if problem.free_cage is None else cage
+        # their spin is prescribed
+        bodies = rigid_bodies(bearing, operation, free, dt, placed, inertia=np.inf, prescribed=prescribed)
+        laws, tables, absent = (None, None), None, ("ahead", "cut")
         if axial is None:
-            laws = law_constants(problem.laws.inner), law_constants(problem.laws.outer)
+            laws, absent = (law_constants(problem.laws.inner), law_constants(problem.laws.outer)), ("taken",)
         else:
-            bodies = bodies._replace(tilts=axes_at(bearing, operation, axial, plan.scene.ideal_cage(), tilts, columns))
-            tilted = tilted_contacts(tables_of(problem, axial, plan.reach), bearing, columns)
-        contacts = Contacts(*laws, float(reach), float(track), **surfaces_of(bearing, columns), tilted=tilted)
+            tables = tables_of(problem, axial, plan.reach)
         at_start = {name: value[0] for name, value in begin.samples.items()}
         pressed, moments = (
             tuple(at_start.get(f"{side}_{kind}") for side in ("inner", "outer")) for kind in ("force", "moment")
         )
-        absent = ("taken",) if tilted is None else ("ahead", "cut")
-        forces = contact_forces(bearing, contacts, pressed, moments, problem.damping, absent)
-        return bodies, contacts, forces, outer_drive(bearing, operation, dt, problem.load_ramp)
-
-    def _begin(self) -> None:
-        super()._begin()
-        self.judge = Judge(self.plan.problem, self.plan.time_step)
-        self._base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
+        ramp = {"ramp": problem.load_ramp, "friction": 0.0, "history": parts.history_arrays(bearing, operation)}
+        self.assemble(
+            plan, bodies, problem.first_state.state.tilts, tables, pressed, moments, problem.damping, absent, ramp,
+            inner=laws[0], outer=laws[1],
+        )  # fmt: skip
 
     def judged(self, block: Block) -> Block:
         at_end = self.done == self.plan.n_samples and block.trouble is None
@@ -443,7 +561,7 @@ class LagrangianState(RigidState):
         if (trouble := too_fast or self.judge.rattling) is None:
             return block
         if self.may_restart:
-            return self.restart(block.samples, trouble.partition(";")[0])
+            return self.restart(block, trouble.partition(";")[0])
         # still worth having where contacts only rattle: see `notices`
         return block if too_fast is None else Block(samples=block.samples, trouble=too_fast)
 
@@ -452,25 +570,25 @@ class LagrangianState(RigidState):
         return f"the motion overflowed by t = {time:.4g} s; lower time_step"
 
     def sound_part(self, looked: Samples, trouble: str | None) -> tuple[int, str | None]:
-        bearing = self.plan.problem.bearing
+        bearing = self.plan.bearing
         self.judge.meet(looked)
         self.imbalance = float(looked.relative_error()[-1])
-        in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
+        in_place = guards.n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
         self._came_apart = in_place < len(looked) and trouble is None
         if self._came_apart:
-            trouble = through_trouble(self.plan.problem.bearing, self.plan.time_step, looked, in_place)
+            trouble = guards.through_trouble(bearing, self.plan.time_step, looked, in_place)
         return in_place, trouble
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        found = self.judge.warnings(self._largest)
-        if self._missed <= ENERGY_TOLERANCE * self._passed_on:
+        found, missed, passed_on = self.judge.warnings(self.largest), self.missed[0], self.passed_on[0]
+        if missed <= ENERGY_TOLERANCE * passed_on:
             return found
         return (
             *found,
-            f"the energy balance is off by up to {100.0 * self._missed / self._passed_on:.2g} % of the largest "
-            f"exchanged energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; "
-            "single impacts are off by as much",
+            f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the largest exchanged energy: "
+            f"the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single impacts are "
+            "off by as much",
         )
 
     @property
@@ -484,17 +602,16 @@ class LagrangianState(RigidState):
         return () if (said := self.judge.rattling) is None else (said,)
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        arrays, numbers = self.judge.to_keep()
         if self.done <= 1:  # as `StartState` does, whose run may go on
-            return arrays, numbers | self.restarts
-        moving = super().to_keep()
-        return moving[0] | arrays | {"base": self._base}, moving[1] | numbers
+            return {}, self.restarts
+        arrays, numbers = super().to_keep()
+        return arrays | {"to_first": self.base}, numbers | {"met": self.judge.met}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if self.done > 1:
             super().take_back(arrays, numbers)
-            self._base = arrays["base"]
-            self.judge.take_back(arrays, numbers)
+            self.base[:], met = arrays["to_first"], numbers["met"]
+            self.judge.met = {name: float(met[name]) for name in self.judge.met}
             return
         self.take_restarts(numbers)
         if self.done == 1:
@@ -503,26 +620,26 @@ class LagrangianState(RigidState):
 
     def read(self, rows: np.ndarray) -> Samples:
         """Samples of rows: with the energy of what turns, held rollers exactly on their rays, and the start's own."""
-        plan, problem = self.plan, self.plan.problem
+        plan, problem, start = self.plan, self.plan.problem, self.plan.begin.samples
         time, first = plan.interval * np.arange(self.done, self.done + len(rows)), self.done == 0
         turning = rotation_energy(problem.bearing, problem.operation.at(time))
         rows[:, KINETIC] += turning
         rows[:, WORK_DRIVE] += turning
         if first:
-            start = plan.begin.samples
             at_start = np.array([start["energy_kinetic"][0], start["energy_contact"][0]])
-            self._base = at_start - rows[0, [KINETIC, CONTACT]]
-        rows[:, KINETIC] += self._base[0]
-        rows[:, CONTACT] += self._base[1]
-        if problem.angles == "kinematic":
-            self._put_on_rays(rows, time)
+            self.base[:] = at_start - rows[0, [KINETIC, CONTACT]]
+        rows[:, KINETIC] += self.base[0]
+        rows[:, CONTACT] += self.base[1]
+        held = problem.angles == "kinematic"
+        if held:
+            theta = plan.begin.angle + np.reshape(turned(problem.bearing, problem.operation, time).cage, (-1, 1))
+            self._put_on_rays(rows, theta)
         samples = self.reader.read(rows)
-        if problem.angles == "kinematic":
-            samples["roller_theta"][:] = self._angles(time)
+        if held:
+            samples["roller_theta"][:] = theta
         self._balance(samples)
-        if first:
-            for name, value in plan.begin.samples.items():
-                samples[name][0] = value[0]
+        for name, value in start.items() if first else ():
+            samples[name][0] = value[0]
         return samples
 
     def _balance(self, samples: Samples) -> None:
@@ -530,63 +647,47 @@ class LagrangianState(RigidState):
 
         Steps take forces a little ahead, and give the hub what keeps the energy where contacts open and close.
         """
-        problem, time = self.plan.problem, samples["time"]
+        problem, time, tilts = self.plan.problem, samples["time"], None
         bearing, operation = problem.bearing, problem.operation
         x, y = from_outer_ring(samples.values, "inner")
         ring_x, ring_y = samples["inner_x"] - x, samples["inner_y"] - y
         nothing = np.zeros(samples["roller_rho"].shape)
+        if problem.axial is not None:
+            slopes = {axis: samples[f"inner_{axis}"] for axis in ("slope_x", "slope_y")}
+            tilts = Tilts(tilt=samples["roller_tilt"], tilt_rate=nothing, **slopes)
         state = State(
             x=x, y=y, rho=samples["roller_rho"], theta=samples["roller_theta"], x_rate=samples["inner_vx"],
             y_rate=samples["inner_vy"], rho_rate=nothing, theta_rate=nothing, ring_x=ring_x, ring_y=ring_y,
-            turns=Turns.rolling(bearing, operation, time[:, None]), tilts=_tilts(problem, samples),
+            turns=Turns.rolling(bearing, operation, time[:, None]), tilts=tilts,
         )  # fmt: skip
         names = [f"{side}_damping_{kind}" for kind in ("force", "moment") for side in ("inner", "outer")]
         given = StatedDampers(*(samples[name] for name in names if name in samples.values))
         touch = contact_state(bearing, problem.contacts, state, given)
-        samples["inner_damping_force"][:], samples["outer_damping_force"][:] = touch.inner_damper, touch.outer_damper
-        samples["inner_force"][:], samples["outer_force"][:] = touch.inner_force, touch.outer_force
+        told = dict(zip(names[:2], (touch.inner_damper, touch.outer_damper), strict=True))
+        told |= {"inner_force": touch.inner_force, "outer_force": touch.outer_force}
         if touch.tilted is not None:
-            samples["inner_moment"][:] = touch.tilted.inner_moment
-            samples["outer_moment"][:] = touch.tilted.outer_moment
-            for name, moment in zip(names[2:], touch.tilted.dampers, strict=True):
-                if name in samples.values:
-                    samples[name][:] = moment
+            told |= {"inner_moment": touch.tilted.inner_moment, "outer_moment": touch.tilted.outer_moment}
+            told |= dict(zip(names[2:], touch.tilted.dampers, strict=True))
         left = hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
             of_cage: Any = 0.0
             if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
                 of_cage = samples[f"cage_guidance_{axis}"]
-            samples[f"inner_a{axis}"][:] = -(without + of_cage) / operation.inner_mass
+            told[f"inner_a{axis}"] = -(without + of_cage) / operation.inner_mass
+        for name in told.keys() & samples.values.keys():
+            samples[name][:] = told[name]
 
-    def _angles(self, time: np.ndarray) -> np.ndarray:
-        problem = self.plan.problem
-        return self.plan.begin.angle + np.reshape(turned(problem.bearing, problem.operation, time).cage, (-1, 1))
-
-    def _put_on_rays(self, rows: np.ndarray, time: np.ndarray) -> None:
-        n = self.plan.problem.bearing.n_rollers
-        ring = np.zeros((2, len(rows), 1))
+    def _put_on_rays(self, rows: np.ndarray, theta: np.ndarray) -> None:
+        n, ring = self.plan.bearing.n_rollers, np.zeros((2, len(rows), 1))
         if self.bodies.housing is not None:
             column = self.bodies.housing.column
             ring[:] = rows[:, [column, column + 1]].T[:, :, None]
         x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
-        rho, theta = np.hypot(x - ring[0], y - ring[1]), self._angles(time)
+        rho = np.hypot(x - ring[0], y - ring[1])
         x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)
 
 
-def _tilts(problem: Problem, samples: Samples) -> Tilts | None:
-    """Slopes of samples; None: axes stay parallel."""
-    if problem.axial is None:
-        return None
-    tilt, nothing = samples["roller_tilt"], np.zeros(samples["roller_tilt"].shape)
-    return Tilts(
-        tilt=tilt, tilt_rate=nothing,
-        slope_x=samples["inner_slope_x"], slope_y=samples["inner_slope_y"],
-    )  # fmt: skip
-
-
-def tables_of(
-    problem: Problem, axial: Axial, times: float = 1.0
-) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
+def tables_of(problem: Problem, axial: Axial, times: float = 1.0) -> Tables:
     """Tables made of the slices that the reference has, up to a few times the largest static force, or `times` that."""
     bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), times * expected_force(problem)
     slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))

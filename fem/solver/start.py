@@ -1,4 +1,4 @@
-"""Where a run of the reduced model begins: equilibrium, velocities, tables of rollers that tilt."""
+"""Where bodies whose elasticity has no mass begin: equilibrium, velocities, tables and slices of rollers that tilt."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -7,21 +7,8 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
-from fem.statics.contact_balance import (
-    ROUND_OFF,
-    Condensed,
-    Loads,
-    NotFound,
-    balance,
-    closed_forces,
-    edge_compliances,
-    first_guess,
-    geometry,
-    hub_spring,
-    hub_stiffness,
-    passing,
-    standing_ring,
-)
+from fem.statics import contact_balance as statics
+from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standing_ring
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
@@ -40,6 +27,8 @@ from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
 NEWTON_STEPS = 20
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds
 LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
+Tables = tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]  # of the inner and the outer contacts
+Laws = tuple[ContactLaw, ContactLaw]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +43,7 @@ class ReducedStart:
     rho_rate: np.ndarray  # (n_rollers,)
     inner_force: np.ndarray  # (n_rollers,)
     outer_force: np.ndarray
-    steady: bool  # forces hold every roller on its circle
+    steady: bool = True  # forces hold every roller on its circle
     ring: np.ndarray  # (2,), of the outer ring's centre, from which all other places are
     warning: str | None = None  # on velocities that it starts without
     tilts: Tilts | None = None  # None: axes stay parallel
@@ -73,27 +62,32 @@ class Balanced(NamedTuple):
         return self.place[:2]
 
 
+def unloaded(operation: Operation) -> Operation:
+    """Without load, weight and what changes them."""
+    return replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
+
+
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """Static equilibrium at t = 0, with the velocities of `passing`. NotFound: no equilibrium."""
-    bearing = model.bearing
+    bearing, n = model.bearing, model.bearing.n_rollers
     angle = roller_angles(bearing, operation.first_roller_angle)
     radial = np.array([np.cos(angle), np.sin(angle)])
 
     def force_at(where):
-        return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where).forces)[bearing.n_rollers :]
+        return radial @ statics.closed_forces(_balanced(model, operation, 0.0, ring=where).forces)[n:]
 
     ring = standing_ring(operation, weight_on_springs(bearing, operation), force_at)
     middle = _balanced(model, operation, 0.0, ring=ring)
 
     def stiffness() -> np.ndarray:
-        return hub_stiffness(model.at(angle, UNTURNED), *middle, hub_spring(operation, ring))
+        return statics.hub_stiffness(model.at(angle, UNTURNED), *middle, hub_spring(operation, ring))
 
-    way = LOOK_AHEAD * bearing.roller_radius
-    found, warning = passing(
-        lambda time: _balanced(model, operation, time, middle, ring), stiffness, bearing, operation, way
-    )
+    def at(time: float) -> Balanced:
+        return _balanced(model, operation, time, middle, ring)
+
+    found, warning = statics.passing(at, stiffness, bearing, operation, LOOK_AHEAD * bearing.roller_radius)
     rate = np.zeros_like(middle.place) if found is None else found.rate("place")
-    return replace(_start(model, operation, middle.place, rate, middle.forces), ring=ring, warning=warning)
+    return _start(model, operation, *middle, ring, rate=rate, warning=warning)
 
 
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -102,26 +96,23 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     Without preload no contact is strained but by what bodies grow as they spin.
     """
     bearing, n, alone = model.bearing, model.bearing.n_rollers, replace(operation.mounting, shaft=None)
-    at_rest = replace(operation, mounting=alone)
-    ring = standing_ring(at_rest, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
-    if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
-        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
-        place, forces = _balanced(model, unloaded, 0.0)
-        return replace(_start(model, operation, place, np.zeros_like(place), forces), ring=ring)
+    weight = weight_on_springs(bearing, operation)
+    ring = standing_ring(replace(operation, mounting=alone), weight, lambda _: np.zeros(2))
+    if bearing.radial_clearance < -statics.ROUND_OFF * bearing.roller_radius:
+        balanced = _balanced(model, replace(unloaded(operation), mounting=HELD), 0.0)
+        return _start(model, operation, *balanced, ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
-    angle = roller_angles(bearing, operation.first_roller_angle)
-    contacts = model.at(angle, UNTURNED)
-    edges = np.diag(edge_compliances(bearing, contacts.radial, place))
+    contacts = model.at(roller_angles(bearing, operation.first_roller_angle), UNTURNED)
+    edges = np.diag(statics.edge_compliances(bearing, contacts.radial, place))
     contacts = replace(contacts, compliance=contacts.compliance + edges)
-    forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
-    return replace(_start(model, operation, place, np.zeros_like(place), forces, steady=False), ring=ring)
+    overlap = statics.geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing
+    return _start(model, operation, place, _forces_at(contacts, overlap), ring, steady=False)
 
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
     alone = replace(operation, speed=0.0, outer_speed=0.0, side_load=0.0, gravity=0.0, history=None, mounting=HELD)
-    still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, 0.0).hub
+    return _balanced(reduced_bearing(model.bearing, kinematics(model.bearing, 0.0)), alone, 0.0).hub
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -140,52 +131,45 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> Balanced:
+def _balanced(model: ReducedBearing, operation: Operation, time: float, middle=None, ring=NOWHERE) -> Balanced:
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
     load, side_load = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start, near = (first_guess(bearing, contacts.radial, load, side_load), None) if middle is None else middle
+    start, near = (statics.first_guess(bearing, contacts.radial, load, side_load), None) if middle is None else middle
     cage = kinematics(bearing, *operation.ring_speeds).cage
-    spring = hub_spring(operation, ring)
-    return Balanced(*balance(contacts, Loads(load, operation.gravity, cage, side_load, spring), start, near))
+    loads = statics.Loads(load, operation.gravity, cage, side_load, hub_spring(operation, ring))
+    return Balanced(*statics.balance(contacts, loads, start, near))
 
 
-def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
-    n, forces = model.bearing.n_rollers, closed_forces(forces)
+def _start(model: ReducedBearing, operation: Operation, place, forces, ring, rate=None, **more) -> ReducedStart:
+    bearing, n, forces = model.bearing, model.bearing.n_rollers, statics.closed_forces(forces)
+    rate = np.zeros_like(place) if rate is None else rate
     return ReducedStart(
-        kinematics=kinematics(model.bearing, *operation.ring_speeds),
-        angle=roller_angles(model.bearing, operation.first_roller_angle),
-        hub=place[:2],
-        rho=place[2:],
-        hub_velocity=rate[:2],
-        rho_rate=rate[2:],
-        inner_force=forces[:n],
-        outer_force=forces[n:],
-        steady=steady,
-        ring=np.zeros(2),
-    )
+        kinematics=kinematics(bearing, *operation.ring_speeds),
+        angle=roller_angles(bearing, operation.first_roller_angle),
+        hub=place[:2], rho=place[2:], hub_velocity=rate[:2], rho_rate=rate[2:],
+        inner_force=forces[:n], outer_force=forces[n:], ring=ring, **more,
+    )  # fmt: skip
 
 
 MOVING = 2.0  # times the force at rest: rollers that move tilt further
 
 
 def tables_of(
-    model: ReducedBearing, operation: Operation, axial: Axial, force: float
-) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
-    """Tables of both contacts, for forces at rest of so many N."""
-    bearing, laws = model.bearing, (model.inner_law, model.outer_law)
+    bearing: Bearing, operation: Operation, axial: Axial, laws: Laws, force: float, meshed: tuple[float, float]
+) -> Tables:
+    """Tables of both contacts, for forces at rest of so many N, by plane laws of the whole contacts.
+
+    `meshed` : m/N, what meshes have of their compliances
+    """
     slope = steepest_slope(bearing, axial, operation.misalignment, float(laws[0].approach(MOVING * force)))
-    return tilted_tables(bearing, axial, laws, force, slope)
+    return tilted_tables(bearing, axial, laws, force, slope, meshed)
 
 
 def tilted_start(
-    model: ReducedBearing,
-    operation: Operation,
-    axial: Axial,
-    tables: tuple[ContactTable | SpalledTable, ContactTable | SpalledTable],
-    plane: ReducedStart,
+    model: ReducedBearing, operation: Operation, axial: Axial, tables: Tables, plane: ReducedStart
 ) -> ReducedStart:
     """Static equilibrium near that of parallel axes, with the velocities of passing through those before and after.
 
@@ -196,17 +180,15 @@ def tilted_start(
     NotFound: no equilibrium.
     """
     bearing, n = model.bearing, model.bearing.n_rollers
-    if not plane.steady:
-        operation = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, history=None)
+    operation = operation if plane.steady else unloaded(operation)
 
     def balanced(time: float) -> TiltedStatics:
         return _tilted_at(model, operation, axial, TiltedLaws(*tables), plane, time)
 
-    now = balanced(0.0)
-    found, warning = None, None
+    now, found, warning = balanced(0.0), None, None
     if plane.steady:
         way = LOOK_AHEAD * bearing.roller_radius
-        found, warning = passing(balanced, lambda: now.radial_stiffness, bearing, operation, way)
+        found, warning = statics.passing(balanced, lambda: now.radial_stiffness, bearing, operation, way)
     rates = np.zeros(4 + 2 * n) if found is None else places_moving(found.before, now, found.after, found.time)
     return replace(
         plane,
@@ -220,10 +202,12 @@ def _tilted_at(
     model: ReducedBearing, operation: Operation, axial: Axial, laws: TiltedLaws, plane: ReducedStart, time: float
 ) -> TiltedStatics:
     """Equilibrium at a time, s, near that of parallel axes. NotFound."""
-    bearing, share = model.bearing, 12.0 / model.bearing.roller_length**2
+    bearing, n, share = model.bearing, model.bearing.n_rollers, 12.0 / model.bearing.roller_length**2
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, UNTURNED)
-    elastic = Elastic(contacts.compliance, share * _along(contacts.compliance), contacts.closing)
+    along = contacts.compliance.copy()  # of the rings alone: rollers' own squeezing by moments is in contacts' tables
+    along[range(n), range(n, 2 * n)] = along[range(n, 2 * n), range(n)] = 0.0
+    elastic = Elastic(contacts.compliance, share * along, contacts.closing)
     placement = Placement(angle, plane.ring, Turns.rolling(bearing, operation, time))
     acting, start = operation.at(time), (plane.hub, plane.rho)
     try:
@@ -245,15 +229,12 @@ def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, load
         return
     bearing, laws = model.bearing, (model.inner_law, model.outer_law)
     tried = no_narrower(bearing, axial, (loaded.inner_force, loaded.outer_force))
-    slices = TiltedLaws(*tilted_slices(bearing, tried, laws))
-    still = _tilted_at(model, operation, tried, slices, loaded, 0.0)
+    still = _tilted_at(model, operation, tried, TiltedLaws(*tilted_slices(bearing, tried, laws)), loaded, 0.0)
     if (reason := too_narrow(bearing, axial, _widest_contact(bearing, tried, laws, still))) is not None:
         raise UsageError(reason)
 
 
-def narrow_slices(
-    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: TiltedStatics
-) -> str | None:
+def narrow_slices(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics) -> str | None:
     """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do.
 
     `laws` : plane ones of whole contacts, inner and outer
@@ -261,7 +242,7 @@ def narrow_slices(
     return too_narrow(bearing, axial, _widest_contact(bearing, axial, laws, start)) if axial.coupling else None
 
 
-def _widest_contact(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], start: TiltedStatics) -> float:
+def _widest_contact(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics) -> float:
     widest, slices = 0.0, tilted_slices(bearing, axial, laws)
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
@@ -271,11 +252,3 @@ def _widest_contact(bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, Cont
             carried = each.forces(*placed(each, float(force[j]), float(held)))
             widest = max(widest, pair.half_width(axial.slices * float(carried.max())))
     return widest
-
-
-def _along(compliance: np.ndarray) -> np.ndarray:
-    """Of the rings alone, (2 n, 2 n), m/N: rollers' own squeezing by moments is in their contacts' tables."""
-    n = compliance.shape[0] // 2
-    found = compliance.copy()
-    found[range(n), range(n, 2 * n)] = found[range(n, 2 * n), range(n)] = 0.0
-    return found

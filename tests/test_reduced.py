@@ -16,7 +16,7 @@ from fem.elastic.continuum import Section, plane_compliance, ring_sections, roll
 from fem.elastic.vibration import inertia, shift_vibrations
 from fem.kernels.rigid.state import INNER, OUTER
 from fem.kernels.rigid.strikes import given
-from fem.solver import row_state, simulate
+from fem.solver import guards, simulate
 from fem.solver.guards import BY_PRESSURE, add_samples, frequency_error, law_warning, vibration_warning
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.rigid.state import ReducedState, slowest_vibration
@@ -509,7 +509,7 @@ def test_a_run_that_restarts_turns_as_its_times_say(halvings):
     plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
     state = plan.first_state()
     state.restarts["halvings"] = halvings
-    state._begin()
+    state.begin()
     samples = state.advance(plan.n_samples).samples
     turned = np.diff(samples["roller_turn"], axis=0)
     spun = 0.5 * (samples["roller_spin"][1:] + samples["roller_spin"][:-1]) * np.diff(samples["time"])[:, None]
@@ -529,7 +529,7 @@ def test_a_run_that_goes_wrong_restarts_before_its_end(monkeypatch):
 
 def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason(monkeypatch):
     """Its energy balances, so that it does not restart six times."""
-    monkeypatch.setattr(row_state, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
+    monkeypatch.setattr(guards, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
     state = make_plan(parse_scene({"model": "reduced"}, "test")).first_state()
     first, second = state.advance(10), state.advance(10)
     assert first.restarts.startswith("the bearing comes apart with steps of") and first.trouble is None

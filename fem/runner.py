@@ -262,7 +262,6 @@ def _print_table(
 
 def _print_plan(plan: Plan, name: str) -> None:
     """What is decided for a run of that name, and its cost. RunFailed: there is no equilibrium to tell of."""
-
     console, table, rows, scene = _console(), plan.table(), plan.rows(), plan.scene
     seconds = seconds_by_trial(plan)
     if seconds is not None:

@@ -258,7 +258,7 @@ def rest_of_run_again(plan, restarts, first, rest):
 @pytest.mark.slow
 def test_tables_that_can_go_no_further_end_the_run_with_what_to_do(monkeypatch):
     monkeypatch.setattr(rigid_state, "MOST_DOUBLINGS", 0)
-    with pytest.raises(RunFailed, match=r"tabulated up to \S+ µm; lower what makes rollers strike"):
+    with pytest.raises(RunFailed, match=r"tabulated up to \S+ µm; reduce impacts"):
         moved(scene("lagrange", {"slices": 11}, **STRUCK, numerics__duration_ms=2.0))
 
 

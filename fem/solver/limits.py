@@ -10,7 +10,6 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lagrange.scene.operation import RPM
 
 from fem.solver.guards import WIDEST_CONTACT
 from lagrange import Bearing, Kinematics, Operation, contact_laws
@@ -21,6 +20,7 @@ from lagrange.kinematics import kinematics_met, roller_angles
 from lagrange.limits import exceeds
 from lagrange.rating.life import Basic, speed_warning
 from lagrange.rating.sources import Unavailable
+from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 from lagrange.scene.surfaces import SURFACES
 from lagrange.step_size import wave_interval

@@ -14,8 +14,16 @@ from lagrange.findings import Section
 from lagrange.kinematics import kinematics
 from lagrange.messages import G, engineering, shown
 from lagrange.rating import sources
-from lagrange.rating.friction import caged_cylinders, palmgren_torque, skf_torque
-from lagrange.rating.life import Dimensions, basic_life, dynamic_capacity, in_hours, static_capacity
+from lagrange.rating.life import (
+    Dimensions,
+    basic_life,
+    caged_cylinders,
+    dynamic_capacity,
+    in_hours,
+    palmgren_torque,
+    skf_torque,
+    static_capacity,
+)
 from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
@@ -383,10 +391,10 @@ def rating_table(e: Evaluation) -> Section:
         ("basic load ratings C and C0", sources.DYNAMIC,
          lambda: f"{text(dynamic_capacity(row))} and {text(static_capacity(row))} N"),
         ("equivalent load P of the run; its largest load", sources.LOAD,
-         lambda: f"{text(run.cycle.load)} N; {text(run.cycle.largest_load)} N"),
+         lambda: f"{text(run.cycle.load())} N; {text(run.cycle.largest_load)} N"),
         ("static safety factor", sources.STATIC, lambda: text(static_capacity(row) / run.cycle.largest_load)),
         ("basic rating life L10", sources.LIFE,
-         lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load), run.cycle.speed))} h"),
+         lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load()), run.cycle.speed))} h"),
         ("L10r by the run's roller loads", sources.OF_RUN,
          lambda: f"{text(in_hours(run.life(row, t.scene.axial is not None), run.cycle.speed))} h"),
         ("largest Hertz pressure, inner and outer raceway", sources.HERTZ, pressures),
@@ -412,7 +420,7 @@ def _torques(record: Record, row: Dimensions, run: RunLoads) -> str:
         raise Unavailable("no viscosity: the scene has no [lubricant]")
     viscosity = 1e6 * scene.lubricant.viscosity_Pa_s / OIL_DENSITY
     diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
-    at = *diameters, run.cycle.load, run.cycle.speed, viscosity, dimension_series(scene.bearing.designation)
+    at = *diameters, run.cycle.load(), run.cycle.speed, viscosity, dimension_series(scene.bearing.designation)
     return f"{text(skf_torque(*at).total)}; {text(palmgren_torque(*at).total)} N mm"
 
 

@@ -10,7 +10,7 @@ from fem.interface import simulate
 from fem.pictures.axial import axial_pressures, draw_axial
 from fem.pictures.output import refuse_foreign
 from fem.pictures.recover import StoredRun
-from fem.rating.tilted import tilted_pitch
+from fem.rating.equilibria import tilted_pitch
 from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial.facts import logarithmic_drop
 from lagrange.axial.pressure import placed

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fem.commands.run_fem import run_main
-from fem.rating.tilted import TiltedPitch, tilted_pitch
+from fem.rating.equilibria import TiltedPitch, tilted_pitch
 from fem.solver.start import narrow_slices
 from fem.statics.exact_statics import exact_statics
 from fem.statics.reduced_bearing import kept_contacts

@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 
 from fem.commands.run_fem import run_main
 from fem.interface import statics
-from fem.rating.answers import rating
-from fem.rating.case import Case, Options
+from fem.rating.answers import Case, Options, rating
 from lagrange import contact_laws
 from lagrange.contact.hertz import contact_pairs, raceway_curvature
 from lagrange.kinematics import kinematics

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from fem.commands.run_fem import run_main
-from fem.rating.case import Case, Options
+from fem.rating.answers import Case, Options
 from lagrange import contact_laws as contact_laws_own_law
 from lagrange import static_equilibrium
 from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, raceway_curvature

@@ -14,8 +14,7 @@ from fem.commands.run_fem import run_main
 from fem.commands.run_study import study_main
 from fem.interface import rating
 from fem.pictures.recover import StoredRun
-from fem.rating.answers import DECLARED
-from fem.rating.case import Options
+from fem.rating.answers import DECLARED, Options
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
 from lagrange.rating.life import DutyCycle, basic_life
 from lagrange.scene.scene import read_scene
@@ -152,7 +151,7 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
     assert "equivalent dynamic load P  " in (printed := capsys.readouterr().out) and "weight included" not in printed
     told = json.loads((tmp_path / "NU206-rating.json").read_text(encoding="utf-8"))
     cycle = DutyCycle(loads=np.array([1e3, 2e3]), speeds=np.array([600.0, 1200.0]), shares=np.array([2.0, 1.0]))
-    assert told["P_N"] == pytest.approx(cycle.load) and told["P0_N"] == 2000.0
+    assert told["P_N"] == pytest.approx(cycle.load()) and told["P0_N"] == 2000.0
     assert told["speed_rpm"] == pytest.approx(800.0)
     assert any("not of the duty cycle" in warning and "2000 N" in warning for warning in told["warnings"])
     assert 0.3 < told["L10r_elastic_Mrev"] / told["L10r_pitch_Mrev"] < 3.0  # of the same load

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import result_name
+from fem.commands.run_fem import Designation, Settings, result_name
 from fem.commands.start_up import run_app_main, standard_bearing
 from lagrange.commands import entry, new_app
 from lagrange.errors import UsageError
@@ -38,8 +38,8 @@ def _rate(
     ] = None,
     /,
     *,
-    bearing: Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")] = None,
-    set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
+    bearing: Designation = None,
+    set: Settings = None,
     output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
     ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS to this CSV file")] = None,
     cycle: Annotated[
@@ -61,62 +61,50 @@ def _rate(
     width: Annotated[float | None, Parameter(help="width of the bearing, mm; default: that of its designation")] = None,
     quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
 ) -> int:
-    for name, value, largest in (
-        ("viscosity", viscosity, 1e6),
-        ("contamination", contamination, 1.0),
-        ("roughness", roughness, 1e3),
-        ("width", width, 1e4),
-    ):
+    given = {"viscosity": viscosity, "contamination": contamination, "roughness": roughness, "width": width}
+    for (name, value), largest in zip(given.items(), (1e6, 1.0, 1e3, 1e4), strict=True):
         if value is not None and not 0.0 < value <= largest:
             raise UsageError(f"--{name} {value:g}: must be above 0 and at most {largest:g}")
     from lagrange.messages import shown, telling
     from lagrange.rating.life import RELIABILITY
+    from lagrange.rating.sources import Unavailable
     from lagrange.scene.scene import read_scene
 
     if reliability not in RELIABILITY:
         raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
     settings = set or []
-    overrides = [*standard_bearing(bearing), *settings]
-    run = None
+    overrides, run = (*standard_bearing(bearing), *settings), None
     if scene is not None and scene.suffix == ".nc":
         if overrides or cycle is not None:
             raise UsageError(f"{scene}: a run has its own scene and loads; leave out --bearing, --set and --cycle")
-        chosen, run = _run(scene)
-    else:
-        chosen = read_scene(scene, tuple(overrides))
-    from fem.rating.answers import rating
-    from fem.rating.case import Options
-    from fem.rating.report import print_rating, write_json
-    from lagrange.rating.sources import Unavailable
+        from fem.result.run_file import RunFile
+        from lagrange.rating.reference_life import COLUMNS, run_loads
 
-    options = Options(
-        name=result_name(chosen.name, settings) if run is None or scene is None else scene.stem,
-        viscosity=viscosity,
-        contamination=contamination,
-        reliability=reliability,
-        roughness=roughness,
-        width=width,
-        cycle=None if cycle is None else _cycle(cycle, decimal),
-        run=run,
-    )
+        file = RunFile(scene)
+        chosen, name, columns = file.scene, scene.stem, {each: file.from_housing(each) for each in COLUMNS}
+        run = run_loads(chosen.perfect_bearing(), chosen.ideal_operation(), columns)
+    else:
+        chosen = read_scene(scene, overrides)
+        name = result_name(chosen.name, settings)
+    from fem.rating.answers import Options, rating
+    from fem.rating.report import print_rating, write_json, write_page
+
+    steps = None if cycle is None else _cycle(cycle, decimal)
     folder = Path() if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
-    rated = rating(chosen, options)
+    rated = rating(chosen, Options(name=name, reliability=reliability, cycle=steps, run=run, **given))
     written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]
     write_json(written[0], rated)
     if output is not None:
-        from fem.rating.report import write_page
-
         written.append(folder / "rating.html")
         write_page(written[1], rated)
     if ross is not None:
         from fem.rating.ross import coefficients, write_coefficients
 
         try:
-            found = coefficients(rated)
+            write_coefficients(ross, coefficients(rated))
         except Unavailable as error:
             raise UsageError(f"--ross: {error}") from None
-        write_coefficients(ross, found)
         written.append(ross)
     if not quiet:
         with telling():
@@ -124,16 +112,6 @@ def _rate(
             for path in written:
                 print(f"wrote {shown(path)}")
     return 0
-
-
-def _run(path: Path):
-    """Scene and loads of a result file."""
-    from fem.result.run_file import RunFile
-    from lagrange.rating.reference_life import COLUMNS, run_loads
-
-    run = RunFile(path)
-    columns = {name: run.from_housing(name) for name in COLUMNS}
-    return run.scene, run_loads(run.scene.perfect_bearing(), run.scene.ideal_operation(), columns)
 
 
 def _cycle(path: Path, decimal: str):

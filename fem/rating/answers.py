@@ -1,26 +1,448 @@
-"""Every number that a machine's designer asks of a bearing, with its unit, meaning and source; null with a reason."""
+"""Every number that a machine's designer asks of a bearing, with its unit, meaning and source; null with a reason.
+
+`Case` computes what they need of a scene, each once; DECLARED has a row for every answer.
+"""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
-from math import nan, pi, sin
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import degrees, nan, pi, sin, sqrt
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.rating.case import NO_FIT, TILTS, Case, Options, positive, refuse
-from lagrange.contact.hertz import FATIGUE, PERMITTED, PERMITTED_OF_BALLS, LineContact
-from lagrange.rating import sources
-from lagrange.rating.life import (
-    in_hours,
-    reference_viscosity,
-    reliability_factor,
-    speed_warning,
+from lagrange import BallBearing, Operation, contact_laws
+from lagrange.axial import Axial
+from lagrange.catalogue import dimension_series, listed, width_of
+from lagrange.contact.hertz import (
+    FATIGUE,
+    PERMITTED,
+    PERMITTED_OF_BALLS,
+    LineContact,
+    Pair,
+    ball_pressure,
+    contact_pairs,
+    line_contact,
 )
+from lagrange.first_state import equilibrium_state
+from lagrange.fits import OperatingClearance, growths, outer_growth
+from lagrange.kinematics import kinematics
+from lagrange.mounting import HELD
+from lagrange.rating import life, reference_life, sources
+from lagrange.rating.life import Basic, Dimensions, DutyCycle, Torque, in_hours, reference_viscosity, reliability_factor
+from lagrange.rating.reference_life import LaminaLoads, RunLoads
 from lagrange.rating.sources import Source, Unavailable
+from lagrange.rating.stiffness import SAMPLES, Pitch, lagrangian_pitch
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
+from lagrange.section import load_factor, stiffness_factor
+from lagrange.surface.film import film_thicknesses, under_films
 
+if TYPE_CHECKING:
+    from fem.rating.equilibria import TiltedPitch
+
+POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
+INSTANTS = 2000  # of a load that changes with time
+SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
+PLANE = "rollers do not tilt: the scene has no [axial]"
+NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What a scene doesn't say."""
+
+    name: str | None = None  # of the rating; None: the scene's
+    viscosity: float | None = None  # mm²/s, kinematic, in operation; None: that of [lubricant] over the density
+    oil_density: float = 870.0  # kg/m³
+    contamination: float | None = None  # e_C; None: oil, filtered in line
+    reliability: float = 90.0  # %
+    roughness: float | None = None  # µm, rms of roller and raceway together
+    width: float | None = None  # mm, of the bearing; None: that of its designation
+    cycle: DutyCycle | None = None
+    run: RunLoads | None = None  # of the same scene: its loads in place of the scene's
+
+
+class Case:
+    """A scene with its options; each property is computed once, or is `Unavailable`."""
+
+    def __init__(self, scene: Scene, options: Options):
+        self.scene, self.options = scene, options
+        self.bearing = under_films(scene.perfect_bearing(), scene.films())
+        operation = scene.ideal_operation()
+        self.history, self.operation = operation.history, replace(operation, history=None)
+        self.turning = reference_life.turning_rings(operation)  # against the load
+        self.mounting, self.axial = scene.mounting(), scene.ideal_axial()
+        self.balls = isinstance(self.bearing, BallBearing)
+        self.exponent = life.OF_BALLS if self.balls else life.EXPONENT  # of life over load
+        self.relative_speed = operation.speed - operation.outer_speed  # at the start, rad/s
+        self.bends = self.mounting.points is not None or self.mounting.bore is not None  # the outer ring
+        self.weight = operation.inner_mass * operation.gravity
+
+    @cached_property
+    def row(self) -> Dimensions:
+        return Dimensions.of(self.scene.unmounted_bearing())
+
+    @cached_property
+    def basic(self) -> Basic:
+        return Basic.of(self.scene.unmounted_bearing())
+
+    @cached_property
+    def basic_life(self) -> float:
+        return life.basic_life(self.basic.dynamic, self.load, self.exponent)
+
+    @cached_property
+    def laws(self):
+        return contact_laws(self.scene.lagrange.law, self.bearing)
+
+    @cached_property
+    def on_bearing(self) -> Operation:
+        """The operation with what loads the bearing alone: without what the shaft's springs carry."""
+        operation, shaft = self.operation, self.mounting.shaft
+        if shaft is not None:
+            try:
+                state = equilibrium_state(self.bearing, operation, self.laws).state
+            except RuntimeError as error:
+                raise Unavailable(str(error)) from None
+            aside, up = (-shaft.stiffness * float(place) for place in (state.x + state.ring_x, state.y + state.ring_y))
+            operation = replace(
+                operation, side_load=operation.side_load + aside, radial_load=operation.radial_load - up
+            )
+        return replace(operation, mounting=HELD)
+
+    @cached_property
+    def static_load(self) -> float:
+        """At t = 0, weight of shaft and ring included, N."""
+        acting = self.on_bearing
+        return load_factor(self.bearing) * float(np.hypot(acting.side_load, acting.radial_load + self.weight))
+
+    @cached_property
+    def cycle(self) -> DutyCycle | None:
+        """Given, or of a load or speed that changes with time."""
+        if self.options.run is not None:
+            return self.options.run.cycle
+        if self.options.cycle is not None or self.history is None or self.history.is_steady:
+            return self.options.cycle
+        time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
+        (x, y), (inner, outer) = self.history.force(time), self.history.ring_speeds(time)
+        load = np.hypot(np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - self.weight)
+        speeds = np.broadcast_to(np.asarray(inner - outer) / RPM, time.shape)
+        if not speeds.any():
+            raise Unavailable("the bearing does not turn")
+        return DutyCycle(loads=load_factor(self.bearing) * load, speeds=speeds, shares=np.ones(INSTANTS))
+
+    @cached_property
+    def load(self) -> float:
+        """P, N."""
+        return self.static_load if self.cycle is None else self.cycle.load(self.exponent)
+
+    @cached_property
+    def largest_load(self) -> float:
+        """P0, N."""
+        return self.static_load if self.cycle is None else self.cycle.largest_load
+
+    @cached_property
+    def section_load(self) -> float:
+        """What P is of one row's section, N: P/(i cos α)."""
+        return positive(self.load, "no load on the rollers") / load_factor(self.bearing)
+
+    @cached_property
+    def rpm(self) -> float:
+        """Of one ring against the other."""
+        return abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed
+
+    @cached_property
+    def viscosity(self) -> float:
+        """Kinematic, mm²/s."""
+        if self.options.viscosity is not None:
+            return self.options.viscosity
+        if self.scene.lubricant is None:
+            raise Unavailable("no viscosity: the scene has no [lubricant]; or give --viscosity in mm²/s")
+        return 1e6 * self.scene.lubricant.viscosity_Pa_s / self.options.oil_density
+
+    @cached_property
+    def kappa(self) -> float:
+        return self.viscosity / reference_viscosity(self.rpm, self.basic.pitch)
+
+    @cached_property
+    def contamination(self) -> float:
+        given = self.options.contamination
+        return life.contamination_factor(self.kappa, self.basic.pitch) if given is None else given
+
+    @cached_property
+    def a_iso(self) -> float:
+        ratio = self.contamination * self.basic.fatigue / positive(self.load, "no load on the rollers")
+        return life.life_modification(self.kappa, ratio, self.balls)
+
+    @cached_property
+    def profile(self) -> bool | np.ndarray:
+        """As `rigid_loads` takes it: the standard's without [axial]."""
+        if self.axial is None:
+            return True
+        axial, z = self.axial, 1e-3 * reference_life.positions(self.row)
+        drops = [each.drop(z, self.bearing) for each in (axial.roller, axial.inner_raceway, axial.outer_raceway)]
+        return 1e3 * (2.0 * drops[0] + drops[1] + drops[2])
+
+    def rigid_at(
+        self, first: float = 0.0, slope: float | None = None, profile: bool | None = None, load: float | None = None
+    ) -> LaminaLoads:
+        """The standard's load distribution, roller 0 at an angle from the load, rad.
+
+        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : N, None: P
+        """
+        return reference_life.rigid_loads(
+            self.row, self.section_load if load is None else load / load_factor(self.bearing),
+            2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
+            profile=self.profile if profile is None else profile, first=first,
+        )  # fmt: skip
+
+    @cached_property
+    def rigid(self) -> LaminaLoads:
+        return self.rigid_at()
+
+    def rigid_pitch(self) -> np.ndarray:
+        """The standard's loads at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
+        firsts = 2.0 * pi / self.row.rollers * np.arange(POSITIONS) / POSITIONS
+        return np.concatenate([self.rigid_at(at).loads for at in firsts])
+
+    def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
+        """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
+        if self.axial is not None:
+            if elastic:
+                self.refuse_bending()
+            return self.tilted_under(operation, elastic).pitch
+        return self.plane_under(operation, elastic, samples)
+
+    def refuse_bending(self) -> None:
+        """Unavailable: the outer ring is not held all around."""
+        if self.bends:
+            raise Unavailable("[support]: elastic rings need an outer ring held all around")
+
+    def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
+        """The same with parallel axes."""
+        damping = self.scene.damping.contacts
+        bearing = under_films(self.scene.perfect_bearing(), self.scene.films(operation))
+        if elastic:
+            self.refuse_bending()
+            from fem.rating.equilibria import elastic_pitch
+
+            return elastic_pitch(bearing, operation, damping, samples)
+        try:
+            return lagrangian_pitch(bearing, operation, self.laws, damping, samples)
+        except RuntimeError as error:
+            raise Unavailable(str(error)) from None
+
+    def tilted_under(self, operation: Operation, elastic: bool, axial: Axial | None = None) -> "TiltedPitch":
+        """The same with rollers that tilt."""
+        from fem.rating.equilibria import tilted_pitch
+
+        axial = axial or self.axial or _refuse(PLANE)
+        return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
+
+    @cached_property
+    def elastic(self) -> Pitch:
+        return self.under(self.on_bearing, True)
+
+    @cached_property
+    def lagrangian(self) -> Pitch:
+        return self.under(self.on_bearing, False)
+
+    @property
+    def pitch(self) -> Pitch:
+        """By the contacts of the scene's model."""
+        return self.lagrangian if self.scene.model == "lagrange" else self.elastic
+
+    @property
+    def contacts(self) -> str:
+        """Which those are, in words."""
+        law = f"rigid rings on the contact law {self.scene.lagrange.law}"
+        return law if self.scene.model == "lagrange" else "elastic rings and rollers"
+
+    @cached_property
+    def tilted(self) -> "TiltedPitch":
+        """By the contacts of the scene's model."""
+        return self.tilted_under(self.on_bearing, elastic=self.scene.model != "lagrange")
+
+    def lives_by_slope(self) -> dict[str, float]:
+        """L10r, 10⁶ revolutions, by misalignment in mrad."""
+        if self.axial is None:
+            raise Unavailable(PLANE)
+        return {f"{slope:g} mrad": self.reference_life(self.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}
+
+    @cached_property
+    def oscillation(self) -> str:
+        """Words on a swing of the rings in which rollers do not reach their neighbours' tracks; empty: there is none.
+
+        Source: Harris, Rolling Bearing Analysis: critical amplitude 360°/(Z (1 − γ)) either way, of the outer raceway.
+        """
+        duration, history = 1e-3 * self.scene.numerics.duration_ms, self.history
+        if history is None or not history.reverses(duration):
+            return ""
+        inner, outer = history.ring_turns(np.linspace(0.0, duration, INSTANTS))
+        gamma = self.bearing.roller_radius / self.bearing.pitch_radius
+        swing, critical = 0.5 * float(np.ptp(inner - outer)), 2.0 * pi / (self.bearing.pockets * (1.0 - gamma))
+        if swing >= critical:
+            return ""
+        return (
+            f"the rings swing by ±{degrees(swing):.3g}°, below the critical amplitude of ±{degrees(critical):.3g}°, at "
+            "which rollers reach their neighbours' tracks"
+        )
+
+    @property
+    def line_contacts(self) -> tuple[Pair, Pair, Pair]:
+        if isinstance(self.bearing, BallBearing):
+            raise Unavailable("stresses and films are those of line contacts; this bearing has balls")
+        return contact_pairs(self.bearing)
+
+    @property
+    def largest_forces(self) -> tuple[float, float]:
+        """At inner and outer raceway over the pitch, N."""
+        return float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
+
+    @cached_property
+    def stressed(self) -> dict[str, LineContact]:
+        """The most loaded contact of each raceway over the pitch."""
+        pairs = self.line_contacts[:2]
+        forces = self.largest_forces if self.axial is None else [self.tilted.peaks[pair.kind] for pair in pairs]
+        return {pair.kind: line_contact(pair, force) for pair, force in zip(pairs, forces, strict=True)}
+
+    @cached_property
+    def peak_pressure(self) -> float:
+        """Largest Hertz pressure of any contact over the pitch, Pa."""
+        if isinstance(self.bearing, BallBearing):
+            inner, outer = self.largest_forces
+            return max(ball_pressure(self.bearing, "inner", inner), ball_pressure(self.bearing, "outer", outer))
+        return max(each.peak_pressure for each in self.stressed.values())
+
+    @cached_property
+    def film(self) -> float:
+        """Least thickness at either raceway, m."""
+        if self.scene.lubricant is None:
+            raise Unavailable("no film: the scene has no [lubricant]")
+        _ = self.line_contacts
+        forces, speeds, oil = self.largest_forces, (self.relative_speed, 0.0), self.scene.lubricant.lubricant()
+        found = film_thicknesses(self.bearing, speeds, forces, oil) if min(forces) > 0.0 else ()
+        if not found:
+            raise Unavailable("the bearing does not turn or carries no load: no film forms")
+        return min(found)
+
+    def film_ratio(self) -> float:
+        """λ."""
+        if self.options.roughness is None:
+            raise Unavailable("no roughness of the surfaces: give --roughness, rms of both together, in µm")
+        return 1e6 * self.film / self.options.roughness
+
+    @property
+    def diameters(self) -> tuple[float, float]:
+        """d and D, mm; of a solid shaft its own."""
+        return 2e3 * (self.bearing.bore_radius or self.bearing.inner_raceway_radius), 2e3 * self.bearing.outside_radius
+
+    @cached_property
+    def torques(self) -> dict[str, Torque]:
+        return {name: self.torque(model, self.rpm) for name, model in life.FRICTION.items()}
+
+    def torque(self, model: Callable[..., Torque], rpm: float) -> Torque:
+        life.caged_cylinders(self.row)
+        series = dimension_series(self.scene.bearing.designation)
+        return model(*self.diameters, self.load, rpm, self.viscosity, series)
+
+    @cached_property
+    def losses(self) -> dict[str, float]:
+        """W."""
+        return {name: life.power_loss(torque.total, self.rpm) for name, torque in self.torques.items()}
+
+    def temperature_rises(self) -> dict[str, float]:
+        """K."""
+        losses, width, known = self.losses, self.options.width, listed(self.scene.bearing.designation)
+        if width is None and known is not None:
+            width = width_of(known[0])
+        if width is None:
+            raise Unavailable("the bearing's width is not known: no designation; give --width in mm")
+        return {name: loss / life.conductance(*self.diameters, width) for name, loss in losses.items()}
+
+    @cached_property
+    def build_up(self) -> OperatingClearance:
+        """Of the scene's [fit]."""
+        return self.scene.operating_clearance() or _refuse(NO_FIT)
+
+    @cached_property
+    def clearance_parts(self) -> dict[str, float | None]:
+        """µm."""
+        if self.scene.fit is not None:
+            return {name: round(1e6 * part, 6) for name, part in self.build_up.parts.items()}
+        spin, cosine = 0.0, self.bearing.cosine  # by the inner ring and the rollers as they grow with speed, m
+        if not (self.bearing.roller.rigid or self.bearing.inner_ring.rigid):
+            motion = kinematics(self.bearing, *self.operation.ring_speeds)
+            inner, roller = growths(self.bearing, motion)
+            spin = inner + 2.0 * roller - outer_growth(self.bearing, motion)
+        return {
+            "given": round(2e6 * self.scene.perfect_bearing().radial_clearance / cosine, 6) + 0.0,
+            "shaft_fit": None,
+            "housing_fit": None,
+            "temperature": None,
+            "speed": -2e6 * spin / cosine,
+            "film": 1e6 * self.scene.film_loss() / cosine,
+        }
+
+    @property
+    def run(self) -> RunLoads:
+        return self.options.run or _refuse("no run: give a result file of run-fem instead of the scene")
+
+    @property
+    def with_housing(self) -> np.ndarray:
+        """Stiffness of the bearing and its housing behind each other, (2, 2), N/m."""
+        housing = self.mounting.housing
+        if housing is None:
+            raise Unavailable("the scene has no [support] with a housing on springs")
+        springs = stiffness_factor(self.bearing) * housing.stiffness * np.eye(2)
+        return np.linalg.inv(np.linalg.inv(self.pitch.mean) + np.linalg.inv(springs))
+
+    def at_hub(self) -> np.ndarray:
+        """Of the hub against the ground, N/m: bearing and housing behind each other, beside the shaft's springs."""
+        housing, shaft = self.mounting.housing, self.mounting.shaft
+        if housing is None and shaft is None:
+            raise Unavailable("the scene has neither a housing nor a shaft on springs")
+        beside = 0.0 if shaft is None else stiffness_factor(self.bearing) * shaft.stiffness
+        return (self.pitch.mean if housing is None else self.with_housing) + beside * np.eye(2)
+
+    def frequencies(self) -> list[float]:
+        """Of the hub on its linearised mean stiffness, Hz."""
+        values = np.linalg.eigvalsh(self.pitch.mean)
+        if not values[0] > 0.0:
+            raise Unavailable("the mean stiffness is positive in one direction at most")
+        mass = stiffness_factor(self.bearing) * self.operation.inner_mass
+        return [sqrt(value / mass) / (2.0 * pi) for value in values]
+
+    def elastic_life(self) -> float:
+        acting = self.on_bearing
+        if self.cycle is not None:
+            acting = replace(acting, side_load=0.0, radial_load=self.load / load_factor(self.bearing) - self.weight)
+        if self.axial is not None:  # slices alone, which the standard's factor of edges is made for
+            alone = replace(self.axial, slices=reference_life.LAMINAE, coupling=False)
+            return self.reference_life(*self.tilted_under(acting, True, alone).loads)
+        pitch = self.elastic if self.cycle is None else self.under(acting, True)
+        return self.reference_life(
+            *(reference_life.shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
+        )
+
+    def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
+        """L10r, 10⁶ revolutions, under loads of laminae, N."""
+        if self.bends:
+            raise Unavailable("[support]: the outer ring bends, and L10r assumes rigid rings")
+        if self.oscillation:
+            raise Unavailable(f"{self.oscillation}: no ring turns relative to the load, which L10r assumes")
+        capacity = life.dynamic_capacity(self.row)
+        return reference_life.reference_life(self.row, capacity, inner, outer, turning=self.turning)
+
+
+def _refuse(reason: str) -> Any:
+    raise Unavailable(reason)
+
+
+def positive(load: float, else_what: str) -> float:
+    """The load, N. Unavailable: there is none."""
+    return load if load > 0.0 else _refuse(f"without load {else_what}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,59 +457,19 @@ class Answer:
     reason: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Rating(Mapping[str, Any]):
-    """Values by name; `answers` have units and sources beside them."""
-
-    scene: Scene
-    answers: tuple[Answer, ...]
-    warnings: tuple[str, ...]
-    case: Case
-
-    def __getitem__(self, name: str) -> Any:
-        return self.answer(name).value
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(answer.name for answer in self.answers)
-
-    def __len__(self) -> int:
-        return len(self.answers)
-
-    @property
-    def name(self) -> str:
-        return self.case.options.name or self.scene.name
-
-    def answer(self, name: str) -> Answer:
-        """KeyError: there is none of that name."""
-        for answer in self.answers:
-            if answer.name == name:
-                return answer
-        raise KeyError(name)
-
-    @property
-    def clearances(self) -> list[tuple[str, float | None]]:
-        return list(self["operating_clearance_parts_um"].items())
-
-    def to_json(self) -> dict[str, Any]:
-        """Values, and by their names the reasons of those that are null, and the sources."""
-        return {
-            **{answer.name: _plain(answer.value) for answer in self.answers},
-            "warnings": list(self.warnings),
-            "reasons": {answer.name: answer.reason for answer in self.answers if answer.reason}
-            | {f"operating_clearance_parts_um.{name}": NO_FIT for name, part in self.clearances if part is None},
-            "sources": {
-                answer.name: {
-                    "source": f"{answer.source.name}: {answer.source.text}",
-                    "second_hand": answer.source.second_hand or None,
-                }
-                for answer in self.answers
-            },
-        }
+def _stresses(contact: LineContact) -> dict[str, float]:
+    return {
+        "peak_pressure_MPa": 1e-6 * contact.peak_pressure,
+        "half_width_um": 1e6 * contact.half_width,
+        "largest_shear_MPa": 1e-6 * contact.largest_shear,
+        "shear_depth_um": 1e6 * contact.shear_depth,
+        "largest_von_mises_MPa": 1e-6 * contact.largest_von_mises,
+        "von_mises_depth_um": 1e6 * contact.von_mises_depth,
+    }
 
 
-_Declared = tuple[str, str, str, Source, Callable[[Case], Any]]
 s = sources
-DECLARED: tuple[_Declared, ...] = (
+DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
     ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: c.basic.dynamic),
     ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: c.basic.static),
     ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: c.basic.fatigue),
@@ -96,29 +478,30 @@ DECLARED: tuple[_Declared, ...] = (
     ("s0", "1", "static safety factor", s.STATIC,
      lambda c: c.basic.static / positive(c.largest_load, "infinite")),
     ("speed_rpm", "1/min", "relative ring speed (mean over the duty cycle)", s.LOAD, lambda c: c.rpm),
-    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life()),
+    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: c.basic_life),
     ("L10_h", "h", "basic rating life L10", s.LIFE,
-     lambda c: in_hours(c.basic_life(), c.rpm)),
+     lambda c: in_hours(c.basic_life, c.rpm)),
     ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
     ("nu_mm2_s", "mm²/s", "kinematic viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
     ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY, lambda c: reference_viscosity(c.rpm, c.basic.pitch)),
     ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
     ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
     ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
-    ("Lnm_h", "h", "modified rating life a1 a_ISO L10", s.A_ISO, lambda c: c.modified_life()),
+    ("Lnm_h", "h", "modified rating life a1 a_ISO L10", s.A_ISO,
+     lambda c: in_hours(reliability_factor(c.options.reliability) * c.a_iso * c.basic_life, c.rpm)),
     ("L10r_Mrev", "Mrev", "reference rating life L10r, rigid rings", s.REFERENCE,
      lambda c: c.reference_life(c.rigid.loads)),
     ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, mean over a pitch", s.REFERENCE,
-     lambda c: c.reference_life(c.rigid_pitch)),
+     lambda c: c.reference_life(c.rigid_pitch())),
     ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING,
      lambda c: c.elastic_life()),
     ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
      lambda c: c.run.life(c.row, c.axial is not None)),
     ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
-     lambda c: refuse("not implemented: no source for the equivalent load of a lamina")),
+     lambda c: _refuse("not implemented: no source for the equivalent load of a lamina")),
     ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
     ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
-     lambda c: {name: _stresses(each) for name, each in c.stressed.items()}),
+     lambda c: {name: _stresses(contact) for name, contact in c.stressed.items()}),
     ("pressure_over_permitted", "1", "peak pressure / ISO 76's limit", s.STRESS_LIMITS,
      lambda c: c.peak_pressure / (PERMITTED_OF_BALLS if c.balls else PERMITTED)),
     ("pressure_over_fatigue", "1", "peak pressure / 1500 MPa (fatigue limit)", s.STRESS_LIMITS,
@@ -138,7 +521,7 @@ DECLARED: tuple[_Declared, ...] = (
      s.LINEARISED, lambda c: c.pitch.harmonics),
     ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED, lambda c: (c.pitch, c.contacts)[1]),
     ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
-     lambda c: c.with_housing()),
+     lambda c: c.with_housing),
     ("misalignment_mrad", "mrad", "slope of the shaft, +z end towards the load", s.TILTED,
      lambda c: 1e3 * c.tilted.slope),
     ("tilting_moment_N_m", "N m", "moment needed for that misalignment, mean over a pitch", s.TILTED,
@@ -152,16 +535,16 @@ DECLARED: tuple[_Declared, ...] = (
     ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
      lambda c: c.lives_by_slope()),
     ("damping_N_s_per_m", "N s/m", "damping of the contacts, mean over a pitch", s.LINEARISED,
-     lambda c: refuse(TILTS) if c.axial is not None
+     lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
      else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
-     else refuse("the scene has no [damping] of contacts")),
+     else _refuse("the scene has no [damping] of contacts")),
     ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub on its contacts", s.LINEARISED,
      lambda c: c.frequencies()),
     ("hub_um", "µm", "hub position x, y at speed, mean over a pitch", s.LINEARISED,
      lambda c: 1e6 * c.pitch.place.mean(axis=0)),
     ("film_um", "µm", "minimum film thickness of both raceways", s.FILM,
      lambda c: 1e6 * c.film),
-    ("lambda", "1", "film thickness / roughness, λ", s.FILM, lambda c: c.lambda_ratio()),
+    ("lambda", "1", "film thickness / roughness, λ", s.FILM, lambda c: c.film_ratio()),
     ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
      lambda c: {name: torque.total for name, torque in c.torques.items()}),
     ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's speed and load parts", s.PALMGREN,
@@ -171,19 +554,52 @@ DECLARED: tuple[_Declared, ...] = (
     ("dissipated_run_W", "W", "power dissipated in the run", s.OF_RUN, lambda c: c.run.dissipated),
     ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
     ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
-     lambda c: {name: loss / c.conductance for name, loss in c.losses.items()}),
+     lambda c: c.temperature_rises()),
 )  # fmt: skip
 
 
-def _stresses(contact: LineContact) -> dict[str, float]:
-    return {
-        "peak_pressure_MPa": 1e-6 * contact.peak_pressure,
-        "half_width_um": 1e6 * contact.half_width,
-        "largest_shear_MPa": 1e-6 * contact.largest_shear,
-        "shear_depth_um": 1e6 * contact.shear_depth,
-        "largest_von_mises_MPa": 1e-6 * contact.largest_von_mises,
-        "von_mises_depth_um": 1e6 * contact.von_mises_depth,
-    }
+@dataclass(frozen=True, kw_only=True)
+class Rating(Mapping[str, Any]):
+    """Values by name; `answers` have units and sources beside them."""
+
+    scene: Scene
+    answers: dict[str, Answer]
+    warnings: tuple[str, ...]
+    case: Case
+
+    def __getitem__(self, name: str) -> Any:
+        return self.answers[name].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.answers)
+
+    def __len__(self) -> int:
+        return len(self.answers)
+
+    @property
+    def name(self) -> str:
+        return self.case.options.name or self.scene.name
+
+    def answer(self, name: str) -> Answer:
+        """KeyError: there is none of that name."""
+        return self.answers[name]
+
+    def to_json(self) -> dict[str, Any]:
+        """Values, and by their names the reasons of those that are null, and the sources."""
+        reasons = {answer.name: answer.reason for answer in self.answers.values() if answer.reason}
+        parts = self["operating_clearance_parts_um"].items()
+        return {
+            **{answer.name: _plain(answer.value) for answer in self.answers.values()},
+            "warnings": list(self.warnings),
+            "reasons": reasons | {f"operating_clearance_parts_um.{n}": NO_FIT for n, part in parts if part is None},
+            "sources": {
+                name: {
+                    "source": f"{answer.source.name}: {answer.source.text}",
+                    "second_hand": answer.source.second_hand or None,
+                }
+                for name, answer in self.answers.items()
+            },
+        }
 
 
 def _plain(value: Any) -> Any:
@@ -205,9 +621,9 @@ def rating(scene: Scene, options: Options | None = None) -> Rating:
     rating(Scene(bearing={"designation": "NU206"}))["C_N"]
     """
     case = Case(scene, options or Options())
-    found = [_answer(case, *declared) for declared in DECLARED]
-    answers = tuple(found)
-    return Rating(scene=scene, answers=answers, warnings=tuple(_warnings(case, answers)), case=case)
+    answers = {declared[0]: _answer(case, *declared) for declared in DECLARED}
+    warnings = tuple(_warnings(case, {name: answer.value for name, answer in answers.items()}))
+    return Rating(scene=scene, answers=answers, warnings=warnings, case=case)
 
 
 def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
@@ -224,26 +640,27 @@ def _answer(case: Case, name: str, unit: str, meaning: str, source: Source, comp
     except Unavailable as error:
         reason = str(error)
     weight = "" if case.options.cycle is not None else ", weight included"  # loads of a file are taken as they stand
-    meaning = meaning.format(weight=weight)
-    return Answer(name=name, value=value, unit=unit, meaning=meaning, source=source, reason=reason)
+    return Answer(
+        name=name, value=value, unit=unit, meaning=meaning.format(weight=weight), source=source, reason=reason
+    )
 
 
-def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
-    values = {answer.name: answer.value for answer in answers}
-    if values["stiffness_N_per_m"] is not None and not case.pitch.is_stable:
+def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
+    stiff, rated, load = values["stiffness_N_per_m"] is not None, values["C_N"], values["P_N"] or 0.0
+    if stiff and not case.pitch.is_stable:
         yield (
             "the stiffness across the load is not positive at every cage angle: the hub balances on single rollers, "
             "and the mean matrix is of little use; raise the load or reduce the clearance"
         )
     if values["s0"] is not None and values["s0"] < 1.0:
         yield f"static safety {values['s0']:.2f} is below 1: permanent dents in the raceways"
-    if values["C_N"] is not None and (values["P_N"] or 0.0) > 0.5 * values["C_N"]:
+    if rated is not None and load > 0.5 * rated:
         yield "P is beyond C/2, beyond the range of ISO 281's life formula"
-    if values["C_N"] is not None and 0.0 < (values["P_N"] or 0.0) < 0.02 * values["C_N"]:
+    if rated is not None and 0.0 < load < 0.02 * rated:
         yield "P is below 2 % of C: rollers may skid, and rating lives are of little use"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
-    if case.bearing.contact_angle and case.bearing.rows == 1 and values["stiffness_N_per_m"] is not None:
+    if case.bearing.contact_angle and case.bearing.rows == 1 and stiff:
         axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(case.bearing.contact_angle)
         yield (
             f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
@@ -251,7 +668,7 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         )
     if case.oscillation:
         yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"
-    if case.bearing.rows > 1 and values["C_N"] is not None and not case.balls:
+    if case.bearing.rows > 1 and rated is not None and not case.balls:
         yield (
             f"rows = {case.bearing.rows} share the load equally, with b_m = 1.1 for cylindrical and tapered rollers; "
             "spherical roller bearings (b_m = 1.15) are not supported"
@@ -262,7 +679,7 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
             f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
         )
     rpm = max(*(abs(speed) / RPM for speed in case.operation.ring_speeds), values["speed_rpm"] or 0.0)
-    if fast := speed_warning(case.bearing, rpm):
+    if fast := life.speed_warning(case.bearing, rpm):
         yield f"{fast}, and friction and temperature are extrapolated"
     if case.options.cycle is not None:
         yield (
@@ -271,5 +688,5 @@ def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:
         yield f"κ = {values['kappa']:.2g}: mixed lubrication, surfaces touch; a higher viscosity raises κ"
-    if case.scene.damping.contacts.acts is False:
+    if not case.scene.damping.contacts.acts:
         yield "the scene has no contact damping: a rotor on these coefficients is undamped"

@@ -1,16 +1,15 @@
 """Figures of rating.html, with the look of the report."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fem.rating.case import Case, positive
+from fem.rating.answers import Case, positive
 from fem.study.figures import Figure, finished
 from lagrange.contact.hertz import contact_pairs
-from lagrange.rating.friction import palmgren_torque, power_loss, skf_torque
+from lagrange.rating.life import FRICTION, power_loss
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
@@ -22,35 +21,34 @@ LOADS = np.array([0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])  # of the scene's
 PRELOAD, PLAY = -0.0025, 0.006  # of a roller's diameter: clearances of the figure of lives
 TILTED = 4e-3  # rad
 FASTER = 2.0  # times the scene's speed
-UM = 1e6
-PER_UM = 1e-6
+UM, PER_UM = 1e6, 1e-6
 
 
 def rating_figures(case: Case) -> list[Figure]:
     """All that a scene allows."""
     look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
-    makers = _clearance, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction
+    found = []
     with plt.rc_context(look):
-        return [figure for maker in makers for figure in _possible(maker, case)]
+        for maker in (_clearance, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction):
+            try:
+                found.append(maker(case))
+            except Unavailable:
+                plt.close("all")  # the page's table has the reason
+    return found
 
 
-def _possible(maker: Callable[[Case], Figure], case: Case) -> Iterator[Figure]:
-    try:
-        yield maker(case)
-    except Unavailable:
-        plt.close("all")  # the page's table has the reason
-
-
-def _contacts(case: Case) -> Iterator[tuple[str, Pitch, str]]:
-    """Words, equilibria and colour of what there is: elastic rings, rigid ones on a law."""
-    for name, words, colour in (
-        ("elastic", "elastic rings", BLUE),
-        ("lagrangian", f"rigid rings, {case.laws.inner.name}", ORANGE),
+def _contacts(case: Case) -> list[tuple[bool, str, Pitch, str]]:
+    """Whether elastic, words, equilibria and colour of what there is: elastic rings, rigid ones on a law."""
+    found = []
+    for elastic, words, colour in (
+        (True, "elastic rings", BLUE),
+        (False, f"rigid rings, {case.laws.inner.name}", ORANGE),
     ):
         try:
-            yield words, getattr(case, name), colour
+            found.append((elastic, words, case.elastic if elastic else case.lagrangian, colour))
         except Unavailable:
             continue
+    return found
 
 
 def _clearance(case: Case) -> Figure:
@@ -76,20 +74,17 @@ def _clearance(case: Case) -> Figure:
 def _load_zone(case: Case) -> Figure:
     """Roller loads and pressures around the load."""
     row, inner = case.row, contact_pairs(case.bearing)[0]
-    figure, (loads, pressures) = plt.subplots(1, 2, figsize=(WIDTH, 2.9))
-    curves = [
-        (words, pitch.theta.ravel(), pitch.inner_force.ravel(), colour) for words, pitch, colour in _contacts(case)
-    ]
-    turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
     load = positive(case.static_load, "no load, no load zone")
-    rigid = [case.rigid_at(at, load=load) for at in turned]
+    turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
+    rigid = np.concatenate([case.rigid_at(at, load=load).of_rollers for at in turned])
     angles = np.add.outer(turned, 2.0 * np.pi * np.arange(row.rollers) / row.rollers) - 0.5 * np.pi
-    curves.append(("ISO/TS 16281", angles.ravel(), np.concatenate([each.of_rollers for each in rigid]), GREY))
-    for words, theta, force, colour in curves:
+    curves = [(words, p.theta.ravel(), p.inner_force.ravel(), colour) for _, words, p, colour in _contacts(case)]
+    figure, (loads, pressures) = plt.subplots(1, 2, figsize=(WIDTH, 2.9))
+    for words, theta, force, colour in (*curves, ("ISO/TS 16281", angles.ravel(), rigid, GREY)):
         degrees = np.degrees(np.angle(1j * np.exp(1j * theta)))  # from the load's direction, −y
         order = np.argsort(degrees)
-        loads.plot(degrees[order], force[order], color=colour, label=words)
         pressure = [PER_UM * inner.peak_pressure(float(q)) for q in force[order]]
+        loads.plot(degrees[order], force[order], color=colour, label=words)
         pressures.plot(degrees[order], pressure, color=colour)
     for axis, label in ((loads, "load of a roller, N"), (pressures, "Hertz pressure, MPa")):
         axis.set(xlabel="angle from the load, °", ylabel=label, xlim=(-180, 180), ylim=(0, None))
@@ -100,18 +95,17 @@ def _load_zone(case: Case) -> Figure:
 
 
 def _stiffness(case: Case) -> Figure:
-    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.6))
-    found = list(_contacts(case))
-    if not found:
+    if not (found := _contacts(case)):
         raise Unavailable("no equilibrium")
-    for words, pitch, colour in found:
-        share = np.append(pitch.turned, case.bearing.period) / case.bearing.period
-        for axis, (i, j) in zip(axes, ((1, 1), (0, 0), (0, 1)), strict=True):
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.6))
+    names = ((1, 1), "kyy, along the load"), ((0, 0), "kxx, across it"), ((0, 1), "kxy")
+    for axis, ((i, j), name) in zip(axes, names, strict=True):
+        for _, words, pitch, colour in found:
+            share = np.append(pitch.turned, case.bearing.period) / case.bearing.period
             values = PER_UM * np.append(pitch.stiffness[:, i, j], pitch.stiffness[0, i, j])
             axis.plot(share, values, color=colour, label=words)
             if i == j:
                 axis.axhline(PER_UM * pitch.mean[i, j], color=colour, linestyle=":", linewidth=0.9)
-    for axis, name in zip(axes, ("kyy, along the load", "kxx, across it", "kxy"), strict=True):
         axis.set(xlabel="cage angle over a pitch", title=f"{name}, N/µm", xlim=(0, 1))
     axes[0].legend(fontsize=7.5)
     caption = f"Rollers pass: stiffness in equilibrium at {case.static_load:.4g} N. Dotted: means over the pitch."
@@ -119,25 +113,17 @@ def _stiffness(case: Case) -> Figure:
 
 
 def _load_deflection(case: Case) -> Figure:
-    operation = case.on_bearing
-    if not case.static_load > 0.0:
-        raise Unavailable("no load, no curve")
+    acting, found = case.on_bearing, _contacts(case)
+    if not (found and case.static_load > 0.0):
+        raise Unavailable("no load or no equilibrium, no curve")
     figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
-    share = LOADS[:, None]
-
-    def curve(solve: Callable[..., Pitch]) -> np.ndarray:
-        rows = []
+    for elastic, words, _, colour in found:
+        places = []
         for part in LOADS:
-            weight = operation.inner_mass * operation.gravity
-            load = part * (operation.radial_load + weight) - weight
-            pitch = solve(replace(operation, radial_load=load, side_load=part * operation.side_load))
-            rows.append(np.hypot(*pitch.place.mean(axis=0)))
-        return UM * np.array(rows)
-
-    for words, _, colour in _contacts(case):
-        under = case.elastic_under if colour == BLUE else case.lagrangian_under
-        found = curve(lambda each, under=under: under(each, FEW))
-        axis.plot(found, share[:, 0] * case.static_load, "o-", markersize=3, color=colour, label=words)
+            load = part * (acting.radial_load + case.weight) - case.weight
+            operation = replace(acting, radial_load=load, side_load=part * acting.side_load)
+            places.append(UM * np.hypot(*case.under(operation, elastic, FEW).place.mean(axis=0)))
+        axis.plot(places, LOADS * case.static_load, "o-", markersize=3, color=colour, label=words)
     axis.set(xlabel="displacement of the hub, µm", ylabel="load, N", xlim=(0, None), ylim=(0, None))
     axis.legend(fontsize=7.5)
     caption = "Means over a pitch. The curve starts at the radial clearance, half the diametral one."
@@ -145,40 +131,46 @@ def _load_deflection(case: Case) -> Figure:
 
 
 def _life(case: Case) -> Figure:
-    row, load = case.row, case.section_load
-    own = 2e3 * case.bearing.radial_clearance
+    row, load, own = case.row, case.section_load, 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
-    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
+    curves = []
     for share, colour in ((0.5, GREEN), (1.0, BLUE), (2.0, RED)):
         lives = [case.reference_life(rigid_loads(row, share * load, s).loads) for s in clearances]
-        axis.plot(1e3 * clearances / row.cosine, lives, color=colour, label=f"{share * case.some_load:.0f} N")
-    axis.axvline(1e3 * own / row.cosine, color=GREY, linestyle="--", linewidth=0.9, label="scene")
-    axis.set(xlabel="diametral clearance, µm (below 0: preload)", ylabel="L10r, 10⁶ revolutions", yscale="log")
-    axis.legend(fontsize=7.5)
+        curves.append((lives, colour, "-", f"{share * case.load:.0f} N"))
+    mark = 1e3 * own / row.cosine, {"linestyle": "--", "label": "scene"}
     caption = (
         "ISO/TS 16281, rigid rings: a small preload spreads the load over more rollers and lengthens life; a larger "
         "one shortens it."
     )
-    return finished(figure, "life", "Life over load and clearance", caption)
+    x = 1e3 * clearances / row.cosine, "diametral clearance, µm (below 0: preload)"
+    return _lives(*x, curves, mark, ("life", "Life over load and clearance", caption))
 
 
 def _misalignment(case: Case) -> Figure:
-    tilts = np.linspace(0.0, TILTED, 25)
-    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
-    curves: list[tuple[bool | None, str, str, str]] = [
-        (True, "logarithmic profile", BLUE, "-"),
-        (False, "straight rollers", RED, "-"),
-    ]
+    tilts, curves, mark = np.linspace(0.0, TILTED, 25), [], None
+    kinds = [(True, BLUE, "-", "logarithmic profile"), (False, RED, "-", "straight rollers")]
     if case.axial is not None:
-        curves.append((None, "the scene's profiles", GREEN, "--"))
-        axis.axvline(1e3 * abs(case.operation.misalignment), color=GREY, linestyle=":", linewidth=0.9)
-    for profile, words, colour, style in curves:
+        kinds.append((None, GREEN, "--", "the scene's profiles"))
+        mark = 1e3 * abs(case.operation.misalignment), {"linestyle": ":"}
+    for profile, colour, style, words in kinds:
         lives = [case.reference_life(case.rigid_at(slope=tilt, profile=profile).loads) for tilt in tilts]
-        axis.plot(1e3 * tilts, lives, color=colour, linestyle=style, label=words)
-    axis.set(xlabel="misalignment, mrad", ylabel="L10r, 10⁶ revolutions", yscale="log", xlim=(0, None))
-    axis.legend(fontsize=7.5)
+        curves.append((lives, colour, style, words))
     caption = "ISO/TS 16281, rigid rings, misaligned in the plane of the load."
-    return finished(figure, "misalignment", "Life over misalignment", caption)
+    about = "misalignment", "Life over misalignment", caption
+    return _lives(1e3 * tilts, "misalignment, mrad", curves, mark, about)
+
+
+def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: tuple[str, str, str]) -> Figure:
+    """Lives over x, with a line at the scene's."""
+    figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
+    for lives, colour, style, words in curves:
+        axis.plot(x, lives, color=colour, linestyle=style, label=words)
+    if mark is not None:
+        axis.axvline(mark[0], color=GREY, linewidth=0.9, **mark[1])
+    left = {"xlim": (0, None)} if x[0] == 0.0 else {}
+    axis.set(xlabel=label, ylabel="L10r, 10⁶ revolutions", yscale="log", **left)
+    axis.legend(fontsize=7.5)
+    return finished(figure, *about)
 
 
 def _friction(case: Case) -> Figure:
@@ -186,7 +178,7 @@ def _friction(case: Case) -> Figure:
     fastest = FASTER * case.rpm if case.rpm > 0.0 else 1000.0
     speeds, viscosity = np.linspace(0.0, fastest, 60), case.viscosity
     figure, (torques, heat) = plt.subplots(1, 2, figsize=(WIDTH, 2.7))
-    for words, model, colour in (("SKF", skf_torque, BLUE), ("Palmgren", palmgren_torque, ORANGE)):
+    for model, words, colour in zip(FRICTION.values(), ("SKF", "Palmgren"), (BLUE, ORANGE), strict=True):
         total = np.array([case.torque(model, float(n)).total for n in speeds])
         torques.plot(speeds, total, color=colour, label=words)
         heat.plot(speeds, [power_loss(m, float(n)) for m, n in zip(total, speeds, strict=True)], color=colour)

@@ -36,11 +36,6 @@ class Coefficients:
     stiffness: np.ndarray  # (n, 2, 2), N/m
     damping: np.ndarray  # (n, 2, 2), N s/m
 
-    def table(self) -> np.ndarray:
-        """(n, 9): speed, then by NAMES."""
-        n = len(self.speed)
-        return np.column_stack([self.speed, self.stiffness.reshape(n, 4), self.damping.reshape(n, 4)])
-
 
 def coefficients(rating: Rating) -> Coefficients:
     """Of the scene's contacts and dampers, from rest to half as fast again as the scene's shaft.
@@ -55,17 +50,15 @@ def coefficients(rating: Rating) -> Coefficients:
     fastest = BEYOND * abs(case.operation.speed)
     speeds = np.linspace(0.0, fastest, SPEEDS) if fastest > 0.0 else np.zeros(1)
     found = [case.plane_under(replace(case.on_bearing, speed=float(speed)), elastic, SAMPLES) for speed in speeds]
-    return Coefficients(
-        speed=speeds,
-        stiffness=np.stack([pitch.mean for pitch in found]),
-        damping=np.stack([pitch.damping.mean(axis=0) for pitch in found]),
-    )
+    damping = np.stack([pitch.damping.mean(axis=0) for pitch in found])
+    return Coefficients(speed=speeds, stiffness=np.stack([pitch.mean for pitch in found]), damping=damping)
 
 
 def write_coefficients(path: Path, found: Coefficients) -> None:
     """A CSV file; OSError."""
-    text = io.StringIO()
-    np.savetxt(text, found.table(), delimiter=",", header=",".join(HEADER), comments="", fmt="%.9g")
+    n, text = len(found.speed), io.StringIO()
+    table = np.column_stack([found.speed, found.stiffness.reshape(n, 4), found.damping.reshape(n, 4)])
+    np.savetxt(text, table, delimiter=",", header=",".join(HEADER), comments="", fmt="%.9g")
     write_whole(path, text.getvalue().encode())
 
 

@@ -57,14 +57,8 @@ class LaminaLoads:
 
 
 def rigid_loads(
-    row: Dimensions,
-    load: float,
-    clearance: float = 0.0,
-    tilt: float = 0.0,
-    *,
-    profile: bool | np.ndarray = True,
-    laminae: int = LAMINAE,
-    first: float = 0.0,
+    row: Dimensions, load: float, clearance: float = 0.0, tilt: float = 0.0, *, profile: bool | np.ndarray = True,
+    laminae: int = LAMINAE, first: float = 0.0,
 ) -> LaminaLoads:
     """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
 
@@ -130,11 +124,7 @@ def turning_rings(operation: Operation) -> tuple[str, ...]:
 
 
 def reference_life(
-    row: Dimensions,
-    capacity: float,
-    inner: np.ndarray,
-    outer: np.ndarray | None = None,
-    *,
+    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *,
     turning: tuple[str, ...] = ("inner",),
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
@@ -218,9 +208,7 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
     distance = np.hypot(aside, up)
     load = np.hypot((force * aside / distance).sum(axis=1), (force * up / distance).sum(axis=1))
     try:
-        cycle = DutyCycle(
-            loads=load_factor(bearing) * load, speeds=speeds * 30.0 / np.pi, shares=np.ones(time.size)
-        )  # fmt: skip
+        cycle = DutyCycle(loads=load_factor(bearing) * load, speeds=speeds * 30.0 / np.pi, shares=np.ones(time.size))
     except ValueError as error:
         raise Unavailable(str(error)) from None
     kept, half = slice(None, None, -(-time.size // MOST_SAMPLES)), time.size // 2

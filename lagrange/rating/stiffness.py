@@ -60,9 +60,7 @@ class Pitch:
     @property
     def harmonics(self) -> np.ndarray:
         """Amplitudes at 1, 2 ... times the rollers' passage, (HARMONICS, 2, 2), N/m."""
-        n = len(self.turned)
-        spectrum = np.abs(np.fft.rfft(self.stiffness, axis=0)) * 2.0 / n
-        return spectrum[1 : HARMONICS + 1]
+        return (np.abs(np.fft.rfft(self.stiffness, axis=0)) * 2.0 / len(self.turned))[1 : HARMONICS + 1]
 
     @property
     def is_stable(self) -> bool:
@@ -71,10 +69,7 @@ class Pitch:
 
 
 def over_pitch(
-    bearing: Bearing,
-    first_roller_angle: float,
-    solve: Callable[[np.ndarray, Point | None], Point],
-    samples: int = SAMPLES,
+    bearing: Bearing, first_roller_angle: float, solve: Callable[[np.ndarray, Point | None], Point], samples: int
 ) -> Pitch:
     """Solve at equally spaced angles of the cage, each from the one before; where rollers are missing over a turn.
 
@@ -85,18 +80,16 @@ def over_pitch(
     found: list[Point] = []
     for angles in theta:
         found.append(solve(angles, found[-1] if found else None))
-    scale = {"place": 1.0 / bearing.cosine} | dict.fromkeys(("stiffness", "damping"), stiffness_factor(bearing))
-    names = "place", "inner_force", "outer_force", "stiffness", "damping"
-    every = {name: scale.get(name, 1.0) * np.stack([getattr(point, name) for point in found]) for name in names}
+    factor = stiffness_factor(bearing)
+    scales = {"place": 1.0 / bearing.cosine, "inner_force": 1.0, "outer_force": 1.0}
+    scales |= {"stiffness": factor, "damping": factor}
+    every = {name: scale * np.stack([getattr(point, name) for point in found]) for name, scale in scales.items()}
     return Pitch(turned=turned, theta=theta, **every)
 
 
 def lagrangian_pitch(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    damping: ContactDamping = UNDAMPED,
-    samples: int = SAMPLES,
+    bearing: Bearing, operation: Operation, laws: ContactLaws,
+    damping: ContactDamping = UNDAMPED, samples: int = SAMPLES,
 ) -> Pitch:
     """Of rigid rings on contact laws, perfect surfaces, under what loads the bearing: the shaft's springs do not.
 
@@ -112,10 +105,9 @@ def lagrangian_pitch(
             still = static_equilibrium(bearing, operation, laws, angles=angles, start=start)
         except RuntimeError:
             still = static_equilibrium(bearing, operation, laws, angles=angles)
-        place, forces = np.array([still.x, still.y]), np.concatenate([still.inner_force, still.outer_force])
-        slopes = np.concatenate(
-            [law.slope(law.approach(q)) for law, q in zip(laws, (still.inner_force, still.outer_force), strict=True)]
-        )
+        place, both = np.array([still.x, still.y]), (still.inner_force, still.outer_force)
+        forces = np.concatenate(both)
+        slopes = np.concatenate([law.slope(law.approach(q)) for law, q in zip(laws, both, strict=True)])
         rates = approach_rates(bearing, angles, place, still.rho)
         return Point(
             place=place, rho=still.rho, inner_force=still.inner_force, outer_force=still.outer_force,
@@ -127,10 +119,8 @@ def lagrangian_pitch(
 
 def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
     """Approach of contacts, inner ones first, by hub and radii of rollers, (2 n_rollers, n_rollers + 2)."""
-    n = bearing.n_rollers
-    radial = np.stack([np.cos(theta), np.sin(theta)])
-    roller_x, roller_y = radial * rho
-    met = overlaps(bearing, place[0], place[1], roller_x, roller_y, rho)
+    n, radial = bearing.n_rollers, np.stack([np.cos(theta), np.sin(theta)])
+    met = overlaps(bearing, place[0], place[1], *(radial * rho), rho)
     normal = -np.stack([met.direction_x, met.direction_y])
     rates = np.zeros((2 * n, n + 2))
     rates[:n, :2] = normal.T
@@ -157,8 +147,3 @@ def damping_matrix(
     closing = rates[:, :2] + rates[:, 2:] @ follow
     coefficient = np.where(forces > 0.0, damping.coefficient(forces, slopes), 0.0)
     return closing.T @ (coefficient[:, None] * closing)
-
-
-def in_series(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Stiffness of two springs behind each other, (2, 2) each, N/m: as of a bearing in its housing."""
-    return np.linalg.inv(np.linalg.inv(first) + np.linalg.inv(second))

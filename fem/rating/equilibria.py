@@ -1,4 +1,4 @@
-"""Equilibria of tilted rollers over a pitch: stiffness against displacement and slope, moments, pressures. SI."""
+"""Equilibria of elastic rings and rollers, or of tilted rollers, over a pitch: stiffness, moments. SI."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,21 +8,73 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
-from fem.statics.contact_balance import NotFound
+from fem.statics.contact_balance import Loads, NotFound, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import exact_contacts, exact_statics
+from fem.statics.reduced_bearing import reduced_bearing
 from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, profile_ends
 from lagrange.axial.slices import Slices, contact_slices
-from lagrange.bearing import Bearing, Operation
+from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ContactLaws
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.rating.sources import Unavailable
-from lagrange.rating.stiffness import Pitch, Point, over_pitch
+from lagrange.rating.stiffness import SAMPLES, Pitch, Point, approach_rates, damping_matrix, over_pitch
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
+from lagrange.surface.deviation import UNTURNED
 from lagrange.tilt import TiltedLaws, hub_tilt
 
-SAMPLES = 16  # cage angles in a pitch
+TILTED_SAMPLES = 16  # cage angles in a pitch
+
+
+def _refuse_rigid(bearing: Bearing) -> None:
+    if bearing.roller.rigid or bearing.inner_ring.rigid or bearing.outer_ring.rigid:
+        raise Unavailable("[bodies]: elastic rings need elastic bodies; one is rigid")
+
+
+def elastic_pitch(
+    bearing: Bearing, operation: Operation, damping: ContactDamping = UNDAMPED, samples: int = SAMPLES
+) -> Pitch:
+    """Of perfect surfaces under what loads the bearing, the outer ring held all around: the reduced model's contacts.
+
+    Errors
+    ------
+    Unavailable: balls, a rigid body, or no equilibrium. Weight and centrifugal force of rollers act, but their share of
+    the stiffness is left out (`hub_stiffness`).
+    """
+    if isinstance(bearing, BallBearing):
+        raise Unavailable("elastic rings are implemented for rollers, not for balls")
+    _refuse_rigid(bearing)
+    bearing = replace(bearing, faults=())
+    n, motion = bearing.n_rollers, kinematics(bearing, *operation.ring_speeds)
+    model, loads = reduced_bearing(bearing, motion, operation.gravity), Loads.of(operation, motion.cage)
+
+    def solve(angles: np.ndarray, near: Point | None) -> Point:
+        contacts = model.at(angles, UNTURNED)
+        if near is None:
+            start, forces = first_guess(bearing, contacts.radial, loads.hub, loads.side_load), None
+        else:
+            start = np.concatenate([near.place, near.rho])
+            forces = np.concatenate([near.inner_force, near.outer_force])
+        try:
+            place, forces = balance(contacts, loads, start, forces)
+        except NotFound as error:
+            raise Unavailable(str(error)) from None
+        forces = closed_forces(forces)
+        closed = forces > 0.0
+        pressed = np.where(closed, forces, 1.0)
+        soft = np.concatenate([contacts.inner_law.softness(pressed[:n]), contacts.outer_law.softness(pressed[n:])])
+        stiff, both = np.zeros((2 * n, 2 * n)), np.ix_(closed, closed)
+        stiff[both] = np.linalg.inv((contacts.compliance + np.diag(soft))[both])
+        rates = approach_rates(bearing, angles, place[:2], place[2:])
+        return Point(
+            place=place[:2], rho=place[2:], inner_force=forces[:n], outer_force=forces[n:],
+            stiffness=hub_stiffness(contacts, place, forces, None),
+            damping=damping_matrix(rates, stiff, 1.0 / soft, forces, damping),
+        )  # fmt: skip
+
+    return over_pitch(bearing, operation.first_roller_angle, solve, samples)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,21 +139,16 @@ class TiltedPitch:
     def pressures(self, angle: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Along the rollers at a cage angle: z, (n_slices,), m; inner and outer, (n_rollers, n_slices), Pa."""
         at, pairs = self.statics[angle], contact_pairs(self.bearing)
-        inner, outer = (
-            pressures(slices, pair, *at.of_side(k))
-            for k, (slices, pair) in enumerate(zip(self.slices, pairs[:2], strict=True))
-        )
+        inner, outer = (pressures(slices, pairs[k], *at.of_side(k)) for k, slices in enumerate(self.slices))
         return self.slices[0].place, inner, outer
 
 
 def tilted_pitch(
-    bearing: Bearing, axial: Axial, operation: Operation, laws: ContactLaws | None = None, samples: int = SAMPLES
+    bearing: Bearing, axial: Axial, operation: Operation, laws: ContactLaws | None = None, samples: int = TILTED_SAMPLES
 ) -> TiltedPitch:
     """Of perfect surfaces, weights of rollers and their centrifugal forces left out.
 
-    Parameters
-    ----------
-    laws : of rigid rings, whose slices stand alone; None: elastic rings and rollers
+    `laws` : of rigid rings, whose slices stand alone; None: elastic rings and rollers
 
     Errors
     ------
@@ -132,11 +179,18 @@ def _tilted_pitch(
     """Whatever the slices' width. Unavailable."""
     hub, first = hub_tilt(still, axial), roller_angles(bearing, still.first_roller_angle)
     nothing, found = np.zeros(2 * bearing.n_rollers), []
+    elastic = None
     try:
-        slices, compliance = contacts_of(bearing, axial, laws, first)
+        if laws is not None:
+            slices = contact_slices(bearing, replace(axial, coupling=False), laws)
+        else:
+            _refuse_rigid(bearing)
+            contacts = exact_contacts(bearing, first)
+            curves = cast(tuple[ContactLaw, ContactLaw], (contacts.inner_law, contacts.outer_law))
+            slices = tilted_slices(bearing, axial, curves)
+            elastic = Elastic(contacts.compliance, np.zeros(contacts.compliance.shape), nothing)
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
-            elastic = None if compliance is None else Elastic(compliance, np.zeros(compliance.shape), nothing)
             start = _pushed(bearing, slices[0], still, angles) if near is None else (near.place, near.rho)
             now = tilted_equilibrium(bearing, still, TiltedLaws(*slices), hub, Placement(angles), start, elastic)
             found.append(now)
@@ -158,16 +212,3 @@ def _pushed(bearing: Bearing, slices: Slices, operation: Operation, angle: np.nd
     deep = max(float(slices.approach_under(0.5 * size, 0.0)), 0.0)
     hub = (max(bearing.radial_clearance, 0.0) + 2.0 * deep) * load / size
     return hub, bearing.pitch_radius + 0.5 * np.column_stack([np.cos(angle), np.sin(angle)]) @ hub
-
-
-def contacts_of(
-    bearing: Bearing, axial: Axial, laws: ContactLaws | None, angle: np.ndarray
-) -> tuple[tuple[Slices, Slices], np.ndarray | None]:
-    """Slices of both contacts, and elastic couplings."""
-    if laws is not None:
-        return contact_slices(bearing, replace(axial, coupling=False), laws), None
-    if any(material.rigid for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring)):
-        raise Unavailable("[bodies]: elastic rings need elastic bodies; one is rigid")
-    contacts = exact_contacts(bearing, angle)
-    curves = cast(tuple[ContactLaw, ContactLaw], (contacts.inner_law, contacts.outer_law))
-    return tilted_slices(bearing, axial, curves), contacts.compliance

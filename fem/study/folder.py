@@ -12,7 +12,7 @@ import json
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from math import nan, prod
 from pathlib import Path
@@ -76,23 +76,12 @@ def _record_of(points: Points) -> StudyRecord:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
 class Folder:
     """Where a study is kept."""
 
-    path: Path
-
-    @property
-    def dataset(self) -> Path:
-        return self.path / "study.nc"
-
-    @property
-    def page(self) -> Path:
-        return self.path / "study.html"
-
-    @property
-    def _about(self) -> Path:
-        return self.path / "study.json"
+    def __init__(self, path: Path):
+        self.path, self.dataset, self.page = path, path / "study.nc", path / "study.html"
+        self._about = path / "study.json"
 
     def run(self, digest: str) -> Path:
         """A point's result file."""

@@ -50,7 +50,6 @@ WORTH_PROCESSES = 60.0  # s of work: below, starting them takes longer than they
 POINT_FILE = 2500  # bytes, without signals
 GRACE = 60.0  # s, beyond a point's limit: planning a fine mesh, or compiling on a new node
 LOOK = 0.5  # s, between two looks at what has happened
-HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
 RESTART = 60.0  # s, that a worker of a cluster may take to come back
 AHEAD = 2  # tasks a thread of the cluster has in hand: one to solve, one to begin without waiting
 FIRST_WORKER = 60.0  # s, that the first one may take to come
@@ -203,11 +202,7 @@ def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False
             reached = 1e3 * float(result.time[-1]) if len(result.time) else 0.0
             reason = f"stopped at {reached:.4g} ms: limits.seconds_per_point = {wanted.seconds:g} s were over"
             return Solved(status=STOPPED, text=reason, seconds=spent())
-        interval, signals = _signals(result, wanted.keep)
-        return Solved(
-            status=COMPLETE, seconds=spent(), quantities=_quantities(result, wanted.keep.quantities), signals=signals,
-            signal_interval=interval, run=_file(result) if wanted.runs else None,
-        )  # fmt: skip
+        return Solved(status=COMPLETE, seconds=spent(), **_kept(result, wanted))
     except (RunFailed, UsageError, SceneError) as error:
         reason = str(error)
     except MemoryError:
@@ -217,14 +212,28 @@ def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False
     return Solved(status=FAILED, text=reason, seconds=spent())
 
 
-def _quantities(result: Result, names: Collection[str]) -> dict[str, float]:
-    found = dict(result.quantities)
-    if any(name in OF_CHECK for name in names):
-        found |= {quantity.name: quantity for quantity in check_quantities(result.residual())}
-    if any(name in OF_STATICS for name in names):
+def _kept(result: Result, wanted: Wanted) -> dict[str, Any]:
+    """Quantities, signals, decimated by a whole number after a filter without phase, and the file of a run."""
+    keep, known = wanted.keep, dict(result.quantities)
+    if any(name in OF_CHECK for name in keep.quantities):
+        known |= {quantity.name: quantity for quantity in check_quantities(result.residual())}
+    if any(name in OF_STATICS for name in keep.quantities):
         stiffness = statics(result.scene).stiffness
-        found["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
-    return {name: float(found[name].value) for name in names if name in found} | rated(result.scene, names)
+        known["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
+    quantities = {name: float(known[name].value) for name in keep.quantities if name in known}
+    interval = 1e-6 * result.scene.numerics.output_interval_us
+    one_of, signals, run = keep.one_of(interval), {name: result[name] for name in keep.signals}, None
+    if one_of > 1:
+        from scipy.signal import decimate
+
+        signals = {name: decimate(values, one_of, ftype="fir", axis=0) for name, values in signals.items()}
+    if wanted.runs:
+        with TemporaryDirectory(prefix="run-study-") as folder:
+            run = result.save(Path(folder) / "run.nc").read_bytes()
+    return dict(
+        quantities=quantities | rated(result.scene, keep.quantities), signal_interval=one_of * interval, run=run,
+        signals={name: np.ascontiguousarray(values) for name, values in signals.items()},
+    )  # fmt: skip
 
 
 def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:
@@ -232,23 +241,6 @@ def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:
     wanted = {name: RATED[name] for name in names if name in OF_RATING}
     answers = values_of(scene, {answer for answer, _ in wanted.values()})
     return {name: factor * answers[answer] for name, (answer, factor) in wanted.items()}
-
-
-def _signals(result: Result, keep: KeepTable) -> tuple[float, dict[str, np.ndarray]]:
-    """Interval, s, and signals; decimated by a whole number, after a filter without phase."""
-    interval = 1e-6 * result.scene.numerics.output_interval_us
-    one_of = keep.one_of(interval)
-    signals = {name: result[name] for name in keep.signals}
-    if one_of > 1:
-        from scipy.signal import decimate
-
-        signals = {name: decimate(values, one_of, ftype="fir", axis=0) for name, values in signals.items()}
-    return one_of * interval, {name: np.ascontiguousarray(values) for name, values in signals.items()}
-
-
-def _file(result: Result) -> bytes:
-    with TemporaryDirectory(prefix="run-study-") as folder:
-        return result.save(Path(folder) / "run.nc").read_bytes()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -339,7 +331,9 @@ def solve_points(
                 lost[i] = solved
             count()
 
-        solver = Cluster(client, wanted) if client else Processes(count_of, wanted) if count_of else Here(wanted, stop)
+        solver: Solver = Processes(count_of, wanted) if count_of else Solver(wanted, stop)
+        if client is not None:
+            solver = Cluster(client, wanted)
         solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
     for i, solved in lost.items():
         say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
@@ -347,9 +341,8 @@ def solve_points(
 
 
 def solve_all(
-    solver: "Here | Processes | Cluster", scenes: Iterator[tuple[int, Scene]], add: Callable[[int, Solved], None],
-    stop: Callable[[], bool],
-) -> None:  # fmt: skip
+    solver: "Solver", scenes: Iterator[tuple[int, Scene]], add: Callable[[int, Solved], None], stop: Callable[[], bool]
+) -> None:
     """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
 
     Errors
@@ -373,11 +366,12 @@ def solve_all(
         solver.close()
 
 
-class Here:
-    """This process, a point at a time."""
+class Solver:
+    """Solves points: in this process one at a time, else as its kinds do."""
 
-    def __init__(self, wanted: Wanted, stop: Callable[[], bool]):
-        self._wanted, self._stop, self.busy = wanted, stop, dict[int, Scene]()
+    def __init__(self, wanted: Wanted, stop: Callable[[], bool] = lambda: False):
+        self.wanted, self._stop = wanted, stop
+        self.busy: dict[Any, Any] = {}  # what is under way
 
     def has_room(self) -> bool:
         return not self.busy
@@ -387,12 +381,17 @@ class Here:
 
     def ended(self) -> Iterator[tuple[int, Solved]]:
         point, scene = self.busy.popitem()
-        solved = solve(scene, self._wanted, self._stop)
+        solved = solve(scene, self.wanted, self._stop)
         if solved is not None:
             yield point, solved
 
+    def hung(self) -> Solved:
+        limit = f"limits.seconds_per_point = {self.wanted.seconds:g} s were long over"
+        text = f"hung in compiled code: its worker was killed, {limit}"
+        return Solved(status=STOPPED, seconds=self.wanted.seconds, text=text)
+
     def close(self) -> None:
-        pass
+        """End what is still under way."""
 
 
 class Worker:
@@ -420,12 +419,12 @@ def serve(pipe: connection.Connection) -> None:
             pipe.send(solve(*pipe.recv()))
 
 
-class Processes:
-    """Processes of this machine, started when they are needed."""
+class Processes(Solver):
+    """Processes of this machine, started when they are needed; those busy by their pipes."""
 
     def __init__(self, count: int, wanted: Wanted):
-        self._count, self._wanted, self._idle = count, wanted, list[Worker]()
-        self.busy: dict[Any, Worker] = {}  # by pipe
+        super().__init__(wanted)
+        self._count, self._idle = count, list[Worker]()
 
     def has_room(self) -> bool:
         return len(self.busy) < self._count
@@ -435,7 +434,7 @@ class Processes:
         self.busy[worker.pipe] = worker
         worker.point, worker.began = point, time.monotonic()
         with suppress(OSError):  # it has died, which its pipe tells
-            worker.pipe.send((scene, self._wanted))
+            worker.pipe.send((scene, self.wanted))
 
     def ended(self) -> Iterator[tuple[int, Solved]]:
         for pipe in connection.wait(list(self.busy), LOOK):
@@ -448,18 +447,14 @@ class Processes:
                 text = f"its process died (exit code {worker.process.exitcode}), as where memory is short"
                 yield worker.point, Solved(status=LOST, text=text)
         for worker in list(self.busy.values()):
-            if time.monotonic() - worker.began > self._wanted.seconds + GRACE:
+            if time.monotonic() - worker.began > self.wanted.seconds + GRACE:
                 del self.busy[worker.pipe]
                 worker.kill()
-                yield worker.point, _hung(self._wanted)
+                yield worker.point, self.hung()
 
     def close(self) -> None:
         for worker in (*self._idle, *self.busy.values()):
             worker.kill()
-
-
-def _hung(wanted: Wanted) -> Solved:
-    return Solved(status=STOPPED, seconds=wanted.seconds, text=HUNG.format(wanted.seconds))
 
 
 def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:
@@ -473,7 +468,7 @@ def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic:
     return solve(scene, wanted)
 
 
-class Cluster:
+class Cluster(Solver):
     """Workers of a scheduler, and how long their points have taken.
 
     A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
@@ -482,8 +477,8 @@ class Cluster:
     """
 
     def __init__(self, client: Any, wanted: Wanted):
-        self._client, self._wanted, self._topic = client, wanted, f"run-study {client.id}"
-        self.busy: dict[Any, int] = {}  # points by task
+        super().__init__(wanted)  # busy: points by task
+        self._client, self._topic = client, f"run-study {client.id}"
         self._begun: dict[int, tuple[str, float]] = {}  # by point: its worker's address, and when
         self._room, self._counted = 0, -inf
         client.subscribe_topic(self._topic, self._note)
@@ -498,7 +493,7 @@ class Cluster:
         return len(self.busy) < self._room
 
     def begin(self, point: int, scene: Scene) -> None:
-        future = self._client.submit(task, point, scene, self._wanted, program(), self._topic, pure=False)
+        future = self._client.submit(task, point, scene, self.wanted, program(), self._topic, pure=False)
         self.busy[future] = point
 
     def ended(self) -> Iterator[tuple[int, Solved]]:
@@ -508,15 +503,20 @@ class Cluster:
             for future in wait(list(self.busy), timeout=LOOK, return_when="FIRST_COMPLETED").done:
                 point = self.busy.pop(future)
                 self._begun.pop(point, None)
-                yield point, _outcome(future)
-        latest = time.monotonic() - self._wanted.seconds - GRACE
+                if future.status == "finished":
+                    yield point, future.result() or Solved(status=LOST, text="the worker was stopped")
+                else:  # one whose worker has died again and again
+                    reason = future.exception() if future.status == "error" else future.status
+                    text = f"its worker was lost: {type(reason).__name__}: {reason}"
+                    yield point, Solved(status=LOST, text=text)
+        latest = time.monotonic() - self.wanted.seconds - GRACE
         for future, point in list(self.busy.items()):
             worker, began = self._begun.get(point, ("", inf))
             if began < latest and not future.done():
                 del self.busy[future], self._begun[point]
                 future.cancel()  # or it would be restarted elsewhere
                 self._restart(worker)
-                yield point, _hung(self._wanted)
+                yield point, self.hung()
 
     def _restart(self, worker: str) -> None:
         """Kill a worker's process; its nanny starts another, and what waited there is solved elsewhere.
@@ -528,17 +528,6 @@ class Cluster:
                 self._client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
             except ValueError:
                 self._client.retire_workers([worker])
-
-    def close(self) -> None:
-        pass
-
-
-def _outcome(future: Any) -> Solved:
-    """What became of a task; of one whose worker has died again and again, that it is lost."""
-    if future.status == "finished":
-        return future.result() or Solved(status=LOST, text="the worker was stopped")
-    reason = future.exception() if future.status == "error" else future.status
-    return Solved(status=LOST, text=f"its worker was lost: {type(reason).__name__}: {reason}")
 
 
 @contextmanager

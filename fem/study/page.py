@@ -195,7 +195,7 @@ def write_page(points: Points, folder: Folder, dataset: Dataset) -> None:
             for column, found in sobol for name, first, total in zip(points.design.names, *found, strict=True)
         ]),
         unsampled=unsampled,
-        figures=[(figure, figure.address) for figure in study_figures(table, sobol)],
+        figures=study_figures(table, sobol),
         points=Section(columns=("point", *(column.label for column in columns)), rows=[
             [str(i), *(column.shown(column.values[i]) for column in columns)] for i in range(min(n, MOST_ROWS))
         ]),

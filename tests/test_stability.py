@@ -1,22 +1,25 @@
 """Short form of `python -m tests.stability`: random scenes end well or say why not; the critical step is tight."""
 
 import os
+import re
 import time
 from dataclasses import replace
 from functools import partial
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
 import tomli_w
 
+import fem
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
 from tests.reference.whole_run import whole_run
-from tests.stability import forked
+from tests.stability import forked, judged
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from tests.stability.machine_scenes import machine_scene
 from tests.stability.random_scenes import RANGES, random_scene
@@ -211,3 +214,9 @@ def test_contacts_wider_than_their_pressure_points_are_refused_for_their_width()
     outcome = try_scene(SEED, 305, random_scene(SEED, 305, duration_ms=5.0))
     assert outcome.ending == REFUSED
     assert "half-width 0.513 mm, beyond Hertz's theory (at most 0.414 mm here)" in outcome.what
+
+
+def test_what_the_judge_takes_as_told_is_what_runs_tell():
+    source = " ".join(path.read_text(encoding="utf-8") for path in Path(fem.__file__).parent.rglob("*.py"))
+    told = re.findall(r'"([^"]+)" in note', Path(judged.__file__).read_text(encoding="utf-8"))
+    assert len(told) == 4 and all(phrase in source for phrase in told) and "gives the hub up to {" in source

@@ -5,5 +5,4 @@ campaign       one scene after another, each watched to its end
 random_scenes  the draw of the scenes
 random_surfaces  random scenes with spalls, waves and unequal rollers (a command, too)
 step_limit     energy drift against time step over critical step: where the true limit is (a command, too)
-energy_trend   whether the energy balance of a long run drifts (a command, too)
 """

@@ -30,7 +30,7 @@ BALANCE = {  # of the largest force: what the hub's momentum may miss at a sampl
     "lagrange": 1e-6,  # round-off of positions
     "reduced": 1e-3,  # kicks are means over a step; where shocks are shorter than it can follow the run says so
 }
-KICKS = re.compile(r"at such samples that is up to (\S+) N off")  # the reduced model's note on its steps
+KICKS = re.compile(r"gives the hub up to (\S+) N more or less")  # the reduced model's note on its steps
 ROUNDED = 1.01  # its three digits, and what the rest of the balance misses
 STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
 LAWFUL = 1e-6  # of the largest force or moment, what a Lagrangian run's may be off its own law at its own places
@@ -48,7 +48,7 @@ def faults_of(path: Path) -> list[str]:
     except InputError as error:  # values that are not finite, or nowhere near
         return [f"the checker refuses it: {error}"]
     wide = any(
-        "beyond Hertz's theory" in note or "too large for a contact law" in note for note in record.notes
+        "beyond Hertz's theory" in note or "is so wide that its law" in note for note in record.notes
     )  # it says so
     found = [] if wide else _misplaced(record)
     forces = {"inner_force": record.inner_force, "outer_force": record.outer_force}
@@ -71,7 +71,7 @@ def faults_of(path: Path) -> list[str]:
 
 def _told(notes: Sequence[str], unsaid: float) -> float:
     """What the momentum may miss, N, by what a run has said of it, or unsaid."""
-    if any("within one vibration" in note for note in notes):
+    if any("impacts excite elastic waves" in note for note in notes):
         return inf
     amounts = [float(found[1]) for note in notes if (found := KICKS.search(note))]
     return max([unsaid, *(ROUNDED * amount for amount in amounts)])

@@ -24,6 +24,8 @@ from residual.fault_finding import (
     find_faults,
     roller_motion,
 )
+from residual.figures import save
+from residual.figures.run import search
 from residual.findings import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
 from tests.reference.whole_run import whole_run
@@ -107,11 +109,13 @@ def test_a_roller_in_flight_misses_nothing():
         ("roller", 140.0, ("spall.0.width_mm=0.8", "spall.0.roller=4")),
     ],
 )
-def test_a_spall_is_found_in_noise_on_its_own_body(body, angle, settings):
+def test_a_spall_is_found_in_noise_on_its_own_body_and_drawn(body, angle, settings, tmp_path):
     """Within what docs/fault_finding.md states of random runs: 1° and 10 % of the width."""
     record = recorded(*settings, f"spall.0.body={body}", f"spall.0.angle_deg={angle}", noise=10e-9, milliseconds=40)
-    (found,) = find_faults(record).found
-    (spall,) = record.bearing.faults
+    searched = find_faults(record)
+    save(search(searched), tmp_path)
+    assert (tmp_path / "fault_search.png").stat().st_size > 10_000
+    (found,), (spall,) = searched.found, record.bearing.faults
     assert (found.place.body, found.place.roller) == (spall.body, spall.roller)
     assert reported_angle(found.place, found.angle) == pytest.approx(angle, abs=1.0)
     assert found.width == pytest.approx(spall.width, rel=0.1)
@@ -125,13 +129,13 @@ def test_two_spalls_are_both_found():
         "spall.0.width_mm=0.6", "spall.0.angle_deg=15", "spall.1.body=inner_ring", "spall.1.width_mm=1.2",
         "spall.1.angle_deg=100", noise=10e-9, milliseconds=40,
     )  # fmt: skip
-    search = find_faults(record)
-    told = {each.place.body: each for each in search.found}
-    assert len(search.found) == 2 and not search.says_more
+    made = find_faults(record)
+    told = {each.place.body: each for each in made.found}
+    assert len(made.found) == 2 and not made.says_more
     for body, angle, width in (("outer_ring", 15.0, 0.6e-3), ("inner_ring", 100.0, 1.2e-3)):
         assert reported_angle(told[body].place, told[body].angle) == pytest.approx(angle, abs=1.0)
         assert told[body].width == pytest.approx(width, rel=0.1)
-    assert "No other spall found" in " ".join(search_sentences(search))
+    assert "No other spall found" in " ".join(search_sentences(made))
 
 
 @pytest.mark.parametrize(
@@ -144,9 +148,9 @@ def test_two_spalls_are_both_found():
     ids=["perfect", "wavy ring", "wavy and unequal rollers"],
 )
 def test_surfaces_without_a_spall_have_none(settings):
-    search = find_faults(recorded(*settings, noise=10e-9, milliseconds=40))
-    assert search.found == ()
-    assert "No spall found" in search_sentences(search)[0]
+    made = find_faults(recorded(*settings, noise=10e-9, milliseconds=40))
+    assert made.found == ()
+    assert "No spall found" in search_sentences(made)[0]
 
 
 def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
@@ -228,6 +232,5 @@ def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     assert spall["angle_interval_deg"][0] < 20.0 < spall["angle_interval_deg"][1]
     assert spall["width_interval_mm"][0] < 0.6 < spall["width_interval_mm"][1]
     assert '<h2 id="spalls">' in (folder / "report.html").read_text(encoding="utf-8")
-    assert (folder / "fault_search.png").stat().st_size > 10_000
     assert main([str(path), "--quiet"]) == 0
     assert "faults" not in json.loads((folder / "summary.json").read_text(encoding="utf-8"))

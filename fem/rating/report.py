@@ -104,7 +104,7 @@ def write_page(path: Path, rating: Rating) -> None:
         contacts=Section(columns=headings, rows=contacts),
         stresses=rating.answer("contacts").source,
         missing=Section(columns=(), rows=missing, kind="words"),
-        figures=[(figure, figure.address) for figure in rating_figures(rating.case)],
+        figures=rating_figures(rating.case),
         version=VERSION,
         scene=rating.scene.to_toml(),
     )

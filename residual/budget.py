@@ -184,13 +184,6 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     return np.sum(traction * outward_y, axis=1), np.sum(-traction * outward_x, axis=1)
 
 
-def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
-    """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
-    change = np.zeros(loaded.shape[0], dtype=bool)
-    change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
-    return np.convolve(change, np.ones(2 * reach + 1), mode="same") > 0.5
-
-
 @dataclass(frozen=True, kw_only=True)
 class LawScore:
     """Error forces that one law leaves."""

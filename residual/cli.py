@@ -93,11 +93,16 @@ def _command(
     path = run if run is not None else _newest()
     record = _read(path, scene, resample, kinematic_rollers)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
-    _check_law(law, record.bearing)
+    known, aliases = _known_laws(law, record)
     check_replaceable(folder, PROGRAM)
-    other, compared = None, None
-    if against is not None:
-        compared, its_law = _compared(against, record, law, (scene, resample, kinematic_rollers))
+    compared, its_law, other = None, law, None
+    if against in (*known, *aliases):
+        compared, its_law = record, against
+    elif against is not None:
+        if not Path(against).exists():
+            raise InputError(f"--against {against}: neither a file nor a contact law; laws are {', '.join(known)}")
+        compared = _read(Path(against), scene, resample, kinematic_rollers)
+        _known_laws(law, compared)
     if no_equations and compared is not None and compared.source == record.source:
         raise InputError(
             f"--against {against}: laws differ only in the error forces, which --no-equations leaves out; leave out "
@@ -117,7 +122,7 @@ def _command(
     if not quiet:
         with telling():
             print_summary(evaluation, folder, options, compare_laws)
-    return 1 if evaluation.fails(tolerance) else 0
+    return 1 if evaluation.outcome(tolerance) == "fails" else 0
 
 
 def _band(given: str) -> tuple[float, float]:
@@ -132,36 +137,15 @@ def _band(given: str) -> tuple[float, float]:
     return limits
 
 
-def _laws(bearing) -> tuple[list[str], tuple[str, ...]]:
-    """Names of the laws for a bearing's rolling elements, and others that they have."""
+def _known_laws(law: str | None, record) -> tuple[list[str], tuple[str, ...]]:
+    """Names of the laws for a record's rolling elements, and others that they have; refuses a law that is none."""
     from lagrange.contact.laws import law_names
     from residual.laws import ALIASES, FITTED
 
-    return [*law_names(bearing), *FITTED], ALIASES
-
-
-def _compared(against: str, record, law: str | None, source: tuple) -> tuple:
-    """Record and law that the run is compared with: itself with another law, or another run, by scene and resampling.
-
-    Errors
-    ------
-    InputError: neither a law nor a file.
-    """
-    known, aliases = _laws(record.bearing)
-    if against in (*known, *aliases):
-        return record, against
-    if not Path(against).exists():
-        raise InputError(f"--against {against}: neither a file nor a contact law; laws are {', '.join(known)}")
-    other = _read(Path(against), *source)
-    _check_law(law, other.bearing)
-    return other, law
-
-
-def _check_law(law: str | None, bearing) -> None:
-    """Refuse a law that is not known for the bearing's rolling elements."""
-    known, aliases = _laws(bearing)
-    if law is not None and law not in (*known, *aliases):
+    known = [*law_names(record.bearing), *FITTED]
+    if law is not None and law not in (*known, *ALIASES):
         raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
+    return known, ALIASES
 
 
 def _newest() -> Path:
@@ -180,11 +164,10 @@ def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):
         record = read_result(path)
-        if kinematic:
-            raise InputError(f"--kinematic-rollers: only for tables; {path} is a result file")
-        if resample:
-            raise InputError(f"--resample: only for tables; {path} is a result file")
-        if scene is not None and ((scene.bearing, scene.operation) != (record.scene.bearing, record.scene.operation)):
+        for option, asked in (("--kinematic-rollers", kinematic), ("--resample", resample)):
+            if asked:
+                raise InputError(f"{option}: only for tables; {path} is a result file")
+        if scene is not None and (scene.bearing, scene.operation) != (record.scene.bearing, record.scene.operation):
             raise InputError(
                 f"--scene {scene_path}: its bearing or operation differs from the scene inside {path}; "
                 "leave --scene out"

@@ -8,17 +8,10 @@ import numpy as np
 
 from lagrange.contact.laws import warning
 from lagrange.kinematics import OUTER_RING, kinematics
-from residual.budget import (
-    Accelerations,
-    Budget,
-    DirectionBudget,
-    LawScore,
-    TiltErrors,
-    error_budget,
-    near_contact_change,
-    rank_laws,
-    tilt_errors,
-)  # fmt: skip
+from residual import budget as budgets
+from residual import sampling, spectrum
+from residual import vibration as vibrations
+from residual.budget import Accelerations, Budget, DirectionBudget, LawScore, TiltErrors, error_budget, rank_laws
 from residual.errors import InputError
 from residual.formatting import NOISE
 from residual.laws import FITTED, Identification, Law, has_tilts, identify, inner_law
@@ -26,42 +19,8 @@ from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
 from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, first_sample, varies
-from residual.sampling import (
-    WITHIN,
-    PositionNoise,
-    Stationarity,
-    TooCoarse,
-    position_noise,
-    rate_notes,
-    stationarity,
-    too_coarse,
-)
-from residual.spectrum import (
-    Envelope,
-    Floor,
-    Peak,
-    Spectrum,
-    Statistics,
-    derivative,
-    envelope,
-    find_peaks,
-    floor,
-    kinematic_lines,
-    power_spectrum,
-)
-from residual.vibration import (
-    LineLevel,
-    OrderSpectra,
-    Tracking,
-    Vibration,
-    line_levels,
-    measured,
-    named_peaks,
-    order_spectra,
-    tracking_of,
-    vibration,
-    watched_level,
-)
+from residual.spectrum import Envelope, Floor, Peak, Spectrum, Statistics, derivative, kinematic_lines, power_spectrum
+from residual.vibration import LineLevel, OrderSpectra, Tracking, Vibration, line_levels, measured, watched_level
 
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
 LOADED = 0.01  # of the largest force: a roller with more is loaded
@@ -102,14 +61,14 @@ class Evaluation:
     lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
-    quarters: Stationarity | None  # what varies in each; None for a record too short for it
+    quarters: sampling.Stationarity | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
     identified: dict[str, Identification]  # laws fitted to the run's own forces, as far as they are asked for, by name
     unfitted: dict[str, str]  # why the others of these could not be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
     reference: tuple[float, str]  # N, what errors are compared with, and its name
-    too_coarse: TooCoarse | None  # of a run of ours that vibrates beyond its samples
-    position_noise: PositionNoise | None  # of a table
+    too_coarse: sampling.TooCoarse | None  # of a run of ours that vibrates beyond its samples
+    position_noise: sampling.PositionNoise | None  # of a table
     tilt: TiltErrors | None  # of rollers that tilt
     notes: tuple[str, ...]
 
@@ -156,8 +115,8 @@ class Evaluation:
     @property
     def within_noise(self) -> bool:
         """Whether the errors that the verdict goes by are not small, and may yet be noise of the positions."""
-        noise, error = self.position_noise, hypot(*(error.rms for error in self.judged))
-        return noise is not None and SOUND * self.reference[0] < error <= WITHIN * hypot(*noise.error)
+        noise, error = self.position_noise, hypot(*(each.rms for each in self.judged))
+        return noise is not None and SOUND * self.reference[0] < error <= sampling.WITHIN * hypot(*noise.error)
 
     @property
     def balance(self) -> float | None:
@@ -168,8 +127,8 @@ class Evaluation:
     @property
     def balance_within_noise(self) -> bool:
         """Whether the balance is too large for sound trajectories, and may yet be noise of the positions."""
-        left, noise = self.balance, self.position_noise
-        return left is not None and noise is not None and SOUND * self.reference[0] < left <= WITHIN * noise.balance
+        left, noise = self.balance or 0.0, self.position_noise
+        return noise is not None and SOUND * self.reference[0] < left <= sampling.WITHIN * noise.balance
 
     @cached_property
     def diagnosis(self) -> Diagnosis | str:
@@ -204,9 +163,11 @@ class Evaluation:
         count = self.loaded_count
         return int(count.min()), int(count.max())
 
-    def fails(self, tolerance: float | None) -> bool:
-        """Whether the rms of either error exceeds a tolerance, N."""
-        return tolerance is not None and not max(s.rms for s in self.judged) <= tolerance
+    def outcome(self, tolerance: float | None) -> str | None:
+        """Whether the rms of either error exceeds a tolerance, N; None without one."""
+        if tolerance is None:
+            return None
+        return "passes" if max(s.rms for s in self.judged) <= tolerance else "fails"
 
 
 def evaluate(
@@ -267,7 +228,7 @@ def evaluate(
     seen = replace(ideal, cage=used.cage_speed) if creeps else ideal
     lines = {} if used.varies_speed else kinematic_lines(seen)
     slowest = min(lines.values(), default=0.0)  # Hz
-    tracking = tracking_of(used)
+    tracking = vibrations.tracking_of(used)
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
     resonances = _resonances(used, by, budget)
@@ -278,27 +239,27 @@ def evaluate(
     def direction(i: int) -> Direction:
         part, motion, resonance = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i], resonances[i]
         body, acceleration = bodies[i]
-        spectrum = power_spectrum(part.error, interval, slowest)
+        density = power_spectrum(part.error, interval, slowest)
         return Direction(
             name="xy"[i], budget=part, error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             balance=None if part.momentum is None else Statistics.of(part.momentum[central]),
-            floor=floor(motion, interval, order, record.precision),
-            spectrum=spectrum,
-            peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
-            levels=line_levels(spectrum, lines),
+            floor=spectrum.floor(motion, interval, order, record.precision),
+            spectrum=density,
+            peaks=vibrations.named_peaks(spectrum.find_peaks(density, lines), density, lines, resonance, noise),
+            levels=line_levels(density, lines),
             resonance=resonance,
-            envelope=envelope(part.error, interval, resonance, slowest),
+            envelope=spectrum.envelope(part.error, interval, resonance, slowest),
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
-            vibration=vibration(acceleration, interval, lines, body, band),
-            orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
+            vibration=vibrations.vibration(acceleration, interval, lines, body, band),
+            orders=None if tracking is None else vibrations.order_spectra(tracking, part.error, motion, acceleration),
         )  # fmt: skip
 
     x, y = map(direction, range(2))
     watched = [(watched_level(x.spectrum, line, lines), watched_level(y.spectrum, line, lines)) for line in watch]
     notes += [level.unresolved_note(x.spectrum.resolution) for level, _ in watched if not level.resolved]
-    notes += rate_notes(max(resonances), interval, order)
-    settled = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
+    notes += sampling.rate_notes(max(resonances), interval, order)
+    settled = sampling.stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     tables = record.scene.operation
     if settled is not None and settled.note is not None and not (tables.load_table or tables.speed_table):
         notes.append(settled.note)  # what changes with the load or the speed is no transient
@@ -309,17 +270,24 @@ def evaluate(
         record=used, law=by, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=None,
-        reference=reference, position_noise=position_noise(used, by, budget, order),
-        tilt=tilt_errors(used, by.name, order) if has_tilts(used) else None, notes=(),
+        reference=reference, position_noise=sampling.position_noise(used, by, budget, order),
+        tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None, notes=(),
     )  # fmt: skip
     sound = SOUND * reference[0]
     least = max(noise, FOLDED_SHARE * reference[0])
-    coarse = too_coarse(used, by, budget, (x.balance, y.balance), found.floors, least, sound)
+    coarse = sampling.too_coarse(used, by, budget, (x.balance, y.balance), found.floors, least, sound)
     notes += [coarse.note] if coarse is not None and coarse.seldom else []
     errs = found.position_noise
     if errs is not None and hypot(*errs.error) > max(sound, noise):
         notes.insert(0, errs.note)
     return replace(found, too_coarse=coarse, notes=tuple(dict.fromkeys(notes)))
+
+
+def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
+    """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
+    change = np.zeros(loaded.shape[0], dtype=bool)
+    change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
+    return np.convolve(change, np.ones(2 * reach + 1), mode="same") > 0.5
 
 
 def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:

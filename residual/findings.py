@@ -285,11 +285,6 @@ def line_differences(e: Evaluation, other: Evaluation) -> Section:
     return Section(title=title, columns=("", *map(shown, named(e, other)), "difference, dB"), rows=rows)
 
 
-def clearance_table(e: Evaluation) -> Section:
-    found, columns = e.record.scene.operating_clearance(), ("part, diametral", "µm", "")
-    return Section(columns=columns, rows=found.rows() if found else [], sum="in operation")
-
-
 def fact_table(e: Evaluation) -> Section:
     """Key facts of the run and the check."""
     t, bearing, (low, high) = e.record, e.record.bearing, e.loaded_range
@@ -489,7 +484,7 @@ def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = Tru
     found = f"{_sound(e)}; {_missed(e)}." if equations else f"{_sound(e)}."
     if tolerance is None:
         return found[0].upper() + found[1:]
-    return f"{'Fails' if e.fails(tolerance) else 'Passes'} the tolerance of {text(tolerance)} N: {found}"
+    return f"{str(e.outcome(tolerance)).capitalize()} the tolerance of {text(tolerance)} N: {found}"
 
 
 def _share(e: Evaluation, force: float, named: bool = True) -> str:

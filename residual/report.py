@@ -121,51 +121,13 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
 
 
 def page_of(e: Evaluation, options: ReportOptions) -> dict[str, Any]:
-    """What the page's template shows beside figures."""
-    t, other, equations = e.record, options.other, options.equations
-    tables = {
-        "facts": findings.fact_table(e), "quarters": findings.quarter_table(e, equations),
-        "stated_errors": findings.stated_error_table(e), "vibration": findings.vibration_table(e),
-        "envelope": findings.envelope_table(e), "errors": findings.error_table(e), "budget": findings.budget_table(e),
-        "laws": findings.law_table(e), "watched": findings.watched_table(e), "levels": findings.level_table(e),
-        "ratings": findings.rating_table(e), "clearance": findings.clearance_table(e),
-    }  # fmt: skip
-    if other is not None:
-        tables["against"] = findings.difference_table(e, other, equations)
-        if not findings.same_run(e, other):
-            tables["against_lines"] = findings.line_differences(e, other)
+    """What the page's template shows beside figures; it asks for the findings itself."""
     return dict(
-        name=t.name,
-        contradiction=findings.contradiction_sentence(e),
-        verdict=findings.verdict(e, options.tolerance, equations),
-        outcome=outcome(e, options.tolerance),
-        tables=tables,
-        peaks=[(d.name, findings.peak_table(d.peaks)) for d in e.directions],
-        compared=() if other is None else findings.named(e, other),
-        fit=findings.fit_sentences(e),
-        unfitted=e.unfitted.items(),
-        lines=[(name, text(f)) for name, f in e.lines.items() if "×" not in name],
-        body=e.y.vibration.body,
-        vibration_sentences=findings.vibration_sentences(e),
-        search_sentences=[] if options.search is None else findings.search_sentences(options.search),
-        notes=findings.honest_notes(e),
-        meaning=findings.interpretation(e),
-        picture=picture_of(t.source) if t.attributes else None,
-        resolution=text(e.x.spectrum.resolution),
-        spectra=Markup(spectra_json(e, equations)),
-        plot_script=as_it_is(TEMPLATES / "spectra.js"),
-        player=Markup(player_json(e)),
-        player_script=as_it_is(TEMPLATES / "player.js"),
-        elsewhere=not t.attributes,
-        equations=equations,
-        spectrum_of="the error forces" if equations else "the hub's acceleration",
-        scene=t.scene.to_toml(),
-    )
-
-
-def outcome(e: Evaluation, tolerance: float | None) -> str | None:
-    """Whether the errors exceed a tolerance, N rms; None without one."""
-    return None if tolerance is None else ("fails" if e.fails(tolerance) else "passes")
+        e=e, t=e.record, f=findings, options=options, text=text,
+        picture=picture_of(e.record.source) if e.record.attributes else None,
+        spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
+        player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),
+    )  # fmt: skip
 
 
 def picture_of(run: Path) -> dict[str, str] | None:
@@ -363,7 +325,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         "position_noise": None if noise is None else noise | {"within": e.within_noise},
         "quarters": numbers(e.quarters),
         "tolerance_N": options.tolerance,
-        "verdict": outcome(e, options.tolerance),
+        "verdict": e.outcome(options.tolerance),
         "contradictions": findings.contradictions(e),
         "notes": list(e.notes),
         "laws": numbers(e.laws),

@@ -1,20 +1,25 @@
-"""Error forces and their budget on a made-up run whose forces are known in closed form."""
+"""Error forces and their budget on a made-up run whose forces are known in closed form; stencils, fits, a cage."""
 
-import json
+from collections import defaultdict
 
 import numpy as np
 import pytest
 
+from fem.quantities import cage_rows
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw, steel_law
-from residual.budget import near_contact_change, traction_resultant
+from lagrange.scene.scene import parse_scene
+from residual.budget import traction_resultant
 from residual.cli import main
 from residual.errors import InputError
-from residual.evaluation import evaluate
+from residual.evaluation import evaluate, near_contact_change
+from residual.figures.run import cage as cage_figure
 from residual.laws import DampedLaw, fit_law, passage_numbers
+from residual.record import COLUMNS, Record
+from residual.report import ReportOptions, summarise
 from residual.sources import read_result
 from residual.spectrum import ORDERS, derivative, floor, response, stencil
-from tests.reference.synthetic_run import exact_errors, make_run, recorded, run_variables, write_result
+from tests.reference.synthetic_run import exact_errors, make_run, recorded, report_of, run_variables, write_result
 
 
 @pytest.fixture(scope="module")
@@ -27,17 +32,20 @@ def evaluation(run, tmp_path_factory):
     return evaluate(recorded(tmp_path_factory.mktemp("runs") / "made.nc", run))
 
 
-def test_error_forces_equal_the_closed_form(run, evaluation):
-    exact_x, exact_y = exact_errors(run)
-    np.testing.assert_allclose(evaluation.budget.x.error, exact_x, atol=1e-5)
-    np.testing.assert_allclose(evaluation.budget.y.error, exact_y, atol=1e-5)
-
-
-def test_terms_add_up_to_the_error_and_its_momentum_balance_leaves_out_law_and_friction(evaluation):
-    for part in (evaluation.budget.x, evaluation.budget.y):
+def assert_adds_up(budget):
+    for part in (budget.x, budget.y):
         np.testing.assert_allclose(sum(part.terms.values()), part.error, atol=1e-9 * 2000.0, rtol=0)
+
+
+def test_error_forces_equal_the_closed_form_and_terms_add_up_to_them(run, evaluation):
+    """The momentum balance leaves out law and friction."""
+    for part, exact in zip((evaluation.budget.x, evaluation.budget.y), exact_errors(run), strict=True):
+        np.testing.assert_allclose(part.error, exact, atol=1e-5)
         rest = part.terms["differentiation"] + part.terms["ring_flexibility"]
         np.testing.assert_allclose(part.momentum, rest, atol=1e-8)
+    assert_adds_up(evaluation.budget)
+    count = (run.law_force > 0).sum(axis=1)
+    assert evaluation.loaded_range == (count.min(), count.max())
 
 
 def test_contact_law_term_is_the_injected_force_error(run, evaluation):
@@ -48,13 +56,11 @@ def test_contact_law_term_is_the_injected_force_error(run, evaluation):
 
 def test_friction_acts_on_the_ring_against_the_roller(run, evaluation):
     """A roller under the ring, pulled along +θ (that is +x there), pulls the ring along −x."""
-    traction = run_variables(run)["inner_traction"]
-    angle = run.angle
+    traction, angle = run_variables(run)["inner_traction"], run.angle
     for part, along in ((evaluation.budget.x, -np.sin(angle)), (evaluation.budget.y, np.cos(angle))):
         np.testing.assert_allclose(part.terms["friction"], np.sum(-traction * along, axis=1), atol=1e-9)
     below = np.zeros_like(traction)
-    roller = int(np.argmin(np.sin(angle[0])))
-    below[0, roller] = 1.0
+    below[0, int(np.argmin(np.sin(angle[0])))] = 1.0
     force_x, _ = traction_resultant(evaluation.budget.contacts, below)
     assert force_x[0] < -0.97
 
@@ -62,67 +68,46 @@ def test_friction_acts_on_the_ring_against_the_roller(run, evaluation):
 def test_run_in_momentum_balance_is_found_balanced(tmp_path):
     """Load and gravity taken from the contact forces: a run that obeys Newton must show no momentum error."""
     run = make_run(n_times=1001)
-    variables = run_variables(run, force_factor=1.0, traction=0.0)
-    _, exact_y = exact_errors(run)
-    mass = run.scene.operation.inner_ring_and_shaft_kg
-    variables["inner_force"] = run.law_force.copy()
-    trajectory = recorded(tmp_path / "n.nc", run, variables)
-    budget = evaluate(trajectory).budget
+    budget = evaluate(recorded(tmp_path / "n.nc", run, run_variables(run, force_factor=1.0, traction=0.0))).budget
     np.testing.assert_allclose(budget.x.terms["contact_law"], 0.0, atol=1e-6)
-    np.testing.assert_allclose(budget.y.momentum, exact_y, atol=1e-5)
-    assert mass * np.max(np.abs(run.acceleration_x)) > 0.1
+    np.testing.assert_allclose(budget.y.momentum, exact_errors(run)[1], atol=1e-5)
+    assert run.scene.operation.inner_ring_and_shaft_kg * np.max(np.abs(run.acceleration_x)) > 0.1
 
 
 def test_injected_force_is_found_in_the_momentum_balance(tmp_path):
     run = make_run(n_times=2001)
-    base = recorded(tmp_path / "a.nc", run)
     variables = run_variables(run)
+    base = evaluate(recorded(tmp_path / "a.nc", run, variables)).budget.y.momentum
     missing = 5.0 * np.sin(2 * np.pi * 800.0 * run.time)  # a force that the file does not tell
-    lowest = np.argmin(np.sin(run.angle), axis=1)
-    rows = np.arange(run.time.size)
-    direction = -np.sin(run.angle[rows, lowest])
-    variables["inner_force"][rows, lowest] -= missing / direction
-    hidden = recorded(tmp_path / "b.nc", run, variables)
-    difference = evaluate(hidden).budget.y.momentum - evaluate(base).budget.y.momentum
-    np.testing.assert_allclose(difference, missing, atol=1e-7)
+    lowest, rows = np.argmin(np.sin(run.angle), axis=1), np.arange(run.time.size)
+    variables["inner_force"][rows, lowest] -= missing / -np.sin(run.angle[rows, lowest])
+    hidden = evaluate(recorded(tmp_path / "b.nc", run, variables)).budget.y.momentum
+    np.testing.assert_allclose(hidden - base, missing, atol=1e-7)
 
 
-def test_without_forces_the_error_has_no_terms(tmp_path):
+def test_without_forces_the_error_has_no_terms_and_laws_are_ranked_but_not_fitted(tmp_path, capsys):
     run = make_run(n_times=501)
-    motion = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
-    variables = {name: getattr(run, name) for name in motion}
-    budget = evaluate(recorded(tmp_path / "n.nc", run, variables)).budget
-    assert budget.x.terms == {} and budget.x.momentum is None
+    motion = {name: getattr(run, name) for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y")}
+    found = evaluate(recorded(tmp_path / "n.nc", run, motion))
+    assert found.budget.x.terms == {} and found.budget.x.momentum is None
+    assert {s.name for s in found.laws} >= {"harris", "palmgren", "johnson"}
+    assert main([str(tmp_path / "n.nc"), "--law", "fitted"]) == 2
+    assert "forces" in capsys.readouterr().err
 
 
-def test_start_skips_exactly_the_transient(run, tmp_path):
-    trajectory = recorded(tmp_path / "n.nc", run)
-    whole, late = evaluate(trajectory), evaluate(trajectory, start=5e-3)
-    assert late.start == pytest.approx(5e-3, abs=1e-9)
-    assert late.record.time[0] == pytest.approx(5e-3, abs=1e-9)  # the stencil reaches back before it
-    n = late.budget.x.error.size
-    np.testing.assert_array_equal(late.budget.x.error, whole.budget.x.error[-n:])
-    assert n == run.time.size - 500
+def test_start_skips_exactly_the_transient(run, evaluation):
+    late, n = evaluate(evaluation.record, start=5e-3), run.time.size - 500
+    assert [late.start, late.record.time[0]] == pytest.approx([5e-3, 5e-3], abs=1e-9)
+    assert late.budget.x.error.size == n  # the stencil reaches back before it
+    np.testing.assert_array_equal(late.budget.x.error, evaluation.budget.x.error[-n:])
 
 
-def test_load_ramp_of_a_start_from_rest_is_left_out(tmp_path):
-    scene = make_run(n_times=40).scene
-    resting = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"start": "rest"})})
-    run = make_run(n_times=1001, scene=resting)
-    evaluation = evaluate(recorded(tmp_path / "n.nc", run))
-    assert evaluation.start == pytest.approx(1e-3, abs=1e-9)
-    assert any("load ramp" in note for note in evaluation.notes)
-
-
-def test_loaded_rollers_are_counted(run, evaluation):
-    count = (run.law_force > 0).sum(axis=1)
-    assert evaluation.loaded_range == (count.min(), count.max())
-
-
-def test_coarse_sampling_is_warned_of(tmp_path):
-    run = make_run(n_times=601, interval=1e-4)
-    evaluation = evaluate(recorded(tmp_path / "n.nc", run))
-    assert any("Nyquist" in note for note in evaluation.notes)
+def test_load_ramp_of_a_start_from_rest_is_left_out_and_coarse_sampling_warned_of(tmp_path):
+    scene = parse_scene({"numerics": {"start": "rest"}}, "made")
+    found = evaluate(recorded(tmp_path / "n.nc", make_run(n_times=1001, scene=scene)))
+    assert found.start == pytest.approx(1e-3, abs=1e-9) and any("load ramp" in note for note in found.notes)
+    found = evaluate(recorded(tmp_path / "n.nc", make_run(n_times=601, interval=1e-4)))
+    assert any("Nyquist" in note for note in found.notes)
 
 
 def test_samples_near_a_contact_change():
@@ -139,28 +124,20 @@ OMEGA = 2 * np.pi * 40.0
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("which", [1, 2])
-def test_stencil_is_exact_for_polynomials_up_to_its_order(order, which):
-    t = np.linspace(-1.0, 1.0, 21)
+def test_stencil_is_exact_for_polynomials_and_of_its_nominal_order(order, which):
+    t, half = np.linspace(-1.0, 1.0, 21), order // 2
     for power in range(order + which):
         exact = np.polynomial.polynomial.polyder([0] * power + [1], which)
         found = derivative(t**power, t[1] - t[0], which, order)
-        inner = slice(order // 2, -(order // 2)) if power > order else slice(1, -1) if power > 4 else slice(None)
+        inner = slice(half, -half) if power > order else slice(1, -1) if power > 4 else slice(None)
         np.testing.assert_allclose(found[inner], np.polynomial.polynomial.polyval(t, exact)[inner], atol=2e-11)
-
-
-@pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("which", [1, 2])
-def test_observed_order_is_the_nominal_one(order, which):
-    steps = 0.1 / np.array([40, 60, 80])
-    errors = []
+    steps, errors = 0.1 / np.array([40, 60, 80]), []
     for step in steps:
         t = step * np.arange(round(0.1 / step) + 1)
         exact = OMEGA * np.cos(OMEGA * t) if which == 1 else -(OMEGA**2) * np.sin(OMEGA * t)
         found = derivative(np.sin(OMEGA * t), step, which, order)
-        half = order // 2
         errors.append(np.max(np.abs(found - exact)[half:-half]) / OMEGA**which)
-    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert slope == pytest.approx(order, abs=0.25)
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.25)
 
 
 def test_known_weights_of_order_six():
@@ -183,20 +160,16 @@ def test_stencil_is_not_the_integrators_own():
     assert np.sqrt(np.mean(ours**2)) > 1e-2 * omega**2 * np.sqrt(0.5)
 
 
-def test_response_is_the_gain_on_a_sine():
+def test_response_is_the_gain_on_a_sine_and_1_far_below_the_sampling_frequency():
     dt, frequency = 1e-5, 13.2e3
-    t = dt * np.arange(500)
-    record = np.sin(2 * np.pi * frequency * t)
+    record = np.sin(2 * np.pi * frequency * dt * np.arange(500))
     found = derivative(record, dt, order=6)
     exact = -((2 * np.pi * frequency) ** 2) * record[3:-3]
     # the mean taken off the record does not matter: the weights add up to zero
     np.testing.assert_allclose(found[3:-3], response(frequency, dt) * exact, atol=1e-8 * np.max(np.abs(exact)))
     assert abs(1 - response(frequency, dt)) < 6e-4
-
-
-@pytest.mark.parametrize("order", [4, 6, 8])
-def test_response_is_1_far_below_the_sampling_frequency(order):
-    np.testing.assert_allclose(response([0.0, 1e-12, 1e-6, 1.0], 1e-5, order), 1.0, rtol=1e-12)
+    for order in ORDERS:
+        np.testing.assert_allclose(response([0.0, 1e-12, 1e-6, 1.0], 1e-5, order), 1.0, rtol=1e-12)
 
 
 def test_round_off_floor_bounds_the_error_of_positions_stored_in_single_precision():
@@ -212,21 +185,15 @@ def test_round_off_floor_bounds_the_error_of_positions_stored_in_single_precisio
 @pytest.mark.parametrize("tones", [(8e3,), (300.0, 13e3, 40e3)])
 def test_truncation_floor_is_the_true_error(order, tones):
     step = 1e-5
-    t = step * np.arange(6001)
-    record, exact = np.zeros_like(t), np.zeros_like(t)
-    for tone in tones:
-        omega = 2 * np.pi * tone
-        record += np.sin(omega * t) / omega
-        exact -= omega * np.sin(omega * t)
+    omega, t = 2 * np.pi * np.array(tones)[:, None], step * np.arange(6001)
+    record, exact = np.sum(np.sin(omega * t) / omega, axis=0), -np.sum(omega * np.sin(omega * t), axis=0)
     error = (derivative(record, step, order=order) - exact)[order:-order]
     assert floor(record, step, order).truncation == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.03)
 
 
 def test_white_noise_is_magnified_as_the_weights_say():
-    rng = np.random.default_rng(1)
-    found = derivative(1e-9 * rng.standard_normal(20000), 1e-5)
-    expected = 1e-9 * np.linalg.norm(stencil(6)) / 1e-10
-    assert np.std(found) == pytest.approx(expected, rel=0.03)
+    found = derivative(1e-9 * np.random.default_rng(1).standard_normal(20000), 1e-5)
+    assert np.std(found) == pytest.approx(1e-9 * np.linalg.norm(stencil(6)) / 1e-10, rel=0.03)
 
 
 @pytest.mark.parametrize("which", [1, 2])
@@ -246,21 +213,21 @@ def test_several_columns():
     np.testing.assert_allclose(found, np.stack([2 + 0 * t, 6 * t], axis=1), atol=1e-9)
 
 
-@pytest.mark.parametrize("bad", [{"order": 5}, {"order": 2}, {"derivative": 3}])
-def test_unknown_stencils_are_refused(bad):
-    with pytest.raises(ValueError, match="must be"):
-        derivative(np.zeros(20), 1.0, **bad)
-
-
-def test_too_short_a_record_is_refused():
-    with pytest.raises(ValueError, match="too few"):
-        derivative(np.zeros(6), 1.0, order=6)
+@pytest.mark.parametrize(
+    ("samples", "bad", "words"),
+    [(20, {"order": 5}, "must be"), (20, {"order": 2}, "must be"), (20, {"derivative": 3}, "must be"),
+     (6, {"order": 6}, "too few")],
+)  # fmt: skip
+def test_unknown_stencils_and_too_short_records_are_refused(samples, bad, words):
+    with pytest.raises(ValueError, match=words):
+        derivative(np.zeros(samples), 1.0, **bad)
 
 
 # Laws fitted to a run's own forces: the right numbers, honest intervals, judged on the part held back
 
 
 STIFFNESS, EXPONENT = 1.1e9, 1.09
+SPRING = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
 
 
 def load_zone(n_times=1200, n_rollers=13, turns=1.5):
@@ -273,32 +240,30 @@ def power(depth):
     return STIFFNESS * np.maximum(depth, 0.0) ** EXPONENT
 
 
-def test_a_law_is_found_again():
-    depth = load_zone()
-    found = fit_law(depth, power(depth), bridge=5)
-    assert found.stiffness.value == pytest.approx(STIFFNESS, rel=1e-8)
-    assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-9)
-    assert found.scatter < 1e-6
-
-
 def closing_speed(n_times=1200, seed=4):
     """Made-up closing speeds, m/s, of the size of a vibrating roller's."""
     return 1e-3 * np.random.default_rng(seed).standard_normal((n_times, 13))
 
 
-def force_of(law, depth, speed):
-    return law.pushes(depth, speed).force
+def test_a_law_is_found_again_and_does_not_see_the_part_held_back():
+    depth = load_zone()
+    force = power(depth)
+    found = fit_law(depth, force, bridge=5)
+    assert found.stiffness.value == pytest.approx(STIFFNESS, rel=1e-8)
+    assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-9)
+    assert found.scatter < 1e-6
+    force[600:] *= 3.0
+    assert fit_law(depth, force, bridge=5).law == found.law
 
 
 def test_damping_is_found_again_beside_the_rest():
     depth, speed = load_zone(), closing_speed()
-    spring = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
-    force = force_of(DampedLaw(spring=spring, damping=ContactDamping(constant=300.0)), depth, speed)
+    force = DampedLaw(spring=SPRING, damping=ContactDamping(constant=300.0)).pushes(depth, speed).force
     found = fit_law(depth, force, bridge=5, closing_speed=speed)
     assert found.damping.value == pytest.approx(300.0, rel=1e-3)
     assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-5)
     assert found.law.name == "fitted_damped"
-    np.testing.assert_allclose(force_of(found.law, depth, speed), force, atol=0.05)
+    np.testing.assert_allclose(found.law.pushes(depth, speed).force, force, atol=0.05)
 
 
 def test_damping_that_is_not_there_is_told_by_an_interval_around_zero():
@@ -310,28 +275,28 @@ def test_damping_that_is_not_there_is_told_by_an_interval_around_zero():
     assert found.damping.high - found.damping.low < 100.0
 
 
-def test_a_bearing_that_does_not_move_fixes_no_damping():
-    with pytest.raises(InputError, match="damping"):
-        fit_law(load_zone(), power(load_zone()), bridge=5, closing_speed=0.0 * load_zone())
+EVEN = np.full((200, 13), 1e-6)
+UNFIT = {  # approaches, forces, closing speeds, words; a dashpot like the spring is no other than a stiffer spring
+    "still": (load_zone(), power(load_zone()), 0.0 * load_zone(), "damping"),
+    "faint": (load_zone(), 1e-310 * (load_zone() > 0.0), None, "too small to fit a law to"),
+    "squares of nothing": (load_zone(), 1e-160 * (load_zone() > 0.0), None, "too small to fit a law to"),
+    "like the spring": (load_zone(), power(load_zone()), 1e-6 * power(load_zone()), "do not fix all numbers"),
+    "constant": (EVEN, power(EVEN), None, "hardly vary"),
+    "open": (-EVEN, power(-EVEN), None, "passages"),
+}
 
 
-@pytest.mark.parametrize("scale", [1e-310, 1e-160])
-def test_forces_whose_squares_are_nothing_are_refused_in_a_sentence(scale):
-    with pytest.raises(InputError, match="too small to fit a law to"):
-        fit_law(load_zone(), scale * (load_zone() > 0.0), bridge=5)
-
-
-def test_numbers_that_a_run_does_not_fix_are_refused_in_a_sentence():
-    """A dashpot whose force grows with the spring's can't be told from a stiffer spring."""
-    depth = load_zone()
-    with pytest.raises(InputError, match="do not fix all numbers"):
-        fit_law(depth, power(depth), bridge=5, closing_speed=1e-6 * power(depth))
+@pytest.mark.parametrize("kind", UNFIT)
+def test_data_that_fix_no_law_are_refused_in_a_sentence(kind):
+    depth, force, speed, words = UNFIT[kind]
+    with pytest.raises(InputError, match=words):
+        fit_law(depth, force, bridge=5, closing_speed=speed)
 
 
 def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
     spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
     law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
-    found = force_of(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
+    found = law.pushes(np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0])).force
     np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
 
 
@@ -357,75 +322,38 @@ def test_passages_are_counted_once_each_and_chatter_bridged():
     assert number[:, 1].max() == -1
 
 
-def test_the_fit_does_not_see_the_held_back_part():
-    depth = load_zone()
-    force = power(depth)
-    changed = force.copy()
-    changed[600:] *= 3.0
-    assert fit_law(depth, changed, bridge=5).law == fit_law(depth, force, bridge=5).law
-
-
-@pytest.mark.parametrize("constant", [True, False])
-def test_data_that_fix_no_exponent_are_refused(constant):
-    depth = np.full((200, 13), 1e-6) if constant else -np.ones((200, 13))
-    with pytest.raises(InputError):
-        fit_law(depth, power(depth), bridge=5)
-
-
-def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
+def test_law_of_a_run_is_fitted_its_error_disappears_and_the_verdict_goes_by_the_held_back_part(run, evaluation):
     """The run's forces are 0.95 of Harris's: K is, n is Harris's, and no contact-law term is left."""
-    evaluation = evaluate(recorded(tmp_path / "a.nc", run), "fitted")
+    fitted = evaluate(evaluation.record, "fitted")
     harris = steel_law("harris", run.scene.ideal_bearing().roller_length)
-    assert evaluation.law.spring.exponent == pytest.approx(10 / 9, rel=1e-7)
-    assert evaluation.law.spring.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
-    np.testing.assert_allclose(evaluation.budget.y.terms["contact_law"], 0.0, atol=1e-4)
-    np.testing.assert_allclose(
-        sum(evaluation.budget.y.terms.values()), evaluation.budget.y.error, atol=1e-9 * 2000.0, rtol=0
-    )
+    assert fitted.law.spring.exponent == pytest.approx(10 / 9, rel=1e-7)
+    assert fitted.law.spring.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
+    np.testing.assert_allclose(fitted.budget.y.terms["contact_law"], 0.0, atol=1e-4)
+    assert_adds_up(fitted.budget)
+    held_back = fitted.budget.y.error[fitted.identification.samples :]
+    assert fitted.judged[1].rms == pytest.approx(np.sqrt(np.mean(held_back**2)), rel=1e-12)
 
 
 @pytest.mark.parametrize("law", ["harris", "fitted", "johnson", "teutsch_sauer"])
-def test_ranking_agrees_with_an_evaluation_under_each_law(law, run, tmp_path):
-    trajectory = recorded(tmp_path / "a.nc", run)
-    ranked = evaluate(trajectory, "palmgren", fit=True)
+def test_ranking_agrees_with_an_evaluation_under_each_law(law, evaluation):
+    ranked = evaluate(evaluation.record, "palmgren", fit=True)
     late = slice(ranked.identified["fitted"].samples, None)
-    alone = evaluate(trajectory, law).budget
-    score = ranked.score(law)
+    alone, score = evaluate(evaluation.record, law).budget, ranked.score(law)
     assert score.errors[1].mean == pytest.approx(np.mean(alone.y.error[late]), abs=1e-9)
     assert score.errors[0].rms == pytest.approx(np.sqrt(np.mean(alone.x.error[late] ** 2)), abs=1e-9)
     assert [s.rms for s in ranked.laws] == sorted(s.rms for s in ranked.laws)
 
 
-@pytest.mark.usefixtures("plain_report")
 def test_summary_and_terminal_tell_the_fit_and_the_ranking(run, tmp_path, capsys):
     path = write_result(tmp_path / "a.nc", run)
-    assert main([str(path), "--law", "fitted", "--compare-laws", "--tolerance", "1e6"]) == 0
-    printed = capsys.readouterr().out
+    options = "--law", "fitted", "--compare-laws", "--tolerance", "1e6", "--no-figures"
+    summary, page = report_of(path, tmp_path / "out", *options)
+    printed, fit = capsys.readouterr().out, summary["identification"]
     assert "Fitted: K = " in printed and "teutsch_sauer" in printed and "fitted (in use)" in printed
-    summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text())
-    fit = summary["identification"]
     assert fit["exponent"]["low"] <= fit["exponent"]["value"] <= fit["exponent"]["high"]
     assert fit["held_back"]["samples"] + round(fit["fitted_until_s"] / 1e-5) + 1 == run.time.size
     assert {row["law"] for row in summary["laws"]} >= {"harris", "fitted", "fitted_damped", "johnson"}
-    page = (tmp_path / "a-residual" / "report.html").read_text()
     assert "95 % confidence" in page and "Held-back part" in page
-
-
-def test_verdict_on_a_fitted_law_goes_by_the_held_back_part(run, tmp_path):
-    """Forces that follow another law in the second half pass on the half fitted and fail on the other."""
-    variables = run_variables(run)
-    evaluation = evaluate(recorded(tmp_path / "a.nc", run, variables), "fitted")
-    half = evaluation.identification.samples
-    expected = np.sqrt(np.mean(evaluation.budget.y.error[half:] ** 2))
-    assert evaluation.judged[1].rms == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_run_without_forces_can_be_ranked_but_not_fitted(run, tmp_path, capsys):
-    motion = {k: v for k, v in run_variables(run).items() if k.startswith(("time", "inner_x", "inner_y", "roller_x"))}
-    path = write_result(tmp_path / "a.nc", run, motion | {"roller_y": run.roller_y})
-    assert main([str(path), "--law", "fitted"]) == 2
-    assert "forces" in capsys.readouterr().err
-    assert {s.name for s in evaluate(read_result(path)).laws} >= {"harris", "palmgren", "johnson"}
 
 
 def test_fitted_law_explains_a_simulated_run(coarse_run):
@@ -436,3 +364,79 @@ def test_fitted_law_explains_a_simulated_run(coarse_run):
     assert evaluation.score("harris").errors[1].rms > 100.0
     damping = evaluation.identified["fitted_damped"].damping
     assert damping.low < 0.0 < damping.high
+
+
+# A cage: its forces are a term of the budget, its motion a figure and numbers of the summary
+
+
+FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
+AGAINST = -0.5 * FORWARD + 0.5 * MOMENT / 0.005  # N, of the inner raceway on the roller
+GUIDE = {"guidance": "inner_ring", "guidance_clearance_mm": 0.1}
+
+
+def made_file(folder, cage=GUIDE, samples=4001, **changes):
+    """A made-up run whose cage pushes every roller forward, rubs on it, and is pushed by the inner ring."""
+    run = make_run(n_times=samples, scene=parse_scene({"cage": cage}, "made"))
+    time, rollers = run.time, np.ones((run.time.size, 13))
+    values = dict(
+        cage_x=2e-5 * np.cos(100.0 * time), cage_y=2e-5 * np.sin(100.0 * time), cage_angle=180.0 * time,
+        cage_guidance_x=GUIDED[0] + 0.0 * time, cage_guidance_y=GUIDED[1] + 0.0 * time, cage_force=FORWARD * rollers,
+        cage_moment=MOMENT * rollers,
+    )  # fmt: skip
+    return run, write_result(folder / "made.nc", run, run_variables(run) | values | changes)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    run, path = made_file(tmp_path_factory.mktemp("caged"))
+    return run, evaluate(read_result(path))
+
+
+def test_the_cages_term_is_what_rollers_pass_on_and_the_guide_gives(made):
+    """Of a force forward each raceway takes half against it; of a moment, one raceway forward and one back."""
+    run, evaluation = made
+    assert_adds_up(evaluation.budget)
+    for axis, along, guided in zip("xy", (-np.sin(run.angle), np.cos(run.angle)), GUIDED, strict=True):  # along +θ
+        terms = getattr(evaluation.budget, axis).terms
+        np.testing.assert_allclose(terms["cage"], -(AGAINST * along).sum(axis=1) - guided, atol=1e-9)
+        whole = -(run_variables(run)["inner_traction"] * along).sum(axis=1)
+        np.testing.assert_allclose(terms["friction"] + terms["cage"], whole - guided, atol=1e-9)
+
+
+def test_a_cage_that_rollers_guide_leaves_the_hub_alone(tmp_path):
+    run, path = made_file(tmp_path, cage={"guidance": "rollers"})
+    terms = evaluate(read_result(path)).budget.x.terms
+    np.testing.assert_allclose(terms["cage"], -(AGAINST * -np.sin(run.angle)).sum(axis=1), atol=1e-6)
+
+
+def test_the_summary_tells_slip_whirl_and_forces(made):
+    assert summarise(made[1], ReportOptions())["cage"] == pytest.approx({
+        "speed_Hz": 180.0 / (2.0 * np.pi), "whirl_Hz": 100.0 / (2.0 * np.pi), "largest_offset_m": 2e-5,
+        "slip": 1.0 - 180.0 / (0.5 * 150.0 * np.pi * 36.0 / 46.0), "largest_pocket_force_N": FORWARD,
+        "largest_guidance_force_N": 5.0,
+    })  # fmt: skip
+
+
+def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(made, monkeypatch):
+    monkeypatch.setattr(Record, "reverses", True)
+    summary = summarise(made[1], ReportOptions())
+    assert summary["cage_Hz"]["rolling_without_slip"] is None
+    assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
+    assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
+    samples = defaultdict(lambda: np.ones(2))
+    assert "whirls" in cage_rows(samples, 1.0)["cage's centre"]
+    assert "whirls" not in cage_rows(samples, 0.0)["cage's centre"]
+
+
+def test_within_one_turn_no_slip_of_the_cage_is_told(tmp_path):
+    evaluation = evaluate(read_result(made_file(tmp_path, samples=3001)[1]))
+    assert summarise(evaluation, ReportOptions())["cage"]["slip"] is None
+    assert "turns less than once and has no mean slip" in cage_figure(evaluation).caption
+
+
+def test_a_run_without_a_cage_has_neither_term_nor_numbers_and_damaged_columns_are_refused(evaluation, tmp_path):
+    assert "cage" not in evaluation.budget.x.terms and "cage" not in summarise(evaluation, ReportOptions())
+    _, path = made_file(tmp_path, cage_force=np.full((4001, 13), np.nan))
+    with pytest.raises(InputError, match="cage_force"):
+        read_result(path)
+    assert set(COLUMNS) >= {"cage_force", "cage_moment"}

@@ -27,20 +27,12 @@ BALLS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def ball_run(tmp_path_factory):
+def test_short_time_spectra_need_two_passages(tmp_path):
     scene = parse_scene({"bearing": BALLS, "operation": {"inner_ring_and_shaft_kg": 0.5}}, "test")
-    path = tmp_path_factory.mktemp("balls") / "balls.nc"
-    return evaluate(recorded(path, make_run(n_times=1201, scene=scene)))
-
-
-def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
-    drawn = spectra.short_time(ball_run)
+    drawn = spectra.short_time(evaluate(recorded(tmp_path / "balls.nc", make_run(n_times=1201, scene=scene))))
     style.save(drawn, tmp_path)
-    assert (tmp_path / "short_time.png").stat().st_size > 10_000
-    assert "half a roller passage" in drawn.caption
-    short = make_run(n_times=401)
-    assert spectra.short_time(evaluate(recorded(tmp_path / "a.nc", short))) is None
+    assert (tmp_path / "short_time.png").stat().st_size > 10_000 and "half a roller passage" in drawn.caption
+    assert spectra.short_time(evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))) is None
 
 
 def test_envelope_of_a_record_shorter_than_a_passage(tmp_path):
@@ -160,20 +152,14 @@ def test_a_result_file_tells_its_faults(tmp_path):
 # Labels of ticks in figures: plain text that says what matplotlib's mathematical labels say
 
 
-@pytest.mark.parametrize(
-    ("label", "expected"),
-    [
-        (r"$\mathdefault{10^{-3}}$", "10⁻³"),
-        (r"$\mathdefault{10^{12}}$", "10¹²"),
-        (r"$\mathdefault{2\times10^{-3}}$", "2×10⁻³"),
-        ("1e−5", "×10⁻⁵"),
-        ("1e6", "×10⁶"),
-        ("", ""),
-        ("0.25", "0.25"),
-    ],
-)
-def test_powers_of_ten_are_raised_figures(label, expected):
-    assert plain(label) == expected
+LABELS = {
+    r"$\mathdefault{10^{-3}}$": "10⁻³", r"$\mathdefault{10^{12}}$": "10¹²", "1e−5": "×10⁻⁵", "1e6": "×10⁶", "": "",
+    r"$\mathdefault{2\times10^{-3}}$": "2×10⁻³", "0.25": "0.25",
+}  # fmt: skip
+
+
+def test_powers_of_ten_are_raised_figures():
+    assert {label: plain(label) for label in LABELS} == LABELS
 
 
 def test_no_label_of_a_figure_needs_mathematics():

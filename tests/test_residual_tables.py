@@ -1,7 +1,7 @@
 """Tables from elsewhere: names, units, polar positions, what is missing, uneven sampling."""
 
-import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,7 +15,7 @@ from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.sources import even_clock, read_table
-from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
+from tests.reference.synthetic_run import exact_errors, make_run, report_of, write_result, write_table
 
 MAPPING = """[table]
 time = "t [ms]"
@@ -63,34 +63,16 @@ def test_polar_table_in_other_units_gives_the_same_error(run, tmp_path, delimite
     trajectory = read_table(path, scene_with(run, MAPPING + f'decimal = "{decimal}"\n'))
     np.testing.assert_allclose(trajectory.roller_x, run.roller_x, atol=1e-15)
     np.testing.assert_allclose(trajectory.inner_force, 0.95 * run.law_force, rtol=1e-12)
-    exact_x, exact_y = exact_errors(run)
     budget = evaluate(trajectory).budget
-    np.testing.assert_allclose(budget.x.error, exact_x, atol=2e-4)
-    np.testing.assert_allclose(budget.y.error, exact_y, atol=2e-4)
+    for found, exact in zip((budget.x, budget.y), exact_errors(run), strict=True):
+        np.testing.assert_allclose(found.error, exact, atol=2e-4)
 
 
-def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
+def test_units_apply_to_headers_that_do_not_carry_them_and_own_names_need_no_mapping(run, tmp_path):
     table = {name.partition(" [")[0]: value for name, value in foreign_columns(run).items()}
     trajectory = read_table(write_foreign(tmp_path / "a.tsv", table), scene_with(run))
     np.testing.assert_allclose(trajectory.time, run.time, atol=1e-15)
     np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
-
-
-@pytest.mark.usefixtures("plain_report")
-def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, capsys):
-    path = write_foreign(tmp_path / "a.tsv", foreign_columns(run))
-    scene = tmp_path / "scene.toml"
-    scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
-    assert main([str(path), "--scene", str(scene), "--law", "fitted"]) == 0
-    summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text(encoding="utf-8"))
-    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "other_forces", "momentum"}
-    assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
-    notes = " ".join(summary["notes"])
-    assert "no accelerations" in notes and "no friction term" in notes
-    assert "no friction term" in (tmp_path / "a-residual" / "report.html").read_text()
-
-
-def test_polar_columns_need_no_mapping_under_their_own_names(run, tmp_path):
     table = {"time": run.time, "inner_x": run.inner_x, "inner_y": run.inner_y}
     for j in range(run.roller_x.shape[1]):
         table[f"roller_{j}_rho"] = np.hypot(run.roller_x[:, j], run.roller_y[:, j])
@@ -98,6 +80,16 @@ def test_polar_columns_need_no_mapping_under_their_own_names(run, tmp_path):
     trajectory = read_table(write_foreign(tmp_path / "a.csv", table, ","), run.scene)
     np.testing.assert_allclose(trajectory.roller_y, run.roller_y, atol=1e-16)
     assert any("no contact forces" in note for note in trajectory.notes)
+
+
+def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path):
+    path = write_foreign(tmp_path / "a.tsv", foreign_columns(run))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
+    summary, page = report_of(path, tmp_path / "out", "--scene", scene, "--law", "fitted", "--no-figures")
+    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "other_forces", "momentum"}
+    assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
+    assert "no accelerations" in " ".join(summary["notes"]) and "no friction term" in page
 
 
 def uneven(run_time, seed=3):
@@ -108,22 +100,19 @@ def uneven(run_time, seed=3):
 
 def write_uneven(run, folder, time):
     """The same prescribed motion, told at other times."""
-    from dataclasses import replace
-
     omega, cage = 2 * np.pi * 500.0, run.angle[1] - run.angle[0]
     angle = run.angle[0] + cage / run.time[1] * time[:, None]
     x, y = 2e-7 * np.cos(omega * time), -4.1e-6 + 2e-7 * np.sin(omega * time)
     bearing = run.scene.ideal_bearing()
     distance = bearing.inner_raceway_radius + bearing.roller_radius + 2.05e-6 * np.sin(angle)
-    moved = replace(
-        run, time=time, inner_x=x, inner_y=y,
-        roller_x=x[:, None] + distance * np.cos(angle), roller_y=y[:, None] + distance * np.sin(angle),
-    )  # fmt: skip
+    rollers = x[:, None] + distance * np.cos(angle), y[:, None] + distance * np.sin(angle)
+    moved = replace(run, time=time, inner_x=x, inner_y=y, roller_x=rollers[0], roller_y=rollers[1])
     return write_table(moved, folder / "uneven.csv")
 
 
-def test_uneven_sampling_is_refused_unless_resampling_is_asked_for(run, tmp_path):
-    path = write_uneven(run, tmp_path, uneven(run.time))
+def test_uneven_sampling_is_resampled_where_asked_for_and_a_gap_not_bridged(run, tmp_path):
+    time = uneven(run.time)
+    path = write_uneven(run, tmp_path, time)
     with pytest.raises(InputError, match="--resample"):
         read_table(path, run.scene)
     trajectory = read_table(path, run.scene, resample=True)
@@ -132,37 +121,24 @@ def test_uneven_sampling_is_refused_unless_resampling_is_asked_for(run, tmp_path
     budget = evaluate(trajectory).budget
     # 10 samples at either end belong to the spline's end conditions
     assert np.std(budget.x.error[10:-10]) == pytest.approx(np.std(exact_errors(run)[0]), rel=0.02)
-
-
-def test_even_sampling_is_left_alone(run, tmp_path):
-    path = write_table(run, tmp_path / "a.csv")
-    plain, asked = read_table(path, run.scene), read_table(path, run.scene, resample=True)
-    np.testing.assert_array_equal(plain.inner_x, asked.inner_x)
-    assert plain.notes == asked.notes
-
-
-def test_a_missing_row_is_no_rounding():
-    for step in (1e-5, 3.3e-5, 2e-6):
-        time = np.round(step * np.delete(np.arange(801), 400), 6)
-        assert even_clock(time) is None
-
-
-def test_a_gap_is_not_bridged(run, tmp_path):
-    time = uneven(run.time)
     time[400:] += 50 * run.time[1]
     with pytest.raises(InputError, match="gap"):
         read_table(write_uneven(run, tmp_path, time), run.scene, resample=True)
 
 
-def test_stamps_of_an_even_clock_may_be_rounded(run, tmp_path):
-    from dataclasses import replace
-
-    rounded = replace(run, time=np.round(run.time, 6) if run.time[1] % 1e-6 > 1e-9 else np.round(run.time * 0.977, 6))
+def test_even_sampling_is_left_alone_but_for_rounded_stamps_and_a_missing_row_is_no_rounding(run, tmp_path):
+    path = write_table(run, tmp_path / "a.csv")
+    plain, asked = read_table(path, run.scene), read_table(path, run.scene, resample=True)
+    np.testing.assert_array_equal(plain.inner_x, asked.inner_x)
+    assert plain.notes == asked.notes
+    rounded = replace(run, time=np.round(run.time * 0.977, 6))
     assert np.ptp(np.diff(rounded.time)) > 0.9e-6
-    trajectory = read_table(write_table(rounded, tmp_path / "a.csv"), run.scene)
+    trajectory = read_table(write_table(rounded, path), run.scene)
     assert np.ptp(np.diff(trajectory.time)) < 1e-12
     np.testing.assert_allclose(trajectory.time, rounded.time, atol=0.75e-6)
     assert any("rounded to 1e-06 s" in note for note in trajectory.notes)
+    for step in (1e-5, 3.3e-5, 2e-6):
+        assert even_clock(np.round(step * np.delete(np.arange(801), 400), 6)) is None
 
 
 HEAD = "time,inner_x,inner_y," + ",".join(f"roller_{j}_{axis}" for j in range(13) for axis in "xy")
@@ -227,7 +203,6 @@ def test_resampling_is_refused_for_a_result_file(run, tmp_path, capsys):
     assert "--resample" in capsys.readouterr().err
 
 
-@pytest.mark.usefixtures("plain_report")
 def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch):
     """Its output is compared with the page where those of all pages are."""
     text = (Path(__file__).resolve().parent.parent / "docs" / "tables.md").read_text(encoding="utf-8")
@@ -236,9 +211,8 @@ def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run_main(["--example", "table"]) == 0
     assert parse_scene_text(mapped, "docs").table == read_scene("table.toml").table
-    command = example.split("```sh\ncheck-residual ")[1].splitlines()[0].split()
-    assert main(command) == 0
-    summary = json.loads((tmp_path / "table-residual" / "summary.json").read_text(encoding="utf-8"))
+    table, *options = example.split("```sh\ncheck-residual ")[1].splitlines()[0].split()
+    summary, _ = report_of(table, tmp_path / "out", *options, "--no-figures")
     assert summary["error_y"]["mean_N"] == pytest.approx(-0.19, abs=0.01)
     assert summary["watched"][0]["y"]["rms_N"] == pytest.approx(540e6 * 1e-7 / np.sqrt(2), rel=0.02)
 
@@ -327,13 +301,12 @@ CLOSER = "inner_raceway_diameter_mm = 36.04\nouter_raceway_diameter_mm = 56.04"
 def test_a_table_of_another_scene_is_told_before_any_verdict(run, tmp_path, capsys, change, told):
     table, scene = write_table(run, tmp_path / "t.csv"), tmp_path / "s.toml"
     scene.write_text(change, encoding="utf-8")
-    assert main([str(table), "--scene", str(scene), "--no-figures"]) == 0
+    summary, page = report_of(table, tmp_path / "out", "--scene", scene, "--no-figures")
     printed = capsys.readouterr().out
     assert printed.startswith("The table contradicts the scene") == bool(told)
     assert all(words in printed.partition("Residual of")[0] for words in told)
-    page = (tmp_path / "t-residual" / "report.html").read_text(encoding="utf-8")
     assert ("The table contradicts the scene" in page.partition("with the contact law harris")[0]) == bool(told)
-    assert len(json.loads((tmp_path / "t-residual" / "summary.json").read_text())["contradictions"]) >= bool(told)
+    assert len(summary["contradictions"]) >= bool(told)
 
 
 def test_an_error_is_in_per_cent_of_the_load_first_however_large_contact_forces_are(run, tmp_path, capsys):

@@ -126,10 +126,20 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     return figure, axes
 
 
+class Curve(NamedTuple):
+    """Values and their look."""
+
+    values: Any
+    colour: str
+    label: str | None = None
+    style: float | dict[str, Any] = 0.9  # width; or all that there is
+
+
 def curves(axis, x, *rows, legend=0, **about) -> None:
-    """Draw values over x with their colour, label and style; `legend` : columns above the panel; `about` : the axis."""
-    for values, colour, label, *style in rows:
-        axis.plot(x, values, **{"color": colour, "label": label, "linewidth": 0.9} | (style[0] if style else {}))
+    """Draw curves over x, each given as the fields of a `Curve`; `legend` : its columns above; `about` : the axis."""
+    for values, colour, label, style in (Curve(*row) for row in rows):
+        look = style if isinstance(style, dict) else {"linewidth": style}
+        axis.plot(x, values, color=colour, label=label, **look)
     axis.set(**about)
     if legend:
         legend_above(axis, legend)

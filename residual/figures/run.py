@@ -105,7 +105,7 @@ def history(e: Evaluation, equations: bool) -> Drawing:
     time, count = 1e3 * t.time, len(shown)
     figure, axes = panels(count, 1.0 + 1.4 * count, lines=0, x="time, ms", y=list(shown))
     for axis, values in zip(axes, shown.values(), strict=True):
-        curves(axis, time, (values, BLUE, None))
+        curves(axis, time, (values, BLUE))
     for first, last in load_zones(loaded[:, j], e.chatter):
         axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
     errors = "; error forces, 0 for a perfect model" if equations else ""
@@ -126,8 +126,8 @@ def orbit(e: Evaluation) -> Drawing:
     caption = f"Path of the inner ring's centre about its mean, x = {length(x)}, y = {length(y)}."
     if statics is not None:
         x, y = statics.x[:-1].mean(), statics.y[:-1].mean()
-        row = 1e6 * (statics.y - y), ORANGE, f"Lagrangian statics, {statics.law}", {"linewidth": 2.0}
-        curves(axes, 1e6 * (statics.x - x), row)
+        name = f"Lagrangian statics, {statics.law}"
+        curves(axes, 1e6 * (statics.x - x), (1e6 * (statics.y - y), ORANGE, name, 2.0))
         caption += (
             f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
             f"about theirs, x = {length(x)}, y = {length(y)}."
@@ -146,7 +146,7 @@ def load_distribution(e: Evaluation) -> Drawing:
     curves(axes, e.record.from_load[rows].ravel(), (force[rows].ravel(), BLUE, name, DOTS))
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:
-        row = statics.force, ORANGE, f"Lagrangian statics, {statics.law}", {"linewidth": 1.8}
+        row = statics.force, ORANGE, f"Lagrangian statics, {statics.law}", 1.8
         curves(axes, statics.angle, row)
         caption += (
             f"; line: the static equilibria of the Lagrangian model. Largest: {text(float(force.max()))} N in the run, "
@@ -253,7 +253,7 @@ def energy(e: Evaluation) -> Drawing | None:
         return None
     figure, axes = panels(2, 4.8, x="time, ms", y=["change, mJ", "imbalance, µJ"])
     rows = [
-        (1e3 * (energies[key] - energies[key][0]), colour, label, {"linewidth": 1.1})
+        (1e3 * (energies[key] - energies[key][0]), colour, label, 1.1)
         for key, (label, colour) in ENERGY_CURVES.items()
         if key in energies
     ]
@@ -262,7 +262,7 @@ def energy(e: Evaluation) -> Drawing | None:
     imbalance = energy_imbalance(energies)
     scale = float(np.mean(energies["energy_elastic"] + energies["energy_contact"]))
     scale += float(np.ptp(energies["work_dissipated"]))  # an imbalance accumulates, as this does
-    curves(axes[1], time, (1e6 * imbalance, "black", None, {"linewidth": 1.1}))
+    curves(axes[1], time, (1e6 * imbalance, "black", None, 1.1))
     share = (
         f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
         "the dissipated energy together"
@@ -296,7 +296,7 @@ def passage(e: Evaluation) -> Drawing | None:
     margin = (last - first) // 12
     shown = slice(max(0, first - margin), last + margin + 1)
     place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
-    rows: list[tuple] = [(t.inner_force[shown, j], BLUE, "inner raceway", {"linewidth": 1.1})]
+    rows: list[tuple] = [(t.inner_force[shown, j], BLUE, "inner raceway", 1.1)]
     if t.outer_force is not None:
         style = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
         rows.append((t.outer_force[shown, j], RED, "outer raceway", style))
@@ -312,7 +312,7 @@ def passage(e: Evaluation) -> Drawing | None:
         "for the same approach"
     )
     if tangential:
-        curves(axes[1], place, *((each[shown, j], c, None) for each, c in zip(tractions, (BLUE, RED), strict=True)))
+        curves(axes[1], place, *((each[shown, j], c) for each, c in zip(tractions, (BLUE, RED), strict=True)))
         caption += "; below: tractions, positive counter-clockwise"
     axes[-1].margins(x=0.0)
     return Drawing("passage", f"Roller {j} through the load zone", caption + ".", figure)
@@ -360,12 +360,12 @@ def cage(e: Evaluation) -> Drawing | None:
     x, y = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
     play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
-    curves(path, 1e6 * (t.cage.x - x), (1e6 * (t.cage.y - y), BLUE, None, {"linewidth": 0.7}))
-    style = {"linewidth": 0.8, "linestyle": "--"}
-    curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, style))
+    curves(path, 1e6 * (t.cage.x - x), (1e6 * (t.cage.y - y), BLUE, None, 0.7))
+    dashed = {"linewidth": 0.8, "linestyle": "--"}
+    curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, dashed))
     path.set(xlabel="x, µm", ylabel="y, µm")
     path.set_aspect("equal", adjustable="datalim")
-    guided, style = np.hypot(t.cage.guidance_x, t.cage.guidance_y), {"linewidth": 0.8}
+    guided, style = np.hypot(t.cage.guidance_x, t.cage.guidance_y), 0.8
     rows = [
         (np.maximum(t.cage.force, 0.0).max(axis=1), BLUE, "rear wall, pushes forward", style),
         (-np.maximum(-t.cage.force, 0.0).max(axis=1), RED, "front wall, holds back", style),
@@ -452,7 +452,7 @@ def _overlay(e: Evaluation, number: int, found: list[Passage]) -> Drawing:
         drawn = axis.add_collection(LineCollection(lines, linewidths=0.6, alpha=0.6, **style))
         rising = [line[np.argsort(line[:, 0])] for line in lines]
         mean = np.mean([np.interp(grid, *line.T) for line in rising], axis=0)
-        curves(axis, grid, (mean, "black", f"mean of {len(found)} passages", {"linewidth": 1.4}))
+        curves(axis, grid, (mean, "black", f"mean of {len(found)} passages", 1.4))
         for edge in (-half, half):
             axis.axvline(edge, color=GREY, linestyle=DASHED, linewidth=1.0, zorder=1)
         axis.autoscale_view()

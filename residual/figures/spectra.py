@@ -82,7 +82,7 @@ def whole(e: Evaluation) -> Drawing:
     for axis, d in zip(axes, e.directions, strict=True):
         f, psd = d.spectrum.frequency[1:], d.spectrum.psd[1:]
         log_panel(axis, f)
-        curves(axis, f, (np.maximum(psd, 1e-300), BLUE, None))
+        curves(axis, f, (np.maximum(psd, 1e-300), BLUE))
         top = max(psd.max(), 1e-30)
         axis.set_ylim(max(np.percentile(psd, 2) / 3.0, 1e-14 * top), 12.0 * top)
         handles = mark_lines(axis, e.lines, f[0], f[-1])
@@ -122,7 +122,7 @@ def resonance_envelope(e: Evaluation) -> Drawing | None:
     for axis, (_, envelope) in zip(axes, found, strict=True):
         f = envelope.spectrum.frequency
         inside = (f > 0.0) & (f <= top)
-        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, {"linewidth": 1.0}), yscale="log")
+        curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, 1.0), yscale="log")
         without_minor_ticks(axis)
         axis.set_xlim(0.0, top)
         handles = mark_lines(axis, e.lines, 0.0, top)
@@ -182,8 +182,10 @@ def _terms(e: Evaluation) -> Drawing:
     position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []
     for axis, d, offset, shade in zip(axes, e.directions, (0.19, -0.19), (1.0, 0.5), strict=True):
         terms = {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
-        wide = {"linewidth": 1.4}, *[{}] * len(acting)
-        rows = [(v, TERM_COLOURS[name], term_label(name), w) for (name, v), w in zip(terms.items(), wide, strict=True)]
+        rows = [
+            (values, TERM_COLOURS[name], term_label(name), 1.4 if name == "error" else 0.9)
+            for name, values in terms.items()
+        ]
         curves(axis, 1e3 * e.record.time, *rows, ylabel=f"terms of error_{d.name}, N")
         axis.margins(x=0.0)
         widths = [*map(rms, terms.values()), 0.0 if d.balance is None else d.balance.rms]
@@ -218,7 +220,7 @@ def _stacked(e: Evaluation) -> Drawing:
         style = {"colors": colours, "alpha": 0.75, "linewidth": 0}
         axis.stackplot(time, np.maximum(values, 0.0), labels=list(terms), **style)
         axis.stackplot(time, np.minimum(values, 0.0), **style)
-        curves(axis, time, (total[shown] - total.mean(), "black", "error", {"linewidth": 1.2}))
+        curves(axis, time, (total[shown] - total.mean(), "black", "error", 1.2))
         mean = ", ".join(f"{name} {text(v.mean(), 3, e.noise)}" for name, v in terms.items())
         means.append(f"in {d.name} {mean}")
     legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
@@ -274,7 +276,7 @@ def acceleration(e: Evaluation) -> Drawing:
     for d, colour in zip(e.directions, (SKY, BLUE), strict=True):
         spectrum, frequency = d.vibration.spectrum, d.vibration.spectrum.frequency[1:]
         amplitude = np.maximum(spectrum.amplitude[1:] / G, TINY)
-        curves(axis, frequency, (amplitude, colour, f"{d.vibration.body}, {d.name}", {"linewidth": 0.7}))
+        curves(axis, frequency, (amplitude, colour, f"{d.vibration.body}, {d.name}", 0.7))
     log_panel(axis, frequency)
     axis.set(ylabel="amplitude, g")
     legend_above(axis, 2)
@@ -294,8 +296,8 @@ def envelope(e: Evaluation) -> Drawing | None:
     found = [(d, d.vibration.envelope) for d in e.directions if d.vibration.envelope is not None]
     loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
     shown = middle(e, PASSAGES_SHOWN)
-    band = loudest.band[shown] / G, SKY, "acceleration in the band", {"linewidth": 0.6}
-    level = loudest.level[shown] / G, BLUE, "its envelope", {"linewidth": 0.8}
+    band = loudest.band[shown] / G, SKY, "acceleration in the band", 0.6
+    level = loudest.level[shown] / G, BLUE, "its envelope", 0.8
     upper.margins(x=0.0)
     of = f"{loud.vibration.body}, {loud.name}, g"
     curves(upper, 1e3 * e.record.time[shown], band, level, legend=2, xlabel="time, ms", ylabel=of)
@@ -306,7 +308,7 @@ def envelope(e: Evaluation) -> Drawing | None:
         frequency = each.spectrum.frequency
         inside = (frequency > 0.0) & (frequency <= top)
         amplitude = each.spectrum.amplitude[inside] / G
-        curves(axis, frequency[inside], (amplitude, BLUE, None, {"linewidth": 1.0}))
+        curves(axis, frequency[inside], (amplitude, BLUE, None, 1.0))
         highest, names = float(amplitude.max()), []
         for line in d.vibration.high_lines:
             if line.frequency <= top:
@@ -353,7 +355,7 @@ def orders(e: Evaluation) -> Drawing | None:
         psd = np.maximum(scale * spectrum.psd[inside], 1e-300)
         limits = {"xlim": (0.0, top), "ylim": (PATH_RANGE * psd.max(), 10.0 * psd.max())}
         axis.set_yscale("log")
-        curves(axis, spectrum.frequency[inside], (psd, BLUE, None), ylabel=f"{name}/order", **limits)
+        curves(axis, spectrum.frequency[inside], (psd, BLUE), ylabel=f"{name}/order", **limits)
     axes[len(shown) - 1].set_xlabel(f"order, per turn of the {tracking.ring}")
     legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
@@ -405,7 +407,7 @@ def _modulation(check: "Check") -> Drawing:
         top = LINES_TO * max(lines["BPFO"], lines["BPFI"], lines["2×BSF"])
         handles = mark_lines(axis, marked, 0.0, top, "" if by_turns else " Hz", of=lines)
         frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
-        curves(axis, frequency, (depth, BLUE, None), xlim=(0.0, top), ylabel="modulation depth")
+        curves(axis, frequency, (depth, BLUE), xlim=(0.0, top), ylabel="modulation depth")
         if best.stands_out:
             dots = [(line.found / unit, line.depth) for line in best.lines if line.found / unit <= top]
             axis.plot(*zip(*dots, strict=True), "o", color="black", markersize=3.5)
@@ -429,14 +431,14 @@ def _modulation(check: "Check") -> Drawing:
 def _record(check: "Check") -> Drawing:
     """Spectrum of each record, and an excerpt of the first about its largest magnitude."""
     figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
-    own, other, style = check.record, check.other, {"linewidth": 0.7}
+    own, other = check.record, check.other
     shared = other is None or other.signal.unit == own.signal.unit
     for judged, colour in ((own, BLUE), (other, ORANGE)):
         if judged is not None:
             frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
             amplitude = amplitude if shared else amplitude / judged.level.rms
-            above = {"zorder": 3.0 if judged is own else 2.0}
-            curves(upper, frequency, (amplitude, colour, judged.signal.name, style | above))
+            style = {"linewidth": 0.7, "zorder": 3.0 if judged is own else 2.0}
+            curves(upper, frequency, (amplitude, colour, judged.signal.name, style))
     unit, signal = own.signal.unit or "own unit", own.signal
     label = f"amplitude, {unit}" if shared else "amplitude over rms"
     upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=label)
@@ -444,7 +446,7 @@ def _record(check: "Check") -> Drawing:
     legend_above(upper, 2)
     count = min(signal.values.size, int(PASSES_SHOWN / own.diagnosis.lines["BPFO"] * signal.rate) + 1)
     first = min(max(0, int(np.argmax(np.abs(signal.values))) - count // 2), signal.values.size - count)
-    excerpt = signal.values[first : first + count], BLUE, None, style
+    excerpt = signal.values[first : first + count], BLUE, None, 0.7
     curves(lower, 1e3 * (first + np.arange(count)) / signal.rate, excerpt, xlabel="time, ms", ylabel=unit)
     lower.margins(x=0.0)
     caption = (
@@ -464,7 +466,7 @@ def _pulse(check: "Check") -> Drawing | None:
     figure, (axis,) = panels(1, 3.0, lines=1)
     for pulse, judged, colour in ((own, check.record, BLUE), (other, check.other, ORANGE)):
         if pulse is not None and judged is not None:
-            curves(axis, 1e3 * pulse.time, (pulse.power, colour, judged.signal.name, {"linewidth": 1.1}))
+            curves(axis, 1e3 * pulse.time, (pulse.power, colour, judged.signal.name, 1.1))
     axis.margins(x=0.0)
     axis.set(xlabel="time from the highest power, ms", ylabel="power over its mean", ylim=(0.0, None))
     legend_above(axis, 2)

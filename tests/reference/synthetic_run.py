@@ -5,6 +5,7 @@ prescribed approach along a prescribed direction from the inner ring's centre. S
 known beforehand.
 """
 
+import json
 from dataclasses import dataclass
 
 import h5py
@@ -12,6 +13,7 @@ import numpy as np
 
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
+from residual.cli import main
 from residual.record import Record
 from residual.sources import read_result
 from residual.spectrum import kinematic_lines
@@ -155,3 +157,10 @@ def paper_lines() -> dict[str, float]:
     """Kinematic lines of the paper's bearing, Hz."""
     scene = Scene()
     return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
+
+
+def report_of(path, out, *options, code=0) -> tuple[dict, str]:
+    """Summary and page that check-residual writes of a run into a folder."""
+    assert main([str(path), *map(str, options), "--output", str(out)]) == code
+    page = (out / "report.html").read_text(encoding="utf-8")
+    return json.loads((out / "summary.json").read_text(encoding="utf-8")), page

@@ -5,6 +5,7 @@ in clearance one roller alone may carry the hub, which is balanced on it (the st
 without load is not held at all. Along such directions the hub starts without velocity.
 """
 
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -101,78 +102,60 @@ def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
     return FirstState(_moving(bearing, operation, ring, (0.0, 0.0), zero + bearing.pitch_radius, (0.0, 0.0, *zero)))
 
 
-def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws) -> FirstState:
+def equilibrium_state(
+    bearing: Bearing, operation: Operation, laws: ContactLaws, axial: Axial | None = None
+) -> FirstState:
     """Static equilibrium, with the velocities at which it moves as far as the hub can follow.
 
-    Errors
-    ------
-    RuntimeError: no equilibrium.
-    """
-    theta = roller_angles(bearing, operation.first_roller_angle)
-
-    def force_at(place):
-        still = static_equilibrium(bearing, operation, laws, angles=theta, ring=place)
-        return np.array([still.outer_force @ np.cos(theta), still.outer_force @ np.sin(theta)])
-
-    ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
-    now = static_equilibrium(bearing, operation, laws, angles=theta, ring=ring)
-    rates, warning = _rates(bearing, operation, laws, now, ring)
-    return FirstState(_moving(bearing, operation, ring, (now.x, now.y), now.rho, rates), warning)
-
-
-def tilted_state(bearing: Bearing, operation: Operation, laws: ContactLaws, axial: Axial) -> FirstState:
-    """The same with rollers that tilt; a hub that cannot follow the equilibrium starts without velocity, and so do all.
+    `axial` : of rollers that tilt, where a hub that cannot follow starts without velocity, and so do all
 
     Errors
     ------
     RuntimeError: no equilibrium.
     """
-    first, hub, contacts = operation.first_roller_angle, hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
+    first = roller_angles(bearing, operation.first_roller_angle)
 
-    def equilibrium_at(shift: float, place) -> TiltedStatics:
-        theta = roller_angles(bearing, first) + turned(bearing, operation, shift).cage
-        acting = operation.at(shift)
-        plane = static_equilibrium(bearing, acting, laws, angles=theta, ring=place)
-        start = np.array([plane.x, plane.y]), plane.rho
-        placement = Placement(theta, place, Turns.rolling(bearing, operation, shift))
+    def moment(shift: float, place) -> tuple[Operation, dict]:
+        angles = first + turned(bearing, operation, shift).cage
+        return operation.at(shift), dict(angles=angles, turns=Turns.rolling(bearing, operation, shift), ring=place)
+
+    def plane_at(place) -> Statics:
+        return static_equilibrium(bearing, operation, laws, angles=first, ring=place)
+
+    def tilted_at(shift: float, place) -> TiltedStatics:
+        acting, there = moment(shift, place)
+        plane = static_equilibrium(bearing, acting, laws, angles=there["angles"], ring=place)
+        placement, start = Placement(there["angles"], place, there["turns"]), (np.array([plane.x, plane.y]), plane.rho)
         return tilted_equilibrium(bearing, acting, contacts, hub, placement, start)
 
     def force_at(place):
-        still = equilibrium_at(0.0, place)
-        return np.array([still.outer_force @ np.cos(still.theta), still.outer_force @ np.sin(still.theta)])
+        still = plane_at(place) if axial is None else tilted_at(0.0, place)
+        return np.array([still.outer_force @ np.cos(first), still.outer_force @ np.sin(first)])
 
+    if axial is not None:
+        hub, contacts = hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
-    now, n = equilibrium_at(0.0, ring), bearing.n_rollers
+    if axial is None:
+        still = plane_at(ring)
+        rates, warning = _rates(bearing, operation, laws, still, lambda shift: moment(shift, ring))
+        return FirstState(_moving(bearing, operation, ring, (still.x, still.y), still.rho, rates), warning)
+    now, n = tilted_at(0.0, ring), bearing.n_rollers
     rates, warning = np.zeros(4 + 2 * n), None
-    if operation.fastest > 0.0:
-        if followed(now.radial_stiffness, bearing, operation)[0].size < 2:
-            warning = SOFT
-        else:
-            before, after = (equilibrium_at(shift, ring) for shift in (-DIFFERENCE, DIFFERENCE))
-            found = places_moving(before, now, after, DIFFERENCE)
-            if np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation):
-                rates = found
-            else:
-                warning = JUMPS
-    tilts = Tilts(
-        tilt=now.tilt, tilt_rate=rates[4 + n :], slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2],
-        slope_y_rate=rates[3],
-    )  # fmt: skip
+    if operation.fastest > 0.0 and followed(now.radial_stiffness, bearing, operation)[0].size < 2:
+        warning = SOFT
+    elif operation.fastest > 0.0:
+        found = places_moving(tilted_at(-DIFFERENCE, ring), now, tilted_at(DIFFERENCE, ring), DIFFERENCE)
+        follows = np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation)
+        rates, warning = (found, None) if follows else (rates, JUMPS)
     moving = np.concatenate([rates[:2], rates[4 : 4 + n]])
-    return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts), warning)
+    return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts_moving(now, rates)), warning)
 
 
 def _rates(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, now: Statics, ring: np.ndarray
+    bearing: Bearing, operation: Operation, laws: ContactLaws, now: Statics, moment: Callable
 ) -> tuple[np.ndarray, str | None]:
     """Velocities of hub and ρ, (2 + n_rollers,), m/s, 0 where these do not converge, and what to say of them."""
-
-    def moment(shift):
-        return operation.at(shift), dict(
-            angles=now.theta + turned(bearing, operation, shift).cage,
-            turns=Turns.rolling(bearing, operation, shift),
-            ring=ring,
-        )
+    values, directions = followed(now.stiffness, bearing, operation)
 
     def equilibrium_at(shift):
         acting, there = moment(shift)
@@ -185,8 +168,6 @@ def _rates(
         force, rho, _ = held_hub(bearing, acting, laws, hub, **there)
         return force, np.array([*hub, *rho])
 
-    values, directions = followed(now.stiffness, bearing, operation)
-
     def rates_by(shift):
         if values.size == 2:
             return (equilibrium_at(shift) - equilibrium_at(-shift)) / (2.0 * shift)
@@ -198,8 +179,7 @@ def _rates(
     rates = rates_by(DIFFERENCE)
     largest = np.abs(rates).max()
     moves = 2.0 * DIFFERENCE * largest > NO_MOVE
-    surface = surface_speed(bearing, operation)
-    too_fast = operation.history is None and np.hypot(rates[0], rates[1]) > JUMP * surface
+    too_fast = operation.history is None and np.hypot(*rates[:2]) > JUMP * surface_speed(bearing, operation)
     if moves and (too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest):
         return np.zeros_like(rates), JUMPS
     return rates, SOFT if values.size < 2 and operation.fastest > 0.0 else None
@@ -283,6 +263,4 @@ class Problem:
             return rest_state(self.bearing, operation)
         if self.load_ramp > 0.0:
             operation = replace(operation, radial_load=0.0, side_load=0.0, history=None)
-        if self.axial is not None:
-            return tilted_state(self.bearing, operation, self.laws, self.axial)
-        return equilibrium_state(self.bearing, operation, self.laws)
+        return equilibrium_state(self.bearing, operation, self.laws, self.axial)

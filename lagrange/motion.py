@@ -14,9 +14,9 @@ import numpy as np
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.contact.laws import ContactLaws
-from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, polar_overlaps
+from lagrange.equations import Overlaps, contact_resultant, error_forces, overlaps
 from lagrange.kinematics import kinematics
-from lagrange.surface.deviation import UNTURNED, Falls, Turns, profiles
+from lagrange.surface.deviation import UNTURNED, Turns
 from lagrange.surface.edges import softened
 from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts, turning_speeds
 
@@ -43,11 +43,9 @@ class State:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactState(PolarOverlaps):
+class ContactState(Overlaps):
     """Geometry and forces of the contacts in a state, each (..., n_rollers); overlaps are δ_in (26) and δ_out (27)."""
 
-    along_x: np.ndarray  # ∂χ/∂x
-    along_y: np.ndarray  # ∂χ/∂y
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
     inner_closing: np.ndarray  # m/s, rates of the overlaps, as bodies move and surfaces pass
@@ -56,8 +54,6 @@ class ContactState(PolarOverlaps):
     outer_passing: np.ndarray | float = 0.0
     inner_damper: np.ndarray | float = 0.0  # N, the dampers' part of the forces
     outer_damper: np.ndarray | float = 0.0
-    inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
-    outer_compliance: np.ndarray | float = 0.0
     tilted: TiltedContacts | None = None  # None: axes stay parallel
 
 
@@ -86,53 +82,45 @@ def contact_state(
 
     Source: (18), (19), (24)-(27) of the paper.
     """
-    cos, sin = np.cos(state.theta), np.sin(state.theta)
-    x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
-    found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
-    surfaces, turns = profiles(bearing), state.turns
+    turns, tilts = state.turns, state.tilts
+    found = overlaps(bearing, state.x, state.y, state.rho, state.theta).on_surfaces(bearing, turns)
     tilted: TiltedContacts | None = None
-    on: tuple[Any, Any] = (None, None)  # what contacts meet of surfaces; the pairs below: of inner and outer contacts
+    own: list[Any] = []  # laws, and below pairs, of inner and outer contacts
     passing: tuple[Any, Any] = (0.0, 0.0)
-    soft: tuple[Any, Any] = (0.0, 0.0)
     dampers: tuple[Any, Any] = (0.0, 0.0)
-    if surfaces is not None:
-        found, inner, outer = polar_deviated(surfaces, found, turns, state.theta)
-        on, soft = (inner, outer), (inner.compliance, outer.compliance)
-    own: list[Any] = []
-    deep = found.inner, found.outer
     if isinstance(laws, TiltedLaws):
-        if state.tilts is None:
+        if tilts is None:
             raise ValueError("contacts of tilted rollers ask for a state with tilts")
-        tilted, *forces = tilted_contacts(laws, found, state.tilts, cos, sin, on)
-        falls = tilted.falls
+        tilted, *forces = tilted_contacts(laws, found, tilts)
+        found = found.at_contact(*tilted.falls)
     else:
-        own = [softened(law, c) for law, c in zip(laws, soft, strict=True)]
-        forces = [law.force(depth) for law, depth in zip(own, deep, strict=True)]
-        falls = Falls(compliance=0.5 * forces[0]), Falls(compliance=0.5 * forces[1])
-    if surfaces is not None:
-        inner, outer = (surface.at_contact(fall) for surface, fall in zip(on, falls, strict=True))
-        found = polar_at_force(found, inner, outer, state.rho)
+        own = [softened(laws.inner, found.inner_compliance), softened(laws.outer, found.outer_compliance)]
+        forces = [own[0].force(found.inner), own[1].force(found.outer)]
+        found = found.at_force(*forces)
+    inner, outer = found.surfaces
+    if inner is not None and outer is not None:
         passing = (
             inner.passing(turns.inner_ring_speed, turns.roller_speed),
             outer.passing(turns.outer_ring_speed, turns.roller_speed),
         )
     vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
-    apart = state.rho_rate - (vx * cos + vy * sin), state.rho * state.theta_rate - (vy * cos - vx * sin)
+    along, across = vx * found.cos + vy * found.sin, vy * found.cos - vx * found.sin
+    apart = state.rho_rate - along, state.rho * state.theta_rate - across
     closing = (
         -(found.radial * apart[0] + found.tangential * apart[1]) + passing[0],
         state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing[1],
     )
     if isinstance(damping, StatedDampers):
         dampers = damper_force(forces[0], damping.inner_force, 1.0), damper_force(forces[1], damping.outer_force, 1.0)
-    elif damping.acts and tilted is not None and state.tilts is not None:
-        turning = turning_speeds(tilted, state.tilts, state.theta_rate, found.distance, apart, cos, sin)
+    elif damping.acts and tilted is not None and tilts is not None:
+        turning = turning_speeds(tilted, tilts, state.theta_rate, found, apart)
         tilted, *dampers = tilted.damped(damping, closing, turning, bearing.roller_length)
     elif damping.acts:
-        rates = [
-            damping.coefficient(*each)
-            for each in zip(forces, (law.slope(d) for law, d in zip(own, deep, strict=True)), strict=True)
-        ]
-        dampers = damper_force(forces[0], closing[0], rates[0]), damper_force(forces[1], closing[1], rates[1])
+        slopes = own[0].slope(found.inner), own[1].slope(found.outer)
+        dampers = tuple(
+            damper_force(force, speed, damping.coefficient(force, slope))
+            for force, speed, slope in zip(forces, closing, slopes, strict=True)
+        )
     inner_force, outer_force = forces[0] + dampers[0], forces[1] + dampers[1]
     if tilted is not None:
         if isinstance(damping, StatedDampers):  # without a force there is no moment
@@ -141,12 +129,10 @@ def contact_state(
                 np.where(outer_force > 0.0, damping.outer_moment, -tilted.outer_moment),
             )
         found = tilted.turned(found, inner_force)
-    along_x, along_y = found.tangential * sin - found.radial * cos, -found.tangential * cos - found.radial * sin
     return ContactState(
-        **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
+        **vars(found), inner_force=inner_force, outer_force=outer_force,
         inner_closing=closing[0], outer_closing=closing[1], inner_passing=passing[0], outer_passing=passing[1],
-        inner_damper=dampers[0], outer_damper=dampers[1], inner_compliance=soft[0], outer_compliance=soft[1],
-        tilted=tilted,
+        inner_damper=dampers[0], outer_damper=dampers[1], tilted=tilted,
     )  # fmt: skip
 
 
@@ -155,7 +141,7 @@ def radial_equations(
 ) -> np.ndarray:
     """Left sides of (21), N, (..., n_rollers): m ρ̈ − m ρ θ̇² + m g sin θ − Q_in ∂χ/∂ρ + Q_out."""
     m = bearing.roller_mass
-    inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * np.sin(state.theta))
+    inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * contacts.sin)
     return inertia - contacts.inner_force * contacts.radial + contacts.outer_force
 
 
@@ -168,7 +154,7 @@ def angular_equations(
     """
     m, rho = bearing.roller_mass, state.rho
     inertia = rho * theta_acceleration + 2.0 * state.rho_rate * state.theta_rate
-    weight = operation.gravity * np.cos(state.theta)
+    weight = operation.gravity * contacts.cos
     aside = contacts.inner_force * contacts.tangential + contacts.outer_force * contacts.outer_slope
     return rho * (m * (inertia + weight) - aside)
 
@@ -179,16 +165,14 @@ def hub_equations(operation: Operation, state: State, contacts: ContactState, x_
     Accelerations are those in the fixed frame.
     The operation's loads may be of the same shape: `Operation.at`. A shaft's springs and dashpots act beside the load.
     """
-    mass, shaft = operation.inner_mass, operation.mounting.shaft
-    push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
-    push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
+    shaft, held = operation.mounting.shaft, (0.0, 0.0)
     if shaft is not None:
-        push_x = push_x + shaft.force(state.x + state.ring_x, state.x_rate + state.ring_x_rate)
-        push_y = push_y + shaft.force(state.y + state.ring_y, state.y_rate + state.ring_y_rate)
-    return (
-        mass * x_acceleration - push_x - operation.side_load,
-        mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
-    )
+        held = (
+            shaft.force(state.x + state.ring_x, state.x_rate + state.ring_x_rate),
+            shaft.force(state.y + state.ring_y, state.y_rate + state.ring_y_rate),
+        )
+    pushed = contact_resultant(contacts, contacts.inner_force)
+    return error_forces(operation, x_acceleration, y_acceleration, *pushed, held)
 
 
 def housing_accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
@@ -197,9 +181,8 @@ def housing_accelerations(bearing: Bearing, operation: Operation, state: State, 
     if housing is None:
         return 0.0, 0.0
     mass = housing.mass + bearing.outer_ring_mass
-    cos, sin = np.cos(state.theta), np.sin(state.theta)
-    x = np.sum(contacts.outer_force * (cos + contacts.outer_slope * sin), axis=-1)
-    y = np.sum(contacts.outer_force * (sin - contacts.outer_slope * cos), axis=-1)
+    x = np.sum(contacts.outer_force * (contacts.cos + contacts.outer_slope * contacts.sin), axis=-1)
+    y = np.sum(contacts.outer_force * (contacts.sin - contacts.outer_slope * contacts.cos), axis=-1)
     held_x = housing.stiffness * state.ring_x + housing.damping * state.ring_x_rate
     held_y = housing.stiffness * state.ring_y + housing.damping * state.ring_y_rate
     return (x - held_x) / mass, (y - held_y) / mass - operation.gravity
@@ -217,15 +200,10 @@ def accelerations(
     """
     error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
     x, y = (np.asarray(each)[..., None] for each in ring_acceleration)
-    cos, sin, m = np.cos(state.theta), np.sin(state.theta), bearing.roller_mass
+    cos, sin, m, hub = contacts.cos, contacts.sin, bearing.roller_mass, operation.inner_mass
     radial = radial_equations(bearing, operation, state, contacts, x * cos + y * sin)
     angular = angular_equations(bearing, operation, state, contacts, (y * cos - x * sin) / state.rho)
-    return (
-        -error_x / operation.inner_mass,
-        -error_y / operation.inner_mass,
-        -radial / m,
-        -angular / (m * state.rho**2),
-    )
+    return -error_x / hub, -error_y / hub, -radial / m, -angular / (m * state.rho**2)
 
 
 def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:
@@ -256,8 +234,7 @@ def rotation_energy(bearing: Bearing, operation: Operation):
     inner ring as wide as its raceway.
     """
     turning = kinematics(bearing, *operation.ring_speeds)
-    share = 0.4 if isinstance(bearing, BallBearing) else 0.5
-    element = share * bearing.roller_mass * bearing.roller_radius**2
+    element = (0.4 if isinstance(bearing, BallBearing) else 0.5) * bearing.roller_mass * bearing.roller_radius**2
     outer = 0.5 * bearing.outer_ring_mass * (bearing.outer_raceway_radius**2 + bearing.outside_radius**2)
     hub = hub_axial_inertia(bearing, operation)
     inside = 0.5 * (hub * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)

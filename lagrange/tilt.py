@@ -23,7 +23,7 @@ from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.laws import ContactLaws
-from lagrange.equations import PolarOverlaps
+from lagrange.equations import Overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import Falls, SurfaceDeviation
 
@@ -61,6 +61,10 @@ class HubTilt:
     stiffness: float = 0.0  # N m/rad
 
     @property
+    def slope(self) -> np.ndarray:
+        return np.array([self.slope_x, self.slope_y])
+
+    @property
     def is_free(self) -> bool:
         return self.inertia > 0.0
 
@@ -73,8 +77,7 @@ def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
 
 def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
     """Contacts by slices that stand alone, each with its share of the whole length's law."""
-    inner, outer = contact_slices(bearing, axial, (laws.inner, laws.outer))
-    return TiltedLaws(alone(inner), alone(outer))
+    return TiltedLaws(*map(alone, contact_slices(bearing, axial, laws)))
 
 
 class Misalignments(NamedTuple):
@@ -107,12 +110,12 @@ def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
     return ring + 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
 
 
-def misalignments(found: PolarOverlaps, tilts: Tilts, cos, sin) -> Misalignments:
-    """ψ and u·t of contacts whose normals are those of `found`; `cos`, `sin` of the rollers' angles."""
+def misalignments(found: Overlaps, tilts: Tilts) -> Misalignments:
+    """ψ and u·t of contacts."""
     bx, by = np.asarray(tilts.slope_x)[..., None], np.asarray(tilts.slope_y)[..., None]
-    out, around = tilts.tilt - (bx * cos + by * sin), bx * sin - by * cos
-    across = around * found.radial - out * found.tangential
-    return Misalignments(out * found.radial + around * found.tangential, -tilts.tilt, across)
+    out, around = tilts.tilt - (bx * found.cos + by * found.sin), bx * found.sin - by * found.cos
+    radial, tangential = found.circle
+    return Misalignments(out * radial + around * tangential, -tilts.tilt, around * radial - out * tangential)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,24 +137,19 @@ class TiltedContacts:
 
         `closing`, `turning` : rates of approaches, m/s, and misalignments, rad/s, of both; `length` : m, of rollers
         """
-        forces, moments = zip(
-            *(tilted_damper(*each, length) for each in zip(self.met, 2 * [damping], closing, turning, strict=True)),
-            strict=True,
-        )
-        lost = -(moments[0] * turning[0] + moments[1] * turning[1])
-        return replace(self.with_moments(*moments), lost=lost), *forces
+        inner, outer = (tilted_damper(self.met[k], damping, closing[k], turning[k], length) for k in (0, 1))
+        lost = -(inner[1] * turning[0] + outer[1] * turning[1])
+        return replace(self.with_moments(inner[1], outer[1]), lost=lost), inner[0], outer[0]
 
     def with_moments(self, inner, outer) -> "TiltedContacts":
         """The contacts with these moments of their dampers, N m."""
-        moments = self.inner_moment + inner, self.outer_moment + outer
-        return replace(self, inner_moment=moments[0], outer_moment=moments[1], dampers=(inner, outer))
+        moments = {"inner_moment": self.inner_moment + inner, "outer_moment": self.outer_moment + outer}
+        return replace(self, **moments, dampers=(inner, outer))
 
-    def turned(self, found: PolarOverlaps, inner_force) -> PolarOverlaps:
+    def turned(self, found: Overlaps, inner_force) -> Overlaps:
         """Overlaps with the directions that moments give inner contacts' forces, N."""
         push, closed = self.inner_moment * self.at.across / found.distance, inner_force > 0.0
-        aside = np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0)
-        radial, tangential = found.radial - aside * self.normal[1], found.tangential + aside * self.normal[0]
-        return replace(found, radial=radial, tangential=tangential)
+        return replace(found, aside=found.aside + np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0))
 
     @property
     def outwards(self) -> np.ndarray:
@@ -169,37 +167,29 @@ class TiltedContacts:
         return np.sum(out * cos - around * sin, axis=-1), np.sum(out * sin + around * cos, axis=-1)
 
 
-def tilted_contacts(
-    laws: TiltedLaws, found: PolarOverlaps, tilts: Tilts, cos, sin, surfaces=(None, None)
-) -> tuple[TiltedContacts, np.ndarray, np.ndarray]:
-    """What the contacts have beside their forces; both forces, N.
-
-    `surfaces` : that the inner and the outer contacts meet; None: perfect circles
-    """
-    at = misalignments(found, tilts, cos, sin)
-    inner, outer = (met(*each) for each in zip(laws, (found.inner, found.outer), at, surfaces, strict=False))
+def tilted_contacts(laws: TiltedLaws, found: Overlaps, tilts: Tilts) -> tuple[TiltedContacts, np.ndarray, np.ndarray]:
+    """What the contacts have beside their forces; both forces, N."""
+    at, (on_inner, on_outer) = misalignments(found, tilts), found.surfaces
+    inner, outer = met(laws.inner, found.inner, at.inner, on_inner), met(laws.outer, found.outer, at.outer, on_outer)
     more = TiltedContacts(
         inner_moment=inner.moment, outer_moment=outer.moment, energy=inner.energy + outer.energy, at=at,
-        normal=(found.radial, found.tangential), met=(inner, outer),
-        falls=(falls(inner, surfaces[0]), falls(outer, surfaces[1])),
+        normal=found.circle, met=(inner, outer), falls=(falls(inner, on_inner), falls(outer, on_outer)),
     )  # fmt: skip
     return more, inner.force, outer.force
 
 
 def turning_speeds(
-    contacts: TiltedContacts, tilts: Tilts, theta_rate, distance, apart, cos, sin
+    contacts: TiltedContacts, tilts: Tilts, theta_rate, found: Overlaps, apart
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rates of misalignments ψ, rad/s, of inner and outer contacts.
 
-    Parameters
-    ----------
-    distance : m, of rollers' centres from the hub; apart : m/s, at which they leave it, along e_r and e_t
-    cos, sin : of the rollers' angles
+    `apart` : m/s, at which rollers' centres leave the hub, along e_r and e_t
     """
     vx, vy = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
-    out, around = tilts.tilt_rate - (vx * cos + vy * sin), theta_rate * tilts.tilt - (vy * cos - vx * sin)
+    out = tilts.tilt_rate - (vx * found.cos + vy * found.sin)
+    around = theta_rate * tilts.tilt - (vy * found.cos - vx * found.sin)
     radial, tangential = contacts.normal
-    passing = (apart[1] * radial - apart[0] * tangential) / distance
+    passing = (apart[1] * radial - apart[0] * tangential) / found.distance
     return out * radial + around * tangential + contacts.at.across * passing, -tilts.tilt_rate
 
 

@@ -15,7 +15,7 @@ from lagrange import contact_laws as contact_laws_own_law
 from lagrange import static_equilibrium
 from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, raceway_curvature
 from lagrange.contact.laws import ROLLER_LAWS, STEEL_LAWS, PowerLaw, ball_law, contact_laws, law_names, steel_law
-from lagrange.equations import overlaps, polar_overlaps, touching_distances
+from lagrange.equations import overlaps, touching_distances
 from lagrange.scene.faults import SceneError
 from lagrange.scene.run import fitted_law
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene
@@ -271,35 +271,26 @@ def positions():
     return x, y, PAPER.pitch_radius + 5e-6 * random.standard_normal(200), random.uniform(0.0, 2.0 * pi, 200)
 
 
-def test_all_forms_agree_to_round_off():
-    x, y, rho, theta = positions()
-    cos, sin = np.cos(theta), np.sin(theta)
-    plain = overlaps(PAPER, x, y, rho * cos, rho * sin, rho)
-    polar = polar_overlaps(PAPER, rho, x * cos + y * sin, y * cos - x * sin)
+def test_overlaps_are_those_of_plain_distances_and_directions_their_derivatives():
+    (x, y, rho, theta), step = positions(), 1e-7
     reach, track = touching_distances(PAPER)
-    for inner, outer in ((polar.inner, polar.outer), (reach - plain.distance, rho - track)):
-        np.testing.assert_allclose(inner, plain.inner, rtol=0.0, atol=4.0 * np.finfo(float).eps * reach)
-        np.testing.assert_allclose(outer, plain.outer, rtol=0.0, atol=4.0 * np.finfo(float).eps * track)
-    np.testing.assert_allclose(-(plain.direction_x * cos + plain.direction_y * sin), polar.radial, atol=1e-12)
-    np.testing.assert_allclose(plain.direction_x * sin - plain.direction_y * cos, polar.tangential, atol=1e-12)
 
+    def at(dx=0.0, dy=0.0):
+        return overlaps(PAPER, x + dx, y + dy, rho[:, None], theta[:, None])
 
-def test_directions_are_the_derivatives_of_the_inner_overlap():
-    x, y, rho, theta = positions()
-    step = 1e-7
-
-    def inner(dx, dy):
-        return overlaps(PAPER, x + dx, y + dy, rho * np.cos(theta), rho * np.sin(theta), rho).inner
-
-    found = overlaps(PAPER, x, y, rho * np.cos(theta), rho * np.sin(theta), rho)
-    np.testing.assert_allclose((inner(-step, 0.0) - inner(step, 0.0)) / (2.0 * step), found.direction_x, atol=1e-8)
-    np.testing.assert_allclose((inner(0.0, -step) - inner(0.0, step)) / (2.0 * step), found.direction_y, atol=1e-8)
+    found = at()
+    plain = np.hypot(rho * np.cos(theta) - x, rho * np.sin(theta) - y)
+    for inner, outer in ((reach - plain, rho - track), (reach - found.distance[:, 0], rho - track)):
+        np.testing.assert_allclose(inner, found.inner[:, 0], rtol=0.0, atol=4.0 * np.finfo(float).eps * reach)
+        np.testing.assert_allclose(outer, found.outer[:, 0], rtol=0.0, atol=4.0 * np.finfo(float).eps * track)
+    np.testing.assert_allclose((at(-step).inner - at(step).inner) / (2.0 * step), found.direction_x, atol=1e-8)
+    np.testing.assert_allclose((at(0.0, -step).inner - at(0.0, step).inner) / (2 * step), found.direction_y, atol=1e-8)
 
 
 def test_a_roller_that_touches_has_no_overlap():
     reach, track = touching_distances(PAPER)
-    assert polar_overlaps(PAPER, reach, 0.0, 0.0).inner == pytest.approx(0.0, abs=1e-17)
-    assert polar_overlaps(PAPER, track, 0.0, 0.0).outer == pytest.approx(0.0, abs=1e-17)
+    assert overlaps(PAPER, 0.0, 0.0, np.array([reach]), np.zeros(1)).inner == pytest.approx(0.0, abs=1e-17)
+    assert overlaps(PAPER, 0.0, 0.0, np.array([track]), np.zeros(1)).outer == pytest.approx(0.0, abs=1e-17)
 
 
 @pytest.mark.parametrize(

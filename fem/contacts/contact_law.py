@@ -4,7 +4,7 @@ Equation (3) of docs/method.md.
 """
 
 from dataclasses import dataclass
-from math import exp, inf
+from math import exp, inf, log
 from typing import ClassVar
 
 import numpy as np
@@ -29,6 +29,12 @@ class ContactLaw:
         """The law that goes straight on where its bracket has shrunk to STEEPEST above a half."""
         return cls(A=A, B=B, Q_line=exp(2.0 * (B - 0.5 - STEEPEST)), pair=pair)
 
+    @classmethod
+    def of_approach(cls, approach: float, half_width: float, pair: Pair) -> "ContactLaw":
+        """The law with an approach, m/N, known at a half-width, m."""
+        A = pair.line_compliance
+        return cls.of_level(A, approach / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
+
     @property
     def constants(self) -> Law:
         """The law as kernels take it."""
@@ -36,19 +42,15 @@ class ContactLaw:
 
     def approach(self, force):
         """Approach, m, of a force, N, >= 0."""
-        force = np.asarray(force, dtype=float)
-        bracket = self.B - 0.5 * np.log(np.maximum(force, 1e-300))
-        at_line = self.A * self.Q_line * (0.5 + STEEPEST)
-        line = at_line + self.A * STEEPEST * (force - self.Q_line)
-        return np.where(force > self.Q_line, line, self.A * force * bracket)
+        low = np.minimum(force, self.Q_line)
+        bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
+        return self.A * (low * bracket + STEEPEST * (force - low))
 
     def energy(self, force):
         """Stored energy, J, of a force, N, >= 0: ∫ Q dδ."""
-        force = np.asarray(force, dtype=float)
         low = np.minimum(force, self.Q_line)
         bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
-        line = 0.5 * self.A * STEEPEST * (force**2 - low**2)
-        return 0.5 * self.A * low**2 * (bracket - 0.25) + line
+        return 0.5 * self.A * (low**2 * (bracket - 0.25) + STEEPEST * (np.square(force) - low**2))
 
     def stiffness(self, force: float) -> float:
         """dQ/dδ, N/m, at a force, N, > 0."""

@@ -4,7 +4,7 @@ A patch of six nodes around a force carries it, or the two beside it. Contacts t
 points are spread over patches, and the one point of a penalty spring have this in common; `PointLaw` and `PointModel`
 are what differs."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, log2, pi
 from typing import Any, ClassVar
@@ -176,56 +176,54 @@ class PointModel(Model):
     shares: ClassVar[Shares]  # of points among nodes
     nodes_beyond: ClassVar[float] = 3.0  # that the outermost points push beside those under them
 
-    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
-        n, disc, rings, laws = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring), self.laws[:2]
-        line, faintest = motion.lines_of_centres(place), FAINT * forces.max()
-        each = [
-            laws[c // n].places(max(2, laws[c // n].half_count(max(force, faintest), REACH)))
-            for c, force in enumerate(forces)
-        ]
-        across, contact = np.concatenate(each), np.repeat(np.arange(2 * n), [places.size for places in each])
-        kind, j = contact // n, contact % n
-        rise, angles = np.zeros(across.size), np.zeros((2, across.size))
-        for side in (0, 1):
-            radius = np.array([law.pair.radii[side] for law in laws])[kind]
-            angles[side] = np.arcsin(across / np.abs(radius))
-            rise += radius * (1.0 - np.cos(angles[side]))
-        on_ring = line[contact] + angles[0]
-        on_roller = np.where(kind == INNER, line[contact] + pi - angles[1], line[contact] + angles[1])
-        on_roller = on_roller - motion.roller_turn[j]
-        rise += _chords(laws, kind, 1, on_roller, disc.shape.surface_nodes)
-        for k, (ring, turn) in enumerate(zip(rings, motion.ring_turns, strict=True)):
-            mine = kind == k
-            rise[mine] += _chords(laws, kind[mine], 0, on_ring[mine] - turn, ring.n_sectors)
+    def places(self, forces: np.ndarray) -> list[np.ndarray]:
+        """Points of each contact, m along the tangent, by expected forces, (2 n_rollers,), N."""
+        n, faintest = self.bearing.n_rollers, FAINT * forces.max()
+        halves = [self.laws[c // n].half_count(max(force, faintest), REACH) for c, force in enumerate(forces)]
+        return [self.laws[c // n].places(max(2, half)) for c, half in enumerate(halves)]
 
-        compliance = np.zeros((across.size, across.size))
+    def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
+        """Compliance between a contact's points, at angles on both bodies, beside the meshes', m/N."""
+        return self.laws[kind].local_compliance(on_ring.size)
+
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
+        n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
+        line, each = motion.lines_of_centres(place), self.places(forces)
+        across, contact = np.concatenate(each), np.repeat(np.arange(2 * n), [some.size for some in each])
+        kind, j, turn = contact // n, contact % n, np.array(motion.ring_turns)
+        radii = np.array([law.pair.radii for law in self.laws])[kind].T
+        angles = np.arcsin(across / np.abs(radii))
+        on_ring = line[contact] + angles[0] - turn[kind]
+        on_roller = line[contact] + np.where(kind == INNER, pi - angles[1], angles[1]) - motion.roller_turn[j]
+        rise = np.sum(radii * (1.0 - np.cos(angles)), axis=0)
+        sectors = np.array([ring.n_sectors for ring in rings])[kind]
+        for side, (angle, nodes) in enumerate(((on_ring, sectors), (on_roller, disc.shape.surface_nodes))):
+            depth = np.array([getattr(law, "sagitta", (0.0, 0.0))[side] for law in self.laws])[kind]
+            if depth.any():  # how far facets lie below the circle
+                rise += depth * np.array([chord(x)[0] for x in np.mod(angle * nodes / (2.0 * pi), 1.0)])
+        compliance, growth, loads = np.zeros((across.size, across.size)), np.zeros(across.size), []
         for c in range(2 * n):
             mine = np.flatnonzero(contact == c)
-            compliance[np.ix_(mine, mine)] = laws[c // n].local_compliance(mine.size)
-        growth, loads = np.zeros(across.size), []
+            compliance[np.ix_(mine, mine)] = self.beside(c // n, on_ring[mine], on_roller[mine])
+
+        def load(mine: np.ndarray, body, pushed: tuple[np.ndarray, np.ndarray], field: np.ndarray) -> None:
+            nodes, push = pushed
+            compliance[np.ix_(mine, mine)] += push.T @ body.surface_influence(nodes) @ push
+            growth[mine] += push.T @ field[nodes].ravel()
+            loads.append((mine, nodes, push))
+
         for k, (ring, field) in enumerate(zip(rings, (free.inner_growth, free.outer_sag), strict=True)):
             mine = np.flatnonzero(kind == k)
-            turn, outward = motion.ring_turns[k], 1.0 if k == INNER else -1.0
-            nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]), self.shares)
-            compliance[np.ix_(mine, mine)] += push.T @ ring.surface_influence(nodes) @ push
-            growth[mine] += push.T @ field[ring.raceway_row][:, nodes].T.ravel()
-            loads.append((mine, nodes, push))
-        swelling = free.roller_growth.reshape(-1, 2)
+            outward = (1.0 if k == INNER else -1.0) / np.cos(angles[0, mine])
+            load(mine, ring, ring_push(ring, on_ring[mine], outward, self.shares), field[ring.raceway_row].T)
+        swelling = free.roller_growth.reshape(-1, 2)[disc.first_surface_node :]
         for roller in range(n):
             mine = np.flatnonzero(j == roller)
-            nodes, push = disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares)
-            compliance[np.ix_(mine, mine)] += push.T @ disc.surface_influence(nodes) @ push
-            growth[mine] += push.T @ swelling[disc.first_surface_node + nodes].ravel()
-            loads.append((mine, nodes, push))
+            load(mine, disc, disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares), swelling)
         return PointResponses(
-            contact=contact,
-            closing=growth - rise,
-            compliance=compliance,
-            across=across,
-            bodies=(disc, *rings),
-            loads=loads,
-            free=free,
-        )
+            contact=contact, closing=growth - rise, compliance=compliance, across=across, bodies=(disc, *rings),
+            loads=loads, free=free,
+        )  # fmt: skip
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
         """See `Model.springs`: the points' own stiffness over as many as lie over CLOSED_NODES nodes, at any force."""
@@ -330,12 +328,6 @@ def surface_spacings(bodies: dict[str, Any]) -> dict[str, float]:
         "roller": bodies["roller"].shape.surface_spacing,
         **{name: 2.0 * pi * ring.raceway_radius / ring.n_sectors for name, ring in rings.items()},
     }
-
-
-def _chords(laws: Iterable[PointLaw], kind, side: int, angle, n_nodes: int) -> np.ndarray:
-    """How far facets lie below the circle at angles of a surface, (n_points,), m."""
-    sagitta = np.array([law.sagitta[side] for law in laws])[kind]
-    return sagitta * np.array([chord(x)[0] for x in np.mod(angle * n_nodes / (2.0 * pi), 1.0)])
 
 
 def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:

@@ -27,17 +27,15 @@ from scipy import sparse
 
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
-from fem.contacts.model import KernelData, Model, Motion, Unloaded, assembled_bodies, named
+from fem.contacts.model import KernelData, assembled_bodies, named
 from fem.contacts.points import (
-    PointResponses,
+    PointModel,
     disc_patch_force,
     disc_patch_traction,
-    disc_push,
     patch,
     patches,
     ring_patch_force,
     ring_patch_traction,
-    ring_push,
 )
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
@@ -68,7 +66,7 @@ class SurfaceCompliance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SubgridModel(Model):
+class SubgridModel(PointModel):
     """Contacts of one patch each, with what the mesh can't see of them as a law."""
 
     roller_surface: SurfaceCompliance
@@ -77,6 +75,8 @@ class SubgridModel(Model):
     whole_levels: tuple[float, float, float]  # by kind, of the continuum's approach A Q (level − ½ ln Q)
     shear_levels: tuple[float, float, float]  # by kind, of a compliance A (level − ½ ln Q)
 
+    static_passes: ClassVar[int] = 3
+    shares: ClassVar = staticmethod(patches)
     has_law: ClassVar[bool] = True
 
     @classmethod
@@ -102,36 +102,16 @@ class SubgridModel(Model):
             outer_surface=outer,
         )
 
-    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces=None) -> PointResponses:
-        n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
-        on_rings = motion.lines_of_centres(place).reshape(2, n) - np.array(motion.ring_turns)[:, None]
-        on_roller = motion.lines_of_centres(place) + np.repeat([pi, 0.0], n) - np.tile(motion.roller_turn, 2)
-        j = np.arange(n)
-        compliance, closing, loads = np.zeros((2 * n, 2 * n)), np.zeros(2 * n), []
-        fields, surfaces = (free.inner_growth, free.outer_sag), (self.inner_surface, self.outer_surface)
-        for k, (ring, field, surface) in enumerate(zip(rings, fields, surfaces, strict=True)):
-            mine, outward = k * n + j, 1.0 if k == INNER else -1.0
-            nodes, push = ring_push(ring, on_rings[k], outward, patches)
-            compliance[k * n : (k + 1) * n, k * n : (k + 1) * n] = push.T @ ring.surface_influence(nodes) @ push
-            compliance[mine, mine] += _ripples(surface, on_rings[k], ring.n_sectors)
-            closing[mine] = push.T @ field[ring.raceway_row][:, nodes].T.ravel()
-            loads.append((mine, nodes, push))
-        nodes, push = disc_push(disc, on_roller, 1.0, patches)
-        of_roller = push.T @ disc.surface_influence(nodes) @ push
-        of_roller[np.diag_indices(2 * n)] += _ripples(self.roller_surface, on_roller, disc.shape.surface_nodes)
-        closing += push.T @ free.roller_growth.reshape(-1, 2)[disc.first_surface_node + nodes].ravel()
-        for row, column in np.ndindex(2, 2):
-            compliance[row * n + j, column * n + j] += of_roller[row * n + j, column * n + j]
-        loads.extend((mine, nodes, push[:, mine]) for mine in np.arange(2 * n).reshape(2, n).T)
-        return PointResponses(
-            contact=np.arange(2 * n),
-            closing=closing,
-            compliance=compliance,
-            across=np.zeros(2 * n),
-            bodies=(disc, *rings),
-            loads=loads,
-            free=free,
+    def places(self, forces) -> list[np.ndarray]:
+        return 2 * self.bearing.n_rollers * [np.zeros(1)]
+
+    def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
+        """See `PointModel.beside`: the ripples of both surfaces."""
+        ring, surface = (
+            (self.inner_ring, self.inner_surface) if kind == INNER else (self.outer_ring, self.outer_surface)
         )
+        of_ring = _ripples(surface, on_ring, ring.n_sectors)
+        return np.diag(of_ring + _ripples(self.roller_surface, on_roller, self.roller.shape.surface_nodes))
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
         """See `Model.springs`: one on each patch, stiffer the larger the force; so are those of `shear_springs`."""

@@ -14,12 +14,12 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from lagrange import Bearing, Operation
-from lagrange.equations import nothing_carries, overlaps, sunk
+from lagrange.equations import nothing_carries, overlaps
 from lagrange.errors import UsageError
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import ring_place
-from lagrange.surface.deviation import UNTURNED, Turns, profiles
+from lagrange.surface.deviation import UNTURNED, Turns
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
@@ -219,9 +219,8 @@ def balance(
             return position, forces
         if np.hypot(position[0], position[1]) > bearing.roller_radius + abs(bearing.radial_clearance):
             raise _not_found("the hub sinks by more than a roller's radius", contacts, loads)
-    raise _not_found(
-        f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts", contacts, loads
-    )
+    why = f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts"
+    raise _not_found(why, contacts, loads)
 
 
 def _not_found(why: str, contacts: Condensed, loads: Loads) -> NotFound:
@@ -260,15 +259,10 @@ class _Held:
         on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
         springs, middle = springs_of(bearing, loads.spring)
         return cls(
-            contacts=contacts,
-            position=position,
-            overlap=overlap + contacts.closing,
-            directions=directions,
-            compliance=contacts.compliance + np.diag(soft),
+            contacts=contacts, position=position, overlap=overlap + contacts.closing, directions=directions,
+            compliance=contacts.compliance + np.diag(soft), springs=springs, middle=middle,
             applied=np.concatenate([[loads.side_load, -loads.hub], on_rollers]),
-            springs=springs,
-            middle=middle,
-        )
+        )  # fmt: skip
 
     @property
     def size(self) -> float:
@@ -359,24 +353,19 @@ def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces
     On soft edges the derivatives are those of the contacts' energy over their `forces`, (2 n,), N.
     """
     n, j = bearing.n_rollers, np.arange(bearing.n_rollers)
-    found = overlaps(bearing, position[0], position[1], *(radial * position[2:, None]).T, position[2:])
-    found = sunk(bearing, found, turns, np.arctan2(radial[:, 1], radial[:, 0]))
+    found = overlaps(bearing, position[0], position[1], position[2:], np.arctan2(radial[:, 1], radial[:, 0]))
+    found = found.on_surfaces(bearing, turns)
     if forces is not None:
         found = found.at_force(forces[:n])
-    normal = -np.column_stack([found.direction_x, found.direction_y])
     directions = np.zeros((2 * n, n + 2))
-    directions[:n, :2] = normal
-    directions[j, 2 + j] = -np.sum(normal * radial, axis=1)
+    directions[:n, 0], directions[:n, 1], directions[j, 2 + j] = -found.direction_x, -found.direction_y, -found.radial
     directions[n + j, 2 + j] = 1.0
     return np.concatenate([found.inner, found.outer]), directions
 
 
 def edge_compliances(bearing: Bearing, radial, position, turns: Turns = UNTURNED) -> np.ndarray:
     """What edges of spalls add to the compliance of each contact, (2 n,), m/N."""
-    surfaces, n = profiles(bearing), bearing.n_rollers
-    if surfaces is None:
-        return np.zeros(2 * n)
-    from_hub = radial * position[2:, None] - position[:2]
-    inner = surfaces.inner(np.arctan2(from_hub[:, 1], from_hub[:, 0]), turns)
-    outer = surfaces.outer(np.arctan2(radial[:, 1], radial[:, 0]), turns)
-    return np.concatenate([np.broadcast_to(met.compliance, n) for met in (inner, outer)])
+    found = overlaps(bearing, position[0], position[1], position[2:], np.arctan2(radial[:, 1], radial[:, 0]))
+    found = found.on_surfaces(bearing, turns)
+    soft = found.inner_compliance, found.outer_compliance
+    return np.concatenate([np.broadcast_to(each, bearing.n_rollers) for each in soft])

@@ -6,7 +6,6 @@ The yardstick for the finite-element model: any bearing, frictionless, standing,
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import log
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from fem.elastic.continuum import (
 )
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
 from lagrange import Bearing, Operation
-from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
@@ -62,35 +61,28 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
 
 def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     """The bearing reduced to its contacts by exact series, rollers at angles from +x, (n_rollers,), rad."""
-    n = bearing.n_rollers
+    n, closing = bearing.n_rollers, np.zeros(2 * bearing.n_rollers)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     if bearing.missing:
         whole = exact_contacts(bearing.full, roller_angles(bearing.full, 0.0))
-        return replace(
-            whole,
-            bearing=bearing,
-            radial=radial,
-            compliance=of_present(bearing, whole.compliance),
-            closing=np.zeros(2 * n),
-        )
-    half_width = HALF_WIDTH * bearing.roller_radius
-    roller, (inner, outer) = roller_section(bearing), ring_sections(bearing)
-    single = hertz_approach(roller, half_width)
-    squeezed = hertz_approach(roller.squeezed, half_width)
-    j = np.arange(n)
-    compliance = np.zeros((2 * n, 2 * n))
-    compliance[:n, :n] = _ring_coupling(inner, half_width, angle)
-    compliance[n:, n:] = _ring_coupling(outer, half_width, angle)
+        compliance = of_present(bearing, whole.compliance)
+        return replace(whole, bearing=bearing, radial=radial, compliance=compliance, closing=closing)
+    half_width, length, roller = HALF_WIDTH * bearing.roller_radius, bearing.roller_length, roller_section(bearing)
+    single, squeezed = hertz_approach(roller, half_width), hertz_approach(roller.squeezed, half_width)
+    compliance, j, laws = np.zeros((2 * n, 2 * n)), np.arange(n), []
+    for k, (ring, pair) in enumerate(zip(ring_sections(bearing), contact_pairs(bearing), strict=False)):
+        series = _loaded_ring(ring, half_width)
+        for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
+            value = patch_displacement(*series, 1.0, ring.loaded, angle[shift] - angle[0])
+            to = (j + shift) % n
+            compliance[k * n + j, k * n + to] = compliance[k * n + to, k * n + j] = value
+        approach = (hertz_approach(ring, half_width) + single) / length
+        laws.append(ContactLaw.of_approach(approach, half_width, pair))
     compliance[j, n + j] = compliance[n + j, j] = squeezed - single
-    inner_pair, outer_pair, _ = contact_pairs(bearing)
     return Condensed(
-        bearing=bearing,
-        radial=radial,
-        inner_law=_law(inner, single, half_width, inner_pair),
-        outer_law=_law(outer, single, half_width, outer_pair),
-        compliance=compliance / bearing.roller_length,
-        closing=np.zeros(2 * n),
-    )
+        bearing=bearing, radial=radial, inner_law=laws[0], outer_law=laws[1], compliance=compliance / length,
+        closing=closing,
+    )  # fmt: skip
 
 
 def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
@@ -99,20 +91,7 @@ def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
     return compliance[np.ix_(contacts, contacts)]
 
 
-def _ring_coupling(ring: Section, half_width: float, angle: np.ndarray) -> np.ndarray:
-    """Displacement of each contact by a unit load, N/m, on each other; zero on the diagonal."""
-    series, pressure = _loaded_ring(ring, half_width)
-    n = len(angle)
-    i, coupling = np.arange(n), np.zeros((n, n))
-    for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
-        value = patch_displacement(series, pressure, 1.0, ring.loaded, angle[shift] - angle[0])
-        coupling[i, (i + shift) % n] = coupling[(i + shift) % n, i] = value
-    return coupling
-
-
-def _loaded_ring(
-    ring: Section, half_width: float, compliance: Callable[[Section, np.ndarray], np.ndarray] = plane_compliance
-) -> tuple[np.ndarray, np.ndarray]:
+def _loaded_ring(ring: Section, half_width: float, compliance: Callable = plane_compliance):
     """Compliance, m/Pa, and transform of the load, by harmonics, (n_harmonics,)."""
     harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * ring.loaded / half_width))
     return compliance(ring, harmonics), hertz_patch(harmonics, half_width, ring.loaded)
@@ -161,12 +140,6 @@ def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
     of_ring = hertz_approach(inner if law.pair.kind == "inner" else outer, half_width)
     whole = force * (of_ring + hertz_approach(roller_section(bearing), half_width)) / law.pair.length
     return whole / float(law.approach(force)) - 1.0
-
-
-def _law(ring: Section, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:
-    A = pair.line_compliance
-    total = (hertz_approach(ring, half_width) + roller_approach) / pair.length
-    return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
 
 @dataclass(frozen=True)

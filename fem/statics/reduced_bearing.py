@@ -22,7 +22,7 @@ from fem.elastic.vibration import inertia
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, couplings_at, crossings_at, exact_contacts, of_present
 from lagrange import Bearing, Kinematics
-from lagrange.contact.hertz import Pair, contact_pairs, line_compliance
+from lagrange.contact.hertz import contact_pairs, line_compliance
 from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import Turns
@@ -36,28 +36,21 @@ class UnseenWaves:
     slowest: float  # rad/s
 
 
+@lru_cache(maxsize=1)
 def unseen_waves(bearing: Bearing, inner_mass: float) -> UnseenWaves:
     """Those of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
-    table = _inertia(replace(bearing, faults=()), inner_mass)
-    roller, inner, outer = table[:, 0]
-    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=float(table[:, 1].min()))
-
-
-@lru_cache(maxsize=1)
-def _inertia(bearing: Bearing, inner_mass: float) -> np.ndarray:
-    """Σ s²/ω⁴, s⁴/kg, of all modes of a roller and both rings, and the slowest's frequency, rad/s: (3, 2)."""
+    bearing = replace(bearing, faults=())
     length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
 
     def make():
         inner, outer = ring_sections(bearing)
-        found = (
-            inertia(roller_section(bearing), length),
-            inertia(inner, length, hub if bearing.bore_radius > 0.0 else None),
-            inertia(outer, length),
-        )
-        return {"inertia": np.array(found)}
+        of_inner = inertia(inner, length, hub if bearing.bore_radius > 0.0 else None)
+        return {"inertia": np.array([inertia(roller_section(bearing), length), of_inner, inertia(outer, length)])}
 
-    return kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
+    table = kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
+    roller, of_inner, of_outer = table[:, 0]
+    both = float(roller + of_inner), float(roller + of_outer)
+    return UnseenWaves(inertia=both, slowest=float(table[:, 1].min()))
 
 
 def softened(law: ContactLaw, compliance: float) -> ContactLaw:
@@ -90,47 +83,35 @@ def strays(n_rollers: int) -> float:
     return STRAYS * 2.0 * pi / n_rollers
 
 
-def series_around(bearing: Bearing) -> np.ndarray:
-    """Compliances and slopes a bit less far, as far and further than 1, 2 ... of n equal parts: (2, 2, 3, n // 2)."""
-    n = bearing.n_rollers
-    shift = 2.0 * pi / n * np.arange(1, n // 2 + 1)
-    angles = np.add.outer(strays(n) * np.array([-1.0, 0.0, 1.0]), shift)
-    return couplings_at(bearing, angles.ravel()).reshape(2, 2, *angles.shape)
-
-
-def crossed_series(bearing: Bearing) -> np.ndarray:
-    """Cross compliance of a raceway under a traction 1, 2 ... of n equal parts behind: (2, n // 2), m/N."""
-    n = bearing.n_rollers
-    return crossings_at(bearing, 2.0 * pi / n * np.arange(1, n // 2 + 1))
+def _neighbours(n: int) -> np.ndarray:
+    """By how many rollers others are ahead, the nearest first: −1, 1, −2 ..."""
+    return np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
 
 
 def ring_couplings(bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
-    """Couplings of `series_around`, and of `crossed_series`; `own` : m/N, compliance of a contact, over ln Q."""
-    n, h = bearing.n_rollers, strays(bearing.n_rollers)
-    distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
-    ahead = distance > 0
-    given, slope = series[:, :, :, np.abs(distance) - 1].swapaxes(0, 1)
+    """Couplings by the rings' series, see `_kept_series`; `own` : m/N, compliance of a contact, over ln Q."""
+    h, distance = strays(bearing.n_rollers), _neighbours(bearing.n_rollers)
+    ahead, far = distance > 0, np.abs(distance) - 1
+    given, slope = series[:, :, :, far].swapaxes(0, 1)
     given = np.where(ahead, given, given[:, ::-1])  # an even function of the angle
     slope = np.where(ahead, slope, -slope[:, ::-1])
     along, steep, bent = given[:, 1], slope[:, 1], _bent(given, slope, h)
     changed = np.abs(given - given[:, 1:2]).max(axis=1)
-    count = [_last(row, FAINT * own) for row in np.abs(along)]
-    near = [min(_last(row, FAINT_CHANGE * own), most) for row, most in zip(changed, count, strict=True)]
     # an odd function of the angle; what pulls a roller along pulls its ring back
-    crossed = np.where(ahead, crossed[:, np.abs(distance) - 1], -crossed[:, np.abs(distance) - 1])
-    pulled = [_last(row, FAINT_TRACTION * own) for row in np.abs(crossed)]
+    crossed = np.where(ahead, crossed[:, far], -crossed[:, far])
+
+    def reach(values: np.ndarray, limit: float) -> list[int]:
+        """By ring, how many there are up to the last one beyond a limit."""
+        return [int(np.flatnonzero(row > limit * own).max(initial=-1)) + 1 for row in values]
+
+    count, pulled = reach(np.abs(along), FAINT), reach(np.abs(crossed), FAINT_TRACTION)
+    near = np.minimum(reach(changed, FAINT_CHANGE), count)
     kept = slice(max(count + pulled))
     along, steep, bent, crossed = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent, crossed))
     return RingCouplings(
-        distance=distance[kept],
-        felt=np.array([near, count], dtype=np.intp).T.copy(),
-        along=along,
-        steep=steep,
-        bent=bent,
-        strays=h,
-        crossed=crossed,
-        crossing=np.array(pulled, dtype=np.intp),
-    )
+        distance=distance[kept], felt=np.array([near, count], dtype=np.intp).T.copy(), along=along, steep=steep,
+        bent=bent, strays=h, crossed=crossed, crossing=np.array(pulled, dtype=np.intp),
+    )  # fmt: skip
 
 
 def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings, np.ndarray]:
@@ -139,7 +120,7 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
     The neighbours' compliances are those of `rings` in these places, 0 at −1; the couplings' own arrays are empty.
     """
     n, total, pocket = bearing.n_rollers, bearing.pockets, np.array(bearing.pocket)
-    every = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
+    every = _neighbours(n)
     distance = every[np.abs(every) <= np.abs(rings.distance).max(initial=0)]
     apart = pocket[(np.arange(n) + distance[:, None]) % n] - pocket
     below = (total - 1) // 2
@@ -165,11 +146,6 @@ def _bent(given: np.ndarray, slope: np.ndarray, h: float) -> np.ndarray:
     fourth, fifth = 0.5 * of_even - even, 0.5 * of_odd - 1.5 * odd
     found = (even - fourth) / h**2, (odd - fifth) / h**3, fourth / h**4, fifth / h**5
     return np.stack(found, axis=1)
-
-
-def _last(values: np.ndarray, limit: float) -> int:
-    """How many values there are up to the last one beyond a limit."""
-    return int(np.flatnonzero(values > limit).max(initial=-1)) + 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,28 +190,17 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) 
     that of their rolling speed. What flows through a contact makes its own law softer, but no other compliance.
     UsageError: contacts roll nearly as fast as waves (`moving_softening`).
     """
-    contacts, between = kept_contacts(bearing)
-    contacts = replace(
-        contacts,
-        inner_law=_rolling(contacts.inner_law, bearing, motion),
-        outer_law=_rolling(contacts.outer_law, bearing, motion),
-    )
-    n = bearing.n_rollers
-    series = _kept_series(_sound(bearing))
+    (contacts, between), series, n = kept_contacts(bearing), _kept_series(_sound(bearing)), bearing.n_rollers
     (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
+    laws = {name: _rolling(getattr(contacts, name), bearing, motion) for name in ("inner_law", "outer_law")}
+    inner, outer = ring_sections(bearing)
     return ReducedBearing(
-        contacts=replace(contacts, closing=closing),
-        inner_law=contacts.inner_law,
-        outer_law=contacts.outer_law,
-        between=between,
-        rings=ring_couplings(bearing.full, series["around"], series["crossed"], contacts.inner_law.A),
-        across=float(contacts.compliance[0, n]),
-        inner_growth=inner_growth,
-        roller_growth=roller_growth,
-        outer_growth=of_outer,
-        sag=sags(bearing, gravity),
-    )
+        contacts=replace(contacts, closing=closing, **laws), between=between, across=float(contacts.compliance[0, n]),
+        rings=ring_couplings(bearing.full, series["around"], series["crossed"], laws["inner_law"].A), **laws,
+        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer,
+        sag=(weight_sag(inner, gravity), weight_sag(outer, gravity)),
+    )  # fmt: skip
 
 
 def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLaw:
@@ -261,12 +226,6 @@ def _long_waves(bearing: Bearing, inner: bool) -> float:
     return float(series.sum()) / (np.pi * ring.loaded * bearing.roller_length)
 
 
-def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
-    """How far the raceways' centres fall below the bore's and the outside's by the weight of each ring, m."""
-    inner, outer = ring_sections(bearing)
-    return weight_sag(inner, gravity), weight_sag(outer, gravity)
-
-
 def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
     angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
@@ -276,13 +235,10 @@ def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
         for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
     )
     contacts = Condensed(
-        bearing=bearing,
-        radial=np.column_stack([np.cos(angle), np.sin(angle)]),
-        inner_law=inner,
-        outer_law=outer,
+        bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
         compliance=of_present(bearing, arrays["compliance"]) if bearing.missing else arrays["compliance"],
         closing=np.zeros(2 * bearing.n_rollers),
-    )
+    )  # fmt: skip
     return contacts, between
 
 
@@ -297,24 +253,24 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
 
     def make():
         found = exact_contacts(bearing, roller_angles(bearing, 0.0))
-        laws = found.inner_law, found.outer_law, _between(bearing, contact_pairs(bearing)[2])
+        width = HALF_WIDTH * bearing.roller_radius
+        each = hertz_approach(roller_section(bearing).elastic, width)  # of two rollers, accelerated by the other
+        between = ContactLaw.of_approach(2.0 * each / bearing.roller_length, width, contact_pairs(bearing)[2])
+        laws = found.inner_law, found.outer_law, between
+        n, roller = bearing.n_rollers, stick_approach(roller_section(bearing).elastic, width)
+        shift = 2.0 * pi / n * np.arange(1, n // 2 + 1)
+        angles = np.add.outer(strays(n) * np.array([-1.0, 0.0, 1.0]), shift)
+        others = *(stick_approach(ring, width) for ring in ring_sections(bearing)), roller
         return {
             "compliance": found.compliance,
             "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
-            "around": series_around(bearing),
-            "crossed": crossed_series(bearing),
-            "stick": _stick_compliance(bearing, HALF_WIDTH * bearing.roller_radius),
+            # compliances and slopes a bit less far, as far and further than 1, 2 ... of n equal parts
+            "around": couplings_at(bearing, angles.ravel()).reshape(2, 2, *angles.shape),
+            "crossed": crossings_at(bearing, shift),  # by tractions 1, 2 ... parts behind, (2, n // 2)
+            "stick": np.array([(roller + other) / bearing.roller_length for other in others]),
         }
 
     return kept("contact-laws", repr(bearing), make)
-
-
-def _between(bearing: Bearing, pair: Pair) -> ContactLaw:
-    """The law of two rollers that meet, each accelerated by the other."""
-    half_width = HALF_WIDTH * bearing.roller_radius
-    approach = 2.0 * hertz_approach(roller_section(bearing).elastic, half_width) / pair.length
-    A = pair.line_compliance
-    return ContactLaw.of_level(A, approach / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
 
 def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
@@ -331,10 +287,3 @@ def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
         width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
         found[row] += pair.line_compliance * log(known / width)
     return found
-
-
-def _stick_compliance(bearing: Bearing, half_width: float) -> np.ndarray:
-    """The same of contacts so wide, m."""
-    roller = stick_approach(roller_section(bearing).elastic, half_width)
-    others = *(stick_approach(ring, half_width) for ring in ring_sections(bearing)), roller
-    return np.array([(roller + other) / bearing.roller_length for other in others])

@@ -102,22 +102,21 @@ class Axial:
     def drops(self, bearing: Bearing) -> np.ndarray:
         """Drop of roller and raceway together at the slices' middles, inner and outer contact, (2, slices), m."""
         z = self.centres(bearing)
-        return np.stack([self.roller.drop(z, bearing) + p.drop(z, bearing)
-                         for p in (self.inner_raceway, self.outer_raceway)])  # fmt: skip
+        raceways = self.inner_raceway, self.outer_raceway
+        return np.stack([self.roller.drop(z, bearing) + raceway.drop(z, bearing) for raceway in raceways])
 
     def parts(self, bearing: Bearing) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Which slices spalls of part of the length let sink, inner and outer contact, (slices,) each; None: no such.
 
         A spall takes the slices whose middles it goes over. All that one raceway's contacts meet take the same.
         """
-        inner, outer = (self._part(bearing, {ring, "roller"}) for ring in ("inner_ring", "outer_ring"))
-        return inner, outer
+        spalls = [fault for fault in bearing.faults if isinstance(fault, Spall) and fault.is_part(bearing)]
 
-    def _part(self, bearing: Bearing, bodies: set[str]) -> np.ndarray | None:
-        for fault in bearing.faults:
-            if isinstance(fault, Spall) and fault.is_part(bearing) and fault.body in bodies:
-                return slices_over(bearing, self.slices, fault)
-        return None
+        def part(ring: str) -> np.ndarray | None:
+            found = (slices_over(bearing, self.slices, each) for each in spalls if each.body in (ring, "roller"))
+            return next(found, None)
+
+        return part("inner_ring"), part("outer_ring")
 
 
 def centres(length: float, slices: int) -> np.ndarray:

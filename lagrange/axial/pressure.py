@@ -167,28 +167,27 @@ def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[np.ndarray, np.ndar
     if beyond.any():
         at = np.unravel_index(beyond.argmax(), beyond.shape)
         raise ValueError(f"a moment of {moment[at]:.4g} N m is beyond what {force[at]:.4g} N within {arm:.4g} m exert")
-    place = np.array([slices.law.approach(force) + slices.drop.mean(), np.zeros(force.shape)])
-    weight = np.array([1.0, 1.0 / arm]).reshape(2, *(1 for _ in force.shape))
+    place = np.stack([slices.law.approach(force) + slices.drop.mean(), np.zeros(force.shape)], axis=-1)
+    weight = np.array([1.0, 1.0 / arm])
 
     def left(place):
-        found = slices.at(*place, sunk)
-        missing = np.array([force - found.force, found.moment - moment])
-        return found, missing, np.abs(missing * weight).max(axis=0)
+        found = slices.at(place[..., 0], place[..., 1], sunk)
+        missing = np.stack([force - found.force, found.moment - moment], axis=-1)
+        return found, missing, np.abs(missing * weight).max(axis=-1)
 
     found, missing, size = left(place)
     for _ in range(STEPS):
         wanted = size > SETTLED * force
         if not wanted.any():
-            return place[0], place[1]
-        rows = np.array([[found.stiffness, found.cross], [found.cross, found.tilt_stiffness]])
-        matrix = np.moveaxis(rows, (0, 1), (-2, -1))
+            return place[..., 0], place[..., 1]
+        matrix = np.stack([found.stiffness, found.cross, found.cross, found.tilt_stiffness], axis=-1)
         loose = LOOSE * found.stiffness[..., None, None] * np.diag([1.0, arm**2])
-        step = np.moveaxis(np.linalg.solve(matrix + loose, np.moveaxis(missing, 0, -1)[..., None])[..., 0], -1, 0)
-        step = np.where(wanted, step, 0.0)
+        step = np.linalg.solve(matrix.reshape(*force.shape, 2, 2) + loose, missing[..., None])[..., 0]
+        step = np.where(wanted[..., None], step, 0.0)
         for _ in range(HALVINGS):
             near = left(place + step)
             if not np.any(further := wanted & (near[2] >= size)):
                 break
-            step = np.where(further, 0.5 * step, step)
+            step = np.where(further[..., None], 0.5 * step, step)
         place, (found, missing, size) = place + step, near
     raise ValueError(f"no places of rollers are found at which their slices bear {force} N and {moment} N m")

@@ -9,37 +9,27 @@ the slices of elastic bodies, from which pressures along rollers follow by force
 
 from dataclasses import dataclass, replace
 from math import ceil, inf
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from lagrange.axial.facts import Axial
 from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, fitted
 from lagrange.bearing import Bearing
-from lagrange.contact.laws import LogarithmicLaw
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.files.hdf5 import Damaged, check_array, has, variable
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     import h5py
 
-
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
 MATRICES = 2**22  # numbers in the matrices of contacts that are solved at once: 34 MB, which some copies share
 FIRST = 1e-8  # m, beyond the opening, to begin with
+OUT_OF_REACH = 1e-3  # m, further than any slice approaches
 
-
-class LineLaw(Protocol):
-    """Force and energy of the whole length by its approach; `PowerLaw` and `LogarithmicLaw` are such laws."""
-
-    def force(self, approach): ...
-
-    def slope(self, approach): ...
-
-    def potential(self, approach): ...
-
-    def approach(self, force): ...
+LineLaw = PowerLaw | LogarithmicLaw
 
 
 class Sums(NamedTuple):
@@ -54,7 +44,7 @@ class Sums(NamedTuple):
 class Slices:
     """The slices of one contact. SI."""
 
-    law: LineLaw
+    law: LineLaw  # of the whole length
     place: np.ndarray  # (n,), z of their middles
     drop: np.ndarray  # (n,), of roller and raceway together
     coupling: np.ndarray | None = None  # C, (n, n), m/N; None: each is alone
@@ -72,6 +62,15 @@ class Slices:
         """Whether a slope and its opposite have the same energy."""
         return bool(np.allclose(self.drop, self.drop[::-1], rtol=1e-12, atol=0.0))
 
+    @property
+    def bare(self) -> "Slices":
+        """Those of a contact in whose part of the length that spalls take nothing bears."""
+        return replace(self, drop=-self.approaches(0.0, 0.0, OUT_OF_REACH), part=None)
+
+    def opening(self, slope) -> np.ndarray:
+        """The approach, m, from which on a contact of this slope, rad, is closed."""
+        return np.min(self.drop + np.asarray(slope)[..., None] * self.place, axis=-1)
+
     def approach_under(self, force, slope) -> np.ndarray:
         """Of contacts with slopes, rad, each under a force, N, of shapes that go together; m.
 
@@ -79,7 +78,7 @@ class Slices:
         """
         force, slope = np.broadcast_arrays(np.asarray(force, dtype=float), slope)
         place, way = self.opening(slope), FIRST + self.law.approach(force)
-        while np.any(short := self.sums(place, slope).force < force):
+        while np.any(short := self.forces(place, slope).sum(axis=-1) < force):
             place, way = np.where(short, place + way, place), 2.0 * way
         for _ in range(STEPS):
             here = self.at(place, slope)
@@ -88,10 +87,6 @@ class Slices:
             if np.all(np.abs(step) <= SETTLED * np.abs(place).max()):
                 break
         return place
-
-    def opening(self, slope) -> np.ndarray:
-        """The approach, m, from which on a contact of this slope, rad, is closed."""
-        return np.min(self.drop + np.asarray(slope)[..., None] * self.place, axis=-1)
 
     def approaches(self, approach, slope, sunk=0.0) -> np.ndarray:
         """Of the slices, (..., n), m: δ − P − ψ z, less what those of `part` have sunk, (...,), m."""
@@ -114,10 +109,9 @@ class Slices:
 
     def sums(self, approach, slope, sunk=0.0) -> Sums:
         """Energy, force and moment of contacts, (...,)."""
-        return self._sums(self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk))
+        return self._summed(self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk))
 
-    def _sums(self, deep: np.ndarray, forces: np.ndarray) -> Sums:
-        """The same by the slices' approaches and forces, (..., n)."""
+    def _summed(self, deep: np.ndarray, forces: np.ndarray) -> Sums:
         if self.coupling is None:
             energy = self.law.potential(deep).mean(axis=-1)
         else:
@@ -136,10 +130,10 @@ class Slices:
             stiff = self.law.slope(deep - forces @ self.coupling)[..., None] / self.count * np.eye(self.count)
             stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)  # K (1 + C K)⁻¹, symmetric
             by_approach, by_slope = stiff.sum(axis=-1), stiff @ self.place
+        of_part = np.zeros(self.count) if self.part is None else self.part
         return TiltedContact(
-            *self._sums(deep, forces), stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1),
-            tilt_stiffness=by_slope @ self.place,
-            part=forces @ (np.zeros(self.count) if self.part is None else self.part),
+            *self._summed(deep, forces), stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1),
+            tilt_stiffness=by_slope @ self.place, part=forces @ of_part,
         )  # fmt: skip
 
 
@@ -162,11 +156,29 @@ def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray
     raise RuntimeError(f"{left.size} of {len(deep)} contacts of {n} coupled slices do not settle; lower axial.slices")
 
 
+def contact_slices(
+    bearing: Bearing,
+    axial: Axial,
+    laws: tuple[LineLaw, LineLaw],
+    couplings: tuple[np.ndarray, np.ndarray] | None = None,
+) -> tuple[Slices, Slices]:
+    """The slices of the inner and the outer contact.
+
+    `laws` : of the whole length; `couplings` : (n, n) each, m/N, of slices; None: each is alone
+    """
+    drops, parts = axial.drops(bearing), axial.parts(bearing)
+
+    def side(k: int) -> Slices:
+        coupling = None if couplings is None else couplings[k]
+        return Slices(law=laws[k], place=axial.centres(bearing), drop=drops[k], coupling=coupling, part=parts[k])
+
+    return side(0), side(1)
+
+
 KNOTS = 72  # between the opening and the largest approach of a straight contact
 COARSER = 2.0  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
 MOST_SLOPES = 300  # steps of slope either way
 BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
-OUT_OF_REACH = 1e-3  # m, further than any slice approaches
 MORE = 3.0  # times the largest force: what moves carries more than what stands
 
 
@@ -178,13 +190,9 @@ def contact_tables(
     largest_slope: float,
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
-    """Tables of the inner and the outer contact, where all rollers are alike.
+    """Tables of the inner and the outer contact, where all rollers are alike; parameters beside `contact_slices`'s:
 
-    Parameters
-    ----------
-    laws : of the whole length
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
-    couplings : (n, n) each, m/N, of slices; None: each is alone
 
     Errors
     ------
@@ -208,7 +216,7 @@ def alone(slices: Slices) -> Slices | SpalledTable:
     """A contact of slices that stand alone, apart in those that spalls of part of the length take and the rest."""
     if slices.part is None:
         return slices
-    return SpalledTable(whole=replace(slices, part=None), rest=_bare(slices), share=float(slices.part.mean()))
+    return SpalledTable(whole=replace(slices, part=None), rest=slices.bare, share=float(slices.part.mean()))
 
 
 def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: float) -> float:
@@ -223,21 +231,6 @@ def steepest_slope(bearing: Bearing, axial: Axial, misalignment: float, depth: f
     return abs(misalignment) + (play + float(ends.max(axis=1).sum()) + 2.0 * depth) / bearing.roller_length
 
 
-def contact_slices(
-    bearing: Bearing,
-    axial: Axial,
-    laws: tuple[LineLaw, LineLaw],
-    couplings: tuple[np.ndarray, np.ndarray] | None = None,
-) -> tuple[Slices, Slices]:
-    """The slices of the inner and the outer contact; as of `contact_tables`."""
-    place, drops, parts = axial.centres(bearing), axial.drops(bearing), axial.parts(bearing)
-    inner, outer = (
-        Slices(law=law, place=place, drop=drop, coupling=None if couplings is None else couplings[i], part=part)
-        for i, (law, drop, part) in enumerate(zip(laws, drops, parts, strict=True))
-    )
-    return inner, outer
-
-
 def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
     """The table of a contact's energy up to an approach, m, and to a slope, rad, either way.
 
@@ -247,33 +240,26 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
     half = min(ceil(steepest * end / (COARSER * step)), MOST_SLOPES)
     step = max(step, steepest / half * end / COARSER)
     first = float(slices.opening(steepest / half * np.arange(-half, half + 1)).min()) - 2.0 * step
-    return _on_grid(slices, (first, step, ceil((deepest - first) / step) + 1), (steepest / half, half))
+    return _on_grid(slices, first, step, ceil((deepest - first) / step) + 1, steepest / half, half)
 
 
 def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
     """The table on the same knots of a contact in whose part of the length that spalls take nothing bears."""
-    rows, columns = whole.coefficients.shape
+    rows, columns = np.subtract(whole.coefficients.shape, (2, 3))
     return _on_grid(
-        _bare(slices), (whole.first_approach, whole.approach_step, rows - 2), (whole.slope_step, (columns - 3) // 2)
+        slices.bare, whole.first_approach, whole.approach_step, int(rows), whole.slope_step, int(columns) // 2
     )
 
 
-def _bare(slices: Slices) -> Slices:
-    """Those of a contact in whose part of the length that spalls take nothing bears."""
-    return replace(slices, drop=-slices.approaches(0.0, 0.0, OUT_OF_REACH), part=None)
-
-
-def _on_grid(slices: Slices, rows: tuple[float, float, int], columns: tuple[float, int]) -> ContactTable:
+def _on_grid(slices: Slices, first: float, step: float, count: int, by_slope: float, half: int) -> ContactTable:
     """The table through u at knots: first approach, its step, m, and their number; step of slope, rad, either way.
 
     Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
     ring from.
     """
-    (first, step, count), (by_slope, half) = rows, columns
     slope = by_slope * np.arange(-half, half + 1)
     opening = slices.opening(slope)
-    approach = first + step * np.arange(count)
-    signed = approach[:, None] - opening
+    signed = (first + step * np.arange(count))[:, None] - opening
     known = signed > -BELOW * step
     wanted = known & (slope >= 0.0) if slices.is_symmetric else known
     at, energy = np.nonzero(wanted), np.zeros(signed.shape)
@@ -286,19 +272,18 @@ def _on_grid(slices: Slices, rows: tuple[float, float, int], columns: tuple[floa
     return fitted((first, -half * by_slope), (step, by_slope), u)
 
 
-COMPLIANCES = {side: f"{side}_slice_compliance" for side in ("inner", "outer")}  # variables of the file
-LAW = "law_compliance", "law_level", "law_largest_force"  # their attributes: m/N, 1, N
+SIDES = "inner", "outer"  # before _slice_compliance, variables of the file
+LAW = "compliance", "level", "largest_force"  # after law_, their attributes: m/N, 1, N
 
 
 def write_slices(file: "h5py.File", slices: tuple[Slices, Slices]) -> None:
     """Add compliances and laws of both contacts' slices to a file."""
     variable(file, "slice", slices[0].place, ("slice",), "m", "middle of a slice along the roller")
-    for name, side, each in zip(COMPLIANCES.values(), COMPLIANCES, slices, strict=True):
-        about = f"approach of a slice by the force of another, {side} contact"
+    for side, each in zip(SIDES, slices, strict=True):
+        name, about = f"{side}_slice_compliance", f"approach of a slice by the force of another, {side} contact"
         variable(file, name, each.coupling, ("slice", "slice"), "m/N", about)
-        assert isinstance(each.law, LogarithmicLaw)
-        for key, value in zip(LAW, (each.law.compliance, each.law.level, each.law.largest_force), strict=True):
-            file[name].attrs[key] = value
+        for key in LAW:
+            file[name].attrs[f"law_{key}"] = getattr(each.law, key)
 
 
 def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slices, Slices] | None:
@@ -308,16 +293,19 @@ def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slic
     ------
     Damaged: they are none of such a bearing.
     """
-    if not all(has(file, name) for name in COMPLIANCES.values()):
+    names, n = [f"{side}_slice_compliance" for side in SIDES], axial.slices
+    if not all(has(file, name) for name in names):
         return None
-    laws, couplings, n = [], [], axial.slices
-    for name in COMPLIANCES.values():
+
+    def read(name: str) -> tuple[LogarithmicLaw, np.ndarray]:
         data = check_array(file, name, n, dimensions=(2,))
-        numbers = np.array([float(data.attrs[key]) for key in LAW])
+        numbers = [float(data.attrs[f"law_{key}"]) for key in LAW]
         coupling = data[:].astype(float) if data.shape == (n, n) else np.empty((0, 0))
-        if not (coupling.size and np.isfinite(coupling).all() and np.isfinite(numbers).all() and numbers.min() > 0.0):
+        if not (coupling.size and np.isfinite(coupling).all() and np.isfinite(numbers).all() and min(numbers) > 0.0):
             raise Damaged(f"{name} is no compliance of {n} slices")
-        values = dict(zip(("compliance", "level", "largest_force"), numbers.tolist(), strict=True))
-        laws.append(LogarithmicLaw(name="series", source="plane series", **values))
-        couplings.append(coupling)
-    return contact_slices(bearing, axial, (laws[0], laws[1]), (couplings[0], couplings[1]))
+        S, B, most = numbers
+        law = LogarithmicLaw(name="series", compliance=S, level=B, largest_force=most, source="plane series")
+        return law, coupling
+
+    (inner, of_inner), (outer, of_outer) = (read(name) for name in names)
+    return contact_slices(bearing, axial, (inner, outer), (of_inner, of_outer))

@@ -87,9 +87,8 @@ class ContactTable:
         d, p = d + dp * aside, p + dp * beyond
         closed = (u > 0.0) & (approach > self.first_approach)
         u, d, p, dd, dp, pp = (np.where(closed, each, 0.0) for each in (u, d, p, dd, dp, pp))
-        return TiltedContact(
-            u * u, 2.0 * u * d, -2.0 * u * p, 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp),
-        )  # fmt: skip
+        slopes = 2.0 * (d * d + u * dd), 2.0 * (d * p + u * dp), 2.0 * (p * p + u * pp)
+        return TiltedContact(u * u, 2.0 * u * d, -2.0 * u * p, *slopes)
 
 
 class TiltedLaw(Protocol):
@@ -210,17 +209,10 @@ def _interpolating(values: np.ndarray) -> np.ndarray:
     """Coefficients of cubic B-splines through the values of each column; natural ends: no bend beyond them."""
     from scipy.linalg import solve_banded
 
-    n = len(values)
-    bands = np.repeat(np.array([[1.0], [4.0], [1.0]]), n + 2, axis=1) / 6.0
-    right = np.zeros((n + 2, *values.shape[1:]))
-    right[1:-1] = values
-    # end rows c0 − 2 c1 + c2 = 0, which with the next row leave c1 = value
-    bands[:, 1], bands[:, -2] = (0.0, 1.0, 1.0 / 6.0), (1.0 / 6.0, 1.0, 0.0)
-    bands[0, 1], bands[2, -2] = 0.0, 0.0
-    bands[0, 2], bands[2, -3] = 0.0, 0.0
-    bands[1, 0] = bands[1, -1] = 1.0
-    bands[2, 0] = bands[0, -1] = 0.0
-    found = solve_banded((1, 1), bands, right)
-    found[0] = 2.0 * found[1] - found[2]
-    found[-1] = 2.0 * found[-2] - found[-3]
+    found, inside = np.zeros((len(values) + 2, *values.shape[1:])), 6.0 * values[1:-1]
+    found[1], found[-2] = values[0], values[-1]  # c₀ − 2 c₁ + c₂ = 0 and c₀ + 4 c₁ + c₂ = 6 u
+    inside[0] -= values[0]
+    inside[-1] -= values[-1]
+    found[2:-2] = solve_banded((1, 1), np.tile([[1.0], [4.0], [1.0]], len(inside)), inside)
+    found[0], found[-1] = 2.0 * found[1] - found[2], 2.0 * found[-2] - found[-3]
     return found

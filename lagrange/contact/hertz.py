@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import exp, pi, sqrt
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -79,46 +79,32 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
     Two rigid rollers meet with their material's compliance: they would have none otherwise.
     """
     r, roller = bearing.roller_radius, bearing.roller
-    inner, outer, rollers = (
-        Pair(kind=kind, radii=(radius, r), materials=materials, length=bearing.roller_length, cosine=bearing.cosine)
-        for kind, radius, materials in (
-            ("inner", bearing.inner_raceway_radius, (bearing.inner_ring, roller)),
-            ("outer", -bearing.outer_raceway_radius, (bearing.outer_ring, roller)),
-            ("roller", r, (roller.elastic, roller.elastic)),
-        )
+
+    def pair(kind: str, radius: float, *materials: Material) -> Pair:
+        length, cosine = bearing.roller_length, bearing.cosine
+        return Pair(kind=kind, radii=(radius, r), materials=(materials[0], materials[1]), length=length, cosine=cosine)
+
+    return (
+        pair("inner", bearing.inner_raceway_radius, bearing.inner_ring, roller),
+        pair("outer", -bearing.outer_raceway_radius, bearing.outer_ring, roller),
+        pair("roller", r, roller.elastic, roller.elastic),
     )
-    return inner, outer, rollers
 
 
-@dataclass(frozen=True, kw_only=True)
-class Curvature:
-    """Principal curvatures of two bodies in point contact; 1 across, 2 along the axis, 1/m, concave < 0."""
+class Curvature(NamedTuple):
+    """Principal curvatures of two bodies in point contact."""
 
-    ball_1: float  # ρ_A1
-    ball_2: float  # ρ_A2
-    raceway_1: float  # ρ_B1, the rolling direction
-    raceway_2: float  # ρ_B2, the groove
-
-    @property
-    def sum(self) -> float:
-        """Σρ, 1/m: equation (4)."""
-        return self.ball_1 + self.ball_2 + self.raceway_1 + self.raceway_2
-
-    @property
-    def difference(self) -> float:
-        """F(ρ), 0 (circle) to 1 (line): equation (5)."""
-        return abs((self.ball_1 - self.ball_2) + (self.raceway_1 - self.raceway_2)) / self.sum
+    sum: float  # Σρ, 1/m: equation (4)
+    difference: float  # F(ρ), 0 (circle) to 1 (line): equation (5)
 
 
 def raceway_curvature(bearing: BallBearing, side: Side) -> Curvature:
-    """Curvatures of ball and raceway: equations (6) and (7); of a section's raceway cos α/R."""
-    raceway, groove = (
-        (bearing.inner_raceway_radius, bearing.inner_groove_radius)
-        if side == "inner"
-        else (-bearing.outer_raceway_radius, bearing.outer_groove_radius)
-    )
-    ball = 1.0 / bearing.element_radius
-    return Curvature(ball_1=ball, ball_2=ball, raceway_1=bearing.cosine / raceway, raceway_2=-1.0 / groove)
+    """Curvatures of ball and raceway: equations (6) and (7); of a section's raceway cos α/R, a groove's concave."""
+    inner, ball = side == "inner", 1.0 / bearing.element_radius
+    along = bearing.cosine / (bearing.inner_raceway_radius if inner else -bearing.outer_raceway_radius)
+    across = -1.0 / (bearing.inner_groove_radius if inner else bearing.outer_groove_radius)
+    total = ball + ball + along + across
+    return Curvature(total, abs(along - across) / total)
 
 
 def ellipticity(difference: float) -> float:
@@ -237,10 +223,8 @@ def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, n
 def _largest(poisson_ratio: float) -> tuple[float, float, float, float]:
     """Largest shear and von Mises stress over the peak pressure, each with its depth over the half-width."""
     x, y, z = stress_below(DEPTHS, poisson_ratio)
-    shear = 0.5 * np.abs(x - z)
-    mises = np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
-    rows = [(float(each.max()), float(DEPTHS[each.argmax()])) for each in (shear, mises)]
-    return *rows[0], *rows[1]
+    shear, mises = 0.5 * np.abs(x - z), np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
+    return float(shear.max()), float(DEPTHS[shear.argmax()]), float(mises.max()), float(DEPTHS[mises.argmax()])
 
 
 def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -257,10 +241,11 @@ def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[s
     if isinstance(bearing, BallBearing):
         raise Unavailable("Hertz pressures of runs are those of line contacts; this bearing has balls")
     found = {}
-    for pair, side in zip(contact_pairs(bearing), ("inner", "outer"), strict=False):
-        width = np.sqrt(pair.half_width_factor * samples[f"{side}_force"])
-        found[f"{side}_half_width"] = width
-        found[f"{side}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width  # Q = b² / factor
+    for pair in contact_pairs(bearing)[:2]:
+        width = np.sqrt(pair.half_width_factor * samples[f"{pair.kind}_force"])
+        found[f"{pair.kind}_half_width"] = width
+        # Q = b² / factor
+        found[f"{pair.kind}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width
     return {name: found[name] for name in DERIVED}
 
 

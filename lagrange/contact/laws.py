@@ -1,10 +1,9 @@
 """Contact laws Q(δ) of a rolling element on a raceway, and the choice of a law by name."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, log, pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,7 @@ SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
 
 @dataclass(frozen=True, kw_only=True)
 class PowerLaw:
-    """Q = K δ^n for δ > 0, else 0: the load-zone condition (24), (25). δ in m, Q in N."""
+    """Q = K δ^n for δ > 0, else 0: the load-zone condition (24), (25). δ in m, Q in N, of any shape."""
 
     name: str
     stiffness: float  # K, N/m^n
@@ -26,7 +25,7 @@ class PowerLaw:
     range: str = ""  # where the source says it holds
 
     def force(self, approach):
-        """Contact force, N, >= 0, of an approach (any shape), m."""
+        """Contact force, N, >= 0."""
         return self.stiffness * np.maximum(approach, 0.0) ** self.exponent
 
     def approach(self, force):
@@ -63,38 +62,22 @@ class LogarithmicLaw:
     range: str = ""
 
     def force(self, approach):
-        """Contact force, N, >= 0, of an approach (any shape), m, by Newton's method to round-off."""
-        depth = np.asarray(approach, dtype=float)
-        inside = np.minimum(np.maximum(depth, SHALLOWEST), self._largest_approach)  # np.clip is slow
-        u = self._bracket(inside)
-        beyond = depth > self._largest_approach
-        force = inside / u
-        if np.any(beyond):
-            force = force + np.where(beyond, depth - inside, 0.0) / (u - 1.0)
-        force = force / self.compliance
-        return np.where(depth > 0.0, force, 0.0)
+        depth, inside, u = self._bracketed(approach)
+        return np.where(depth > 0.0, (inside / u + (depth - inside) / (u - 1.0)) / self.compliance, 0.0)
 
     def approach(self, force):
-        """Approach, m, of a contact force, N, >= 0."""
         force = np.asarray(force, dtype=float)
         inside = np.clip(force, SHALLOWEST, self.largest_force)
         u = self.level - np.log(inside)
-        beyond = np.maximum(force - self.largest_force, 0.0)
-        return np.where(force > 0.0, self.compliance * (inside * u + beyond * (u - 1.0)), 0.0)
+        return np.where(force > 0.0, self.compliance * (inside * u + (force - inside) * (u - 1.0)), 0.0)
 
     def slope(self, approach):
-        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
-        depth = np.asarray(approach, dtype=float)
-        u = self._bracket(np.clip(depth, SHALLOWEST, self._largest_approach))
+        depth, _, u = self._bracketed(approach)
         return np.where(depth > 0.0, 1.0 / (self.compliance * (u - 1.0)), 0.0)
 
     def potential(self, approach):
-        """Energy stored in the contact, J."""
-        depth = np.asarray(approach, dtype=float)
-        inside = np.clip(depth, SHALLOWEST, self._largest_approach)
-        u = self._bracket(inside)
-        force = inside / (self.compliance * u)
-        beyond = np.maximum(depth - self._largest_approach, 0.0)
+        depth, inside, u = self._bracketed(approach)
+        force, beyond = inside / (self.compliance * u), depth - inside
         energy = 0.5 * self.compliance * force**2 * (u - 0.5)
         energy += beyond * (force + 0.5 * beyond / (self.compliance * (u - 1.0)))
         return np.where(depth > 0.0, energy, 0.0)
@@ -103,13 +86,18 @@ class LogarithmicLaw:
     def _largest_approach(self):
         return self.compliance * self.largest_force * (self.level - np.log(self.largest_force))
 
-    def _bracket(self, depth):
-        """u = B − ln Q of a depth: u − ln u = L = B + ln(S/δ), the root above 1."""
-        target = (self.level + np.log(self.compliance)) - np.log(depth)
+    def _bracketed(self, approach):
+        """Approaches, what of them lies on the logarithm, and u = B − ln Q: u − ln u = B + ln(S/δ), the root above 1.
+
+        By Newton's method, to round-off.
+        """
+        depth = np.asarray(approach, dtype=float)
+        inside = np.minimum(np.maximum(depth, SHALLOWEST), self._largest_approach)  # np.clip is slow
+        target = (self.level + np.log(self.compliance)) - np.log(inside)
         u = target + np.log(target)
         for _ in range(NEWTON_STEPS):
             u = u * (target + np.log(u) - 1.0) / (u - 1.0)
-        return u
+        return depth, inside, u
 
 
 class ContactLaws(NamedTuple):
@@ -119,29 +107,20 @@ class ContactLaws(NamedTuple):
     outer: PowerLaw | LogarithmicLaw
 
 
-class Published(NamedTuple):
-    """A power law of rollers as it is printed, Q = K L^l δ^n in N and mm."""
-
-    factor: float  # K
-    by_length: float  # l
-    exponent: float  # n
-    source: str
-
-
 STEEL_RANGE = "steel on steel, rollers with relieved ends, loads of rolling bearings"
-STEEL_LAWS = {  # measured on steel: they know the roller's length alone
+FITTED_RANGE = "line contact of rolling bearings, any elastic material"
+# measured on steel, they know the roller's length alone: K, l, n of Q = K L^l δ^n in N and mm, source
+STEEL_LAWS = {
     # equations (12), (13) of the paper; of crowned rollers
-    "harris": Published(
-        7.86e4, 8 / 9, 10 / 9, "Harris, Rolling Bearing Analysis, Q = 78 600 L^(8/9) δ^(10/9), N and mm"
-    ),
-    "palmgren": Published(
-        3.84e-5 ** (-1 / 0.9), 8 / 9, 1 / 0.9, "Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8"
-    ),  # Ball and Roller Bearing Engineering (3rd ed.)
+    "harris": (7.86e4, 8 / 9, 10 / 9, "Harris, Rolling Bearing Analysis, Q = 78 600 L^(8/9) δ^(10/9), N and mm"),
+    # Ball and Roller Bearing Engineering (3rd ed.)
+    "palmgren": (3.84e-5 ** (-1 / 0.9), 8 / 9, 1 / 0.9, "Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8"),
     # half of the approach of both contacts in series
-    "iso16281": Published(
+    "iso16281": (
         35948.0 * 2.0 ** (10 / 9), 8 / 9, 10 / 9, "ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9) for both contacts together"
     ),
-    "braendlein": Published(  # likewise; Brändlein, Eschmann, Hasbargen, Weigand, Die Wälzlagerpraxis (3rd ed.)
+    # likewise; Brändlein, Eschmann, Hasbargen, Weigand, Die Wälzlagerpraxis (3rd ed.)
+    "braendlein": (
         26200.0 * 2.0**1.08, 0.92, 1.08,
         "Brändlein et al. 1995 (second hand), Q = 26200 L^0.92 δ^1.08 for both contacts together",
     ),
@@ -150,38 +129,27 @@ STEEL_LAWS = {  # measured on steel: they know the roller's length alone
 
 def steel_law(name: str, roller_length: float) -> PowerLaw:
     """One of STEEL_LAWS for rollers of a length, m."""
-    law = STEEL_LAWS[name]
-    stiffness = law.factor * (1e3 * roller_length) ** law.by_length * 1e3**law.exponent
-    return PowerLaw(name=name, stiffness=stiffness, exponent=law.exponent, source=law.source, range=STEEL_RANGE)
+    factor, by_length, exponent, source = STEEL_LAWS[name]
+    stiffness = factor * (1e3 * roller_length) ** by_length * 1e3**exponent
+    return PowerLaw(name=name, stiffness=stiffness, exponent=exponent, source=source, range=STEEL_RANGE)
 
 
-def houpert(bearing: Bearing, side: Side) -> PowerLaw:
+def fitted_law(name: str, bearing: Bearing, side: Side) -> PowerLaw:
     """Power law fitted to the elastic line contact, c = (1 − ν²)/E of both bodies' mean; homogeneous in length.
 
-    Source: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand.
-    """
-    c = 0.5 * sum(compliances(bearing, side))
-    return PowerLaw(
-        name="houpert", stiffness=0.2723 * bearing.roller_length / (c * (2.0 * bearing.pitch_radius) ** 0.074),
-        exponent=1.074, source="Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074); the inner raceway's, used for both",
-        range=FITTED_RANGE,
-    )  # fmt: skip
-
-
-def teutsch_sauer(bearing: Bearing, side: Side) -> PowerLaw:
-    """The same by another fit.
-
-    Source: Teutsch and Sauer, An Alternative Slicing Technique to Consider Pressure Concentrations in Non-Hertzian Line
+    Sources: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand;
+    Teutsch and Sauer, An Alternative Slicing Technique to Consider Pressure Concentrations in Non-Hertzian Line
     Contacts, ASME J. Tribology 126 (2004).
     """
-    c = 0.5 * sum(compliances(bearing, side))
-    return PowerLaw(
-        name="teutsch_sauer",
-        stiffness=(3.17 * bearing.pitch_radius**0.08 * (c / bearing.roller_length) ** 0.92) ** (-1.0 / 0.92),
-        exponent=1.0 / 0.92,
-        source="Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92; the inner raceway's, used for both",
-        range=FITTED_RANGE,
-    )  # fmt: skip
+    c, L, radius = 0.5 * sum(compliances(bearing, side)), bearing.roller_length, bearing.pitch_radius
+    if name == "houpert":
+        stiffness, exponent = 0.2723 * L / (c * (2.0 * radius) ** 0.074), 1.074
+        formula = "Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074)"
+    else:
+        stiffness, exponent = (3.17 * radius**0.08 * (c / L) ** 0.92) ** (-1.0 / 0.92), 1.0 / 0.92
+        formula = "Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92"
+    source = f"{formula}; the inner raceway's, used for both"
+    return PowerLaw(name=name, stiffness=stiffness, exponent=exponent, source=source, range=FITTED_RANGE)
 
 
 def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
@@ -196,23 +164,20 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
     Range: plane strain, unrelieved ends, b well below R and t; the inner ring as a solid cylinder.
     """
     R1, (c1, c2) = bearing.element_radius, compliances(bearing, side)
-    pair = contact_pairs(bearing)[side == "outer"]
+    b_squared = contact_pairs(bearing)[side == "outer"].half_width_factor  # of 1 N
     if side == "inner":
         ring_term = log(4.0 * bearing.inner_raceway_radius / bearing.cosine) - 0.5
     else:
         thickness, nu = bearing.outside_radius - bearing.outer_raceway_radius, bearing.outer_ring.poisson_ratio
         ring_term = log(2.0 * thickness) - 0.5 * nu / (1.0 - nu)
-    b_squared = pair.half_width_factor  # of 1 N
     level = 2.0 * (c1 * (log(4.0 * R1) - 0.5) + c2 * ring_term) / (c1 + c2) - log(b_squared)
     return LogarithmicLaw(
-        name="johnson",
-        compliance=(c1 + c2) / (pi * bearing.roller_length),
-        level=level,
+        name="johnson", compliance=(c1 + c2) / (pi * bearing.roller_length), level=level,
         # at b = R1/2, but never near the maximum of δ(Q), which a thin ring brings closer
         largest_force=min((0.5 * R1) ** 2 / b_squared, exp(level - 2.0)),
         source=f"Johnson 1985, Tripp 1985: line contact of elastic cylinders, {side} raceway",
         range="plane strain; contact width small against roller and ring",
-    )
+    )  # fmt: skip
 
 
 def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
@@ -224,27 +189,11 @@ def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
     )  # fmt: skip
 
 
-def own_law(bearing: Bearing, side: Side) -> PowerLaw:
-    """A bearing's own law on one raceway."""
-    law = bearing.own_law
-    assert law is not None
-    stiffness = law.inner_stiffness if side == "inner" else law.outer_stiffness
-    return PowerLaw(
-        name=OWN, stiffness=stiffness, exponent=law.exponent,
-        source=f"the scene's own, Q = {stiffness:.4g} N/m^n · δ^n, n = {law.exponent:.4g}",
-        range=f"K = {law.inner_stiffness:.4g} and {law.outer_stiffness:.4g} N/m^n, n = {law.exponent:.4g}, {law.range}",
-    )  # fmt: skip
-
-
 OWN = "power"  # name of the bearing's own law
 MISFIT = 0.05  # of a force, above which a fitted law is no good
 STEEL = (190e9, 220e9)  # Pa, Young's modulus of bearing steels
-FITTED_RANGE = "line contact of rolling bearings, any elastic material"
 ROLLER_LAWS = (*STEEL_LAWS, "johnson", "houpert", "teutsch_sauer")
 BALL_LAWS = ("hertz",)
-_FORMULAS: dict[str, Callable[[Any, Side], PowerLaw | LogarithmicLaw]] = {
-    "johnson": johnson, "houpert": houpert, "teutsch_sauer": teutsch_sauer, "hertz": ball_law, OWN: own_law,
-}  # fmt: skip
 
 
 def law_names(bearing: Bearing) -> tuple[str, ...]:
@@ -273,9 +222,24 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
     if name not in known:
         kind = "balls" if isinstance(bearing, BallBearing) else "rollers"
         raise ValueError(f"unknown contact law {name!r} for {kind}; known: {', '.join(sorted(known))}")
+    return ContactLaws(_law(name, bearing, "inner"), _law(name, bearing, "outer"))
+
+
+def _law(name: str, bearing: Bearing, side: Side) -> PowerLaw | LogarithmicLaw:
     if name in STEEL_LAWS:
-        return ContactLaws(*2 * [steel_law(name, bearing.roller_length)])
-    return ContactLaws(_FORMULAS[name](bearing, "inner"), _FORMULAS[name](bearing, "outer"))
+        return steel_law(name, bearing.roller_length)
+    if name == "johnson":
+        return johnson(bearing, side)
+    if isinstance(bearing, BallBearing) and name == "hertz":
+        return ball_law(bearing, side)
+    if name != OWN or (own := bearing.own_law) is None:
+        return fitted_law(name, bearing, side)
+    K = own.inner_stiffness if side == "inner" else own.outer_stiffness
+    return PowerLaw(
+        name=OWN, stiffness=K, exponent=own.exponent,
+        source=f"the scene's own, Q = {K:.4g} N/m^n · δ^n, n = {own.exponent:.4g}",
+        range=f"K = {own.inner_stiffness:.4g} and {own.outer_stiffness:.4g} N/m^n, n = {own.exponent:.4g}, {own.range}",
+    )  # fmt: skip
 
 
 def warning(name: str, bearing: Bearing) -> str | None:

@@ -119,12 +119,10 @@ def lagrangian_pitch(
 
 def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
     """Approach of contacts, inner ones first, by hub and radii of rollers, (2 n_rollers, n_rollers + 2)."""
-    n, radial = bearing.n_rollers, np.stack([np.cos(theta), np.sin(theta)])
-    met = overlaps(bearing, place[0], place[1], *(radial * rho), rho)
-    normal = -np.stack([met.direction_x, met.direction_y])
+    n, met = bearing.n_rollers, overlaps(bearing, place[0], place[1], rho, theta)
     rates = np.zeros((2 * n, n + 2))
-    rates[:n, :2] = normal.T
-    rates[:n, 2:] = np.diag(-np.sum(normal * radial, axis=0))
+    rates[:n, :2] = np.transpose(met.normal)
+    rates[:n, 2:] = np.diag(-met.radial)
     rates[n:, 2:] = np.eye(n)
     return rates
 

@@ -7,8 +7,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, spsolve
 
 from fem.contacts.critical_step import critical_time_step
-from fem.elastic.assembly import assemble
-from fem.elastic.bodies import rigid_modes
+from fem.elastic.bodies import assemble, rigid_modes
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO

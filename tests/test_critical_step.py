@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critical_time_step
 from fem.contacts.points import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
-from fem.elastic.assembly import assemble
+from fem.elastic.bodies import assemble
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO

@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from fem.commands.run_fem import run_main
-from fem.elastic.assembly import assemble
+from fem.elastic.bodies import assemble
 from fem.elastic.outer_support import bored_ring
 from fem.interface import rating
 from fem.rating.report import write_page

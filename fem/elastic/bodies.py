@@ -6,6 +6,7 @@ keep shape, mass and, for what is drawn and stored, the mesh; all that is asked 
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -40,21 +41,17 @@ def stress_operator(points: np.ndarray, cells: np.ndarray, material: Material) -
     gradient = np.einsum("kj,cji->cki", shape, np.linalg.inv(jacobian))
     lame_lambda, lame_mu = material.lame_lambda, material.lame_mu
     gx, gy = gradient[..., 0], gradient[..., 1]  # (cell, corner)
-    per_cell = np.empty((len(cells), 3, corners, 2))
-    per_cell[:, 0, :, 0], per_cell[:, 0, :, 1] = (lame_lambda + 2.0 * lame_mu) * gx, lame_lambda * gy
-    per_cell[:, 1, :, 0], per_cell[:, 1, :, 1] = lame_lambda * gx, (lame_lambda + 2.0 * lame_mu) * gy
-    per_cell[:, 2, :, 0], per_cell[:, 2, :, 1] = lame_mu * gy, lame_mu * gx
-
+    stiff = lame_lambda + 2.0 * lame_mu
+    of_x, of_y = (stiff * gx, lame_lambda * gx, lame_mu * gy), (lame_lambda * gy, stiff * gy, lame_mu * gx)
+    per_cell = np.moveaxis(np.array([of_x, of_y]), (0, 1), (3, 1))  # (cell, stress, corner, component)
     area = size * np.linalg.det(jacobian)
     total = np.bincount(cells.ravel(), np.repeat(area, corners), n_nodes)
     share = area[:, None] / total[cells]  # (cell, node averaged to)
     values = share[:, :, None, None, None] * per_cell[:, None]
     rows = 3 * cells[:, :, None, None, None] + np.arange(3)[:, None, None]
     columns = 2 * cells[:, None, None, :, None] + np.arange(2)
-    rows, columns = np.broadcast_arrays(rows, columns)
-    return sparse.csr_matrix(
-        (values.ravel(), (rows.ravel(), columns.ravel())), shape=(3 * n_nodes, 2 * n_nodes)
-    )  # fmt: skip
+    rows, columns = (each.ravel() for each in np.broadcast_arrays(rows, columns))
+    return sparse.csr_matrix((values.ravel(), (rows, columns)), shape=(3 * n_nodes, 2 * n_nodes))
 
 
 def turned(stress: np.ndarray, angle) -> np.ndarray:
@@ -197,13 +194,10 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
     mesh, stiffness, lumped = _assembled(shape, material, thickness)
     full = material.density * thickness * np.pi * shape.radius**2
     mass = lumped * (full / lumped.sum())
+    if isinstance(shape, Disc):
+        mass = _end_corrected(mass, mesh.points, shape)
     return DiscBody(
-        shape=shape,
-        material=material,
-        points=mesh.points,
-        cells=mesh.cells,
-        mass=_end_corrected(mass, mesh.points, shape) if isinstance(shape, Disc) else mass,
-        stiffness=stiffness,
+        shape=shape, material=material, points=mesh.points, cells=mesh.cells, mass=mass, stiffness=stiffness
     )
 
 
@@ -211,16 +205,44 @@ def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh
     mesh = mesh_of(shape)
 
     def make():
-        from fem.elastic.assembly import assemble  # scikit-fem takes its time to load
-
-        matrices = assemble(mesh, material, thickness)
-        k = matrices.stiffness
-        return {"data": k.data, "indices": k.indices, "indptr": k.indptr, "mass": matrices.mass}
+        stiffness, mass = assemble(mesh, material, thickness)
+        return {"data": stiffness.data, "indices": stiffness.indices, "indptr": stiffness.indptr, "mass": mass}
 
     found = kept("matrices", repr((shape, material, thickness)), make)
     size = 2 * len(mesh.points)
     stiffness = sparse.csr_matrix((found["data"], found["indices"], found["indptr"]), shape=(size, size))
     return mesh, stiffness, found["mass"]
+
+
+class Assembled(NamedTuple):
+    """Matrices of one body; degree of freedom 2·i + k is component k of node i."""
+
+    stiffness: sparse.csr_matrix  # (2n, 2n), N/m
+    mass: np.ndarray  # (n,), kg, row sums of the consistent mass matrix
+
+
+def assemble(mesh: Mesh, material: Material, thickness: float) -> Assembled:
+    """Stiffness and lumped mass of a plane mesh.
+
+    Triangles are linear, quadrilaterals bilinear with 2 x 2 Gauss points. The thickness, m, enters here once:
+    masses are kg and forces N everywhere after.
+
+    Source: scikit-fem's linear elasticity with the three-dimensional Lamé constants, which is plane strain.
+    """
+    import skfem  # takes its time to load
+    from skfem.models.elasticity import linear_elasticity
+
+    points, cells = np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.cells.T)
+    if mesh.cells.shape[1] == 3:
+        grid, scalar, order = skfem.MeshTri(points, cells), skfem.ElementTriP1(), 2
+    else:
+        grid, scalar, order = skfem.MeshQuad(points, cells), skfem.ElementQuad1(), 3
+    vectors = skfem.Basis(grid, skfem.ElementVector(scalar), intorder=order)
+    stiffness = thickness * linear_elasticity(material.lame_lambda, material.lame_mu).assemble(vectors).tocsr()
+    mass = skfem.BilinearForm(lambda u, v, _: u * v).assemble(skfem.Basis(grid, scalar, intorder=order))
+    by_node = vectors.nodal_dofs.T.ravel()
+    lumped = material.density * thickness * np.asarray(mass.sum(axis=1)).ravel()
+    return Assembled(stiffness[by_node][:, by_node], lumped)
 
 
 def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarray:
@@ -331,38 +353,30 @@ class RingBody:
 
     def force(self, displacement: np.ndarray) -> np.ndarray:
         """K·u, N; both (n_rows, 2, n_sectors), polar."""
-        force = np.zeros_like(displacement)
-        moved = [np.roll(displacement, -shift, axis=-1) for shift in (-1, 0, 1)]
-        for row in range(self.n_rows):
-            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
-                for shift in (-1, 0, 1):
-                    force[row] += self.stencil[row, other - row + 1, shift + 1] @ moved[shift + 1][other]
-        return force
+        return (self.matrix @ displacement.ravel()).reshape(displacement.shape)
 
     @cached_property
     def matrix(self) -> sparse.csc_matrix:
         """Stiffness of the ring held nowhere, N/m; rows (node row, component, sector), polar."""
-        size, sectors = self.n_rows * 2 * self.n_sectors, np.arange(self.n_sectors)
-        rows, columns, values = [], [], []
+        n = self.n_sectors
+        circulants = [sparse.eye_array(n).tocsr()[(np.arange(n) + shift) % n] for shift in (-1, 0, 1)]
+        blocks = [sparse.kron(np.moveaxis(self._blocks[d], 1, 2).reshape(2 * self.n_rows, -1), circulants[d])
+                  for d in range(3)]  # fmt: skip
+        return sparse.csc_matrix(sum(blocks))
+
+    @cached_property
+    def _blocks(self) -> np.ndarray:
+        """By shift of the sector, what couples rows: (3, n_rows, n_rows, 2, 2), N/m."""
+        found = np.zeros((3, self.n_rows, self.n_rows, 2, 2))
         for row in range(self.n_rows):
             for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
-                for shift in (-1, 0, 1):
-                    for a, b in np.ndindex(2, 2):
-                        rows.append((2 * row + a) * self.n_sectors + sectors)
-                        columns.append((2 * other + b) * self.n_sectors + (sectors + shift) % self.n_sectors)
-                        value = self.stencil[row, other - row + 1, shift + 1, a, b]
-                        values.append(np.full(self.n_sectors, value))
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return sparse.csc_matrix(entries, shape=(size, size))
+                found[:, row, other] = self.stencil[row, other - row + 1]
+        return found
 
     def harmonic_stiffness(self, harmonics: np.ndarray) -> np.ndarray:
         """Stiffness acting on u(i, k) = û(i) exp(2πi·m·k/n_sectors), (n_harmonics, 2 n_rows, 2 n_rows), complex."""
         phase = np.exp(2j * np.pi * np.outer(harmonics, [-1, 0, 1]) / self.n_sectors)
-        matrix = np.zeros((len(harmonics), self.n_rows, 2, self.n_rows, 2), dtype=complex)
-        for row in range(self.n_rows):
-            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
-                coefficients = self.stencil[row, other - row + 1]
-                matrix[:, row, :, other, :] = np.einsum("md,dab->mab", phase, coefficients)
+        matrix = np.einsum("md,dijab->miajb", phase, self._blocks)
         return matrix.reshape(len(harmonics), 2 * self.n_rows, 2 * self.n_rows)
 
     @cached_property
@@ -420,42 +434,25 @@ def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: flo
     spread = np.abs(stencil - elsewhere).max() / np.abs(stencil).max()
     if spread > 1e-9 or np.ptp(mass, axis=1).max() > 1e-9 * mass.max():
         raise RuntimeError(f"the sectors of {shape} differ by {spread:.1e}: the mesh is not rotation-invariant")
+    mirrored = stencil[:, :, ::-1] * np.array([[1.0, -1.0], [-1.0, 1.0]])
     return RingBody(
-        shape=shape,
-        material=material,
-        points=mesh.points,
-        cells=mesh.cells,
-        radii=shape.radii,
-        row_mass=mass.mean(axis=1),
-        stencil=_mirrored(stencil),
-        held_row=0 if held_inside else rows - 1,
-    )
+        shape=shape, material=material, points=mesh.points, cells=mesh.cells, radii=shape.radii,
+        row_mass=mass.mean(axis=1), stencil=0.5 * (stencil + mirrored), held_row=0 if held_inside else rows - 1,
+    )  # fmt: skip
 
 
 def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarray:
     """Coefficients of one sector's nodes in polar components, (rows, 3, 3, 2, 2)."""
-    stencil = np.zeros((rows, 3, 3, 2, 2))
+    angle = 2.0 * np.pi * (sector + np.arange(-1, 2)) / sectors
+    c, s = np.cos(angle), np.sin(angle)
+    polar, stencil = np.moveaxis(np.array([[c, -s], [s, c]]), 2, 0), np.zeros((rows, 3, 3, 2, 2))
     for row in range(rows):
         node = row * sectors + sector
-        line = stiffness[2 * node : 2 * node + 2].toarray()
+        line = stiffness[2 * node : 2 * node + 2].toarray().reshape(2, rows, sectors, 2)
         for other in range(max(0, row - 1), min(rows, row + 2)):
-            for shift in (-1, 0, 1):
-                neighbour = other * sectors + (sector + shift) % sectors
-                block = line[:, 2 * neighbour : 2 * neighbour + 2]
-                stencil[row, other - row + 1, shift + 1] = (
-                    _polar(sector, sectors).T @ block @ _polar(sector + shift, sectors)
-                )
+            near = line[:, other, (sector + np.arange(-1, 2)) % sectors]  # (component, shift, component)
+            stencil[row, other - row + 1] = np.einsum("ba,bsc,scd->sad", polar[1], near, polar)
     return stencil
-
-
-def _polar(sector: int, sectors: int) -> np.ndarray:
-    angle = 2.0 * np.pi * sector / sectors
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-
-
-def _mirrored(stencil: np.ndarray) -> np.ndarray:
-    sign = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return 0.5 * (stencil + stencil[:, :, ::-1] * sign)
 
 
 class _Unstrained:

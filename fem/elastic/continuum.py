@@ -95,23 +95,37 @@ def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
     Round-off, at most 1e-11 relative at any n for the rings of a bearing.
     """
     loaded, held, material, _ = section
-    if held == 0.0 < loaded:
-        return _disc_compliance(section, n)
     if loaded <= 0.0 or held < 0.0 or loaded == held:
         raise ValueError(f"ring radii must be positive and differ: loaded {loaded:.4g} m, held {held:.4g} m")
-    n = _harmonics(n)
-    t = held / loaded
-    lame_lambda, lame_mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
+    lame_lambda, mu, kappa, t = material.lame_lambda, material.lame_mu, kolosov(material), held / loaded
+    still = abs(1.0 - t**2) / (2.0 * (lame_lambda + mu) + 2.0 * mu * t**2)
+    if held == 0.0:
+        # for n = 1 the pressure has a resultant, balanced by the inertia of a uniform acceleration; the displacement is
+        # u_r = −α r² cos θ, u_θ = −α r² sin θ, α = 1/(4 (λ+μ) R), whose mean over the area vanishes: half of n = 0
+        still = (kappa - 1.0) / (4.0 * mu)
+    return _surface(section, n, 1.0, (still, 0.5 * still), PRESSURE, 0, -section.convexity)
 
-    compliance = np.empty(n.shape)
-    is_axisymmetric = n == 0
-    compliance[is_axisymmetric] = abs(1.0 - t**2) / (2.0 * (lame_lambda + lame_mu) + 2.0 * lame_mu * t**2)
 
-    far, near = apart(n, t)
-    compliance[far] = (kappa / (n[far] + section.convexity) + 1.0 / (n[far] - section.convexity)) / (4.0 * lame_mu)
-    radial = annulus_surface(n[near], t, kappa, PRESSURE)[:, 0]
-    compliance[near] = -section.convexity * radial / (2.0 * lame_mu)
-    return loaded * compliance
+def _surface(section: Section, n: np.ndarray, sign: float, first, stress, component: int, towards: int) -> np.ndarray:
+    """Displacement of the loaded circle per unit stress, m/Pa; of a disc relative to its mean one.
+
+    Parameters
+    ----------
+    sign : of the part with κ, where the held circle is too far away to count, as in any disc
+    first : for n = 0, and for n = 1 of a disc, over the radius
+    stress, component, towards : of `annulus_surface`, and the sign of what is meant there
+    """
+    n, mu, kappa = _harmonics(n), section.material.lame_mu, kolosov(section.material)
+    many = np.maximum(n, 2)
+    found = (sign * kappa / (many + section.convexity) + 1.0 / (many - section.convexity)) / (4.0 * mu)
+    found[n == 0] = first[0]
+    if section.held == 0.0:
+        found[n == 1] = first[1]
+    else:
+        t = section.held / section.loaded
+        near = apart(n, t)[1]
+        found[near] = towards * annulus_surface(n[near], t, kappa, stress)[:, component] / (2.0 * mu)
+    return section.loaded * found
 
 
 def apart(n: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
@@ -151,20 +165,6 @@ def weight_sag(section: Section, gravity: float) -> float:
     conditions = np.concatenate([still[:2], free[2:]])
     weights = np.linalg.solve(conditions, -np.concatenate([of_weight(t)[:2], of_weight(1.0)[2:]]))
     return float(free[0] @ weights + of_weight(1.0)[0]) / (2.0 * mu)
-
-
-def _disc_compliance(disc: Section, n: np.ndarray) -> np.ndarray:
-    """`plane_compliance` of a free solid disc, its mean motion being zero.
-
-    Neither the area's mean displacement nor its mean rotation is counted. For n = 1 the pressure has a
-    resultant, balanced by the inertia of a uniform acceleration; the displacement is u_r = −α r² cos θ,
-    u_θ = −α r² sin θ, α = 1/(4 (λ+μ) R), whose mean over the area vanishes. It is half that of n = 0.
-    """
-    n, kappa = _harmonics(n), kolosov(disc.material)
-    is_one = n == 1
-    compliance = kappa / (n + 1) + 1.0 / np.where(is_one, 1, n - 1)
-    compliance[is_one] = 0.5 * (kappa - 1.0)
-    return disc.loaded / (4.0 * disc.material.lame_mu) * compliance
 
 
 def hertz_patch(n: np.ndarray, half_width: float, radius: float) -> np.ndarray:
@@ -386,69 +386,26 @@ def moving_softening(material: Material, speed: float) -> float:
 def shear_compliance(section: Section, n: np.ndarray) -> np.ndarray:
     """Tangential surface displacement per unit tangential traction sin nθ on the loaded circle.
 
-    Parameters and errors as of `continuum.plane_compliance`; m/Pa. For n = 0 a uniform traction, which accelerates a
-    disc's rotation.
+    Parameters and errors as of `plane_compliance`; m/Pa. For n = 0 a uniform traction, which accelerates a disc's
+    rotation.
+
+    Source: Muskhelishvili's potentials for n >= 2; for n = 0 and 1 of a disc the polynomials r³ and r² cos θ, r² sin θ
+    that balance a uniform angular and linear acceleration.
     """
-    n = np.asarray(n)
-    if section.held == 0.0:
-        return _disc_shear_compliance(section, n)
-    t, convexity = section.held / section.loaded, section.convexity
-    mu, kappa = section.material.lame_mu, kolosov(section.material)
-    found = np.empty(n.shape)
-    found[n == 0] = abs(1.0 / t**2 - 1.0) / (2.0 * mu)
-    far, near = apart(n, t)
-    found[far] = (kappa / (n[far] + convexity) + 1.0 / (n[far] - convexity)) / (4.0 * mu)
-    found[near] = convexity * annulus_surface(n[near], t, kappa, TRACTION)[:, 1] / (2.0 * mu)
-    return section.loaded * found
-
-
-def _disc_shear_compliance(disc: Section, n: np.ndarray) -> np.ndarray:
-    """The same of a free solid disc, without its mean motion.
-
-    Source: Muskhelishvili's potentials for n >= 2; for n = 0 and 1 the polynomials r³ and r² cos θ, r² sin θ that
-    balance a uniform angular and linear acceleration.
-    """
-    material = disc.material
-    mu, lame, kappa = material.lame_mu, material.lame_lambda, kolosov(material)
-    found = (kappa / (n + 1.0) + 1.0 / np.where(n < 2, 1, n - 1)) / (4.0 * mu)
-    found[n == 0] = 1.0 / (6.0 * mu)
-    found[n == 1] = 0.75 / mu - lame / (4.0 * mu * (lame + mu))
-    return disc.loaded * found
+    mu, lame = section.material.lame_mu, section.material.lame_lambda
+    still = 1.0 / (6.0 * mu) if section.held == 0.0 else abs((section.loaded / section.held) ** 2 - 1.0) / (2.0 * mu)
+    first = still, 0.75 / mu - lame / (4.0 * mu * (lame + mu))
+    return _surface(section, n, 1.0, first, TRACTION, 1, section.convexity)
 
 
 def cross_compliance(section: Section, n: np.ndarray) -> np.ndarray:
     """Displacement cos nθ into a body per unit tangential traction sin nθ on the loaded circle.
 
-    Parameters and errors as of `continuum.plane_compliance`; m/Pa. By Betti it is also the displacement along sin nθ
-    under a pressure cos nθ.
+    Parameters and errors as of `plane_compliance`; m/Pa. By Betti it is also the displacement along sin nθ under a
+    pressure cos nθ, from which a disc's for n = 1 follows.
     """
-    n = np.asarray(n)
-    if section.held == 0.0:
-        return _disc_cross_compliance(section, n)
-    t, convexity = section.held / section.loaded, section.convexity
-    mu, kappa = section.material.lame_mu, kolosov(section.material)
-    found = np.zeros(n.shape)
-    far, near = apart(n, t)
-    found[far] = (1.0 / (n[far] - convexity) - kappa / (n[far] + convexity)) / (4.0 * mu)
-    found[near] = -annulus_surface(n[near], t, kappa, TRACTION)[:, 0] / (2.0 * mu)
-    return section.loaded * found
-
-
-def _disc_cross_compliance(disc: Section, n: np.ndarray) -> np.ndarray:
-    """The same of a free solid disc, without its mean motion.
-
-    Source: as of `_disc_shear_compliance`; n = 1 by Betti from `continuum.plane_compliance`.
-    """
-    kappa = kolosov(disc.material)
-    found = 1.0 / np.where(n < 2, 1, n - 1) - kappa / (n + 1.0)
-    found[n == 0] = 0.0
-    found[n == 1] = 0.5 * (1.0 - kappa)
-    return disc.loaded / (4.0 * disc.material.lame_mu) * found
-
-
-def shear_approach(section: Section, half_width: float) -> float:
-    """Tangential displacement under the centre of each semi-elliptic traction, m per N/m."""
-    return hertz_centre(shear_compliance, section, half_width)
+    first = 0.0, (1.0 - kolosov(section.material)) / (8.0 * section.material.lame_mu)
+    return _surface(section, n, -1.0, first, TRACTION, 0, -1)
 
 
 def stick_approach(section: Section, half_width: float) -> float:
@@ -459,4 +416,5 @@ def stick_approach(section: Section, half_width: float) -> float:
 
     Source: Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics (1985), sections 2.8 and 7.2.
     """
-    return shear_approach(section, half_width) - 1.0 / (pi * section.material.plane_strain_modulus)
+    of_ellipse = hertz_centre(shear_compliance, section, half_width)
+    return of_ellipse - 1.0 / (pi * section.material.plane_strain_modulus)

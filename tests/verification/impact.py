@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import eigsh
 
 from fem.contacts.contact_law import ContactLaw
-from fem.elastic.assembly import assemble
+from fem.elastic.bodies import assemble
 from fem.kernels import disc_kernels
 from fem.kernels.law import contact_force
 from fem.kernels.state import Disc
@@ -56,7 +56,7 @@ def strip(n_elements: int) -> Mesh:
 def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     """Drop the bar, unstrained and at rest, and follow it.
 
-    Assembled by `fem.elastic.assembly` in plane strain, one-dimensional because Poisson's ratio is 0; moved by the
+    Assembled by `fem.elastic.bodies` in plane strain, one-dimensional because Poisson's ratio is 0; moved by the
     kernels of a free body, whose frame is left standing; the floor pushes with `fem.kernels.law`, as stiff as one
     element.
     """

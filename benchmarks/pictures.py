@@ -69,7 +69,7 @@ def below_contacts(folder: Path) -> None:
             path = folder / "standing.nc"
             sets = (f"operation.first_roller_deg={degrees}", "operation.speed_rpm=0", "operation.gravity_m_s2=0")
             options = [word for each in sets for word in ("--set", each)]
-            options += ["--mesh-size", str(mesh_size), "--duration", "0", "--quiet", "--output", str(path)]
+            options += ["--mesh-size", str(mesh_size), "--duration", "0", "--quiet", "--force", "--output", str(path)]
             assert run_main(options) == 0
             run = StoredRun(path)
             drawn = drawn_bearing(run.instant(0))

@@ -177,13 +177,8 @@ class Tree:
         ------
         RuntimeError: it failed, with what it said.
         """
-        told = subprocess.run(
-            [sys.executable, "-m", module, *arguments],
-            cwd=self.room,
-            env=self.environment | environment,
-            capture_output=True,
-            text=True,
-        )
+        command, environment = [sys.executable, "-m", module, *arguments], self.environment | environment
+        told = subprocess.run(command, cwd=self.room, env=environment, capture_output=True, text=True)
         if told.returncode:
             raise RuntimeError(f"{self.folder}: {module} {' '.join(arguments)}\n{told.stderr.strip()}")
 

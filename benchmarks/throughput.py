@@ -48,12 +48,10 @@ class Machine:
     update_rate: dict[str, float]  # B/s of a[i] += s·b[i]: two read, one written
     cache_bytes: dict[str, int]
 
-    def level(self, size: float) -> str:
-        """The nearest level that holds so many bytes."""
-        for name, room in self.cache_bytes.items():
-            if size <= room:
-                return name
-        return "memory"
+    def floor(self, operations: float, moved: float, working_set: float) -> tuple[float, str]:
+        """Seconds that so many multiply-adds and bytes of a set of so many take, and the ceiling that binds."""
+        level = next((name for name, room in self.cache_bytes.items() if working_set <= room), "memory")
+        return max((operations / self.fma_rate, "arithmetic"), (moved / self.update_rate[level], level))
 
 
 @njit
@@ -278,42 +276,26 @@ def step_seconds(plan: ElementPlan, repeats: int = 3) -> float:
     return median_seconds(advance, samples, repeats=repeats) / samples / plan.stride
 
 
-@dataclass(frozen=True, kw_only=True)
-class Work:
-    """The least work that one step needs; contacts, a few hundred nodes, are not counted."""
+def least_work(plan: ElementPlan) -> tuple[dict[str, float], float, float]:
+    """Operations of one step by phase, bytes moved, and bytes of state and matrices, at least.
 
-    operations: dict[str, float]  # by phase
-    bytes_moved: float
-    working_set: float  # bytes of state and matrices
-
-    def floor(self, machine: Machine) -> tuple[float, str]:
-        """Seconds per step, and the ceiling that binds."""
-        level = machine.level(self.working_set)
-        arithmetic = sum(self.operations.values()) / machine.fma_rate
-        traffic = self.bytes_moved / machine.update_rate[level]
-        return (arithmetic, "arithmetic") if arithmetic > traffic else (traffic, level)
-
-
-def least_work(plan: ElementPlan) -> Work:
-    """Count the operations and bytes of one step of a bearing."""
+    Contacts, a few hundred nodes, are not counted.
+    """
     a, n = plan.arrays(), plan.model.bearing.n_rollers
-    disc = a.bodies.disc.mass.size * n
+    disc, stiffness = a.bodies.disc.mass.size * n, a.bodies.disc.blocks.size * n
     rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.bodies.inner, a.bodies.outer)]
     slowed = {LUMPED: 0.0, SECOND: 1.0, THIRD: 2.0}[plan.mass]  # the stiffness is applied as often again
-    turning = TURN if plan.operation.speed else STILL
     tables = a.bodies.disc.blocks.nbytes + a.bodies.disc.neighbours.nbytes
-    return Work(
-        operations={
-            "rollers' forces": a.bodies.disc.blocks.size * n,
-            "rings' forces": RING_STENCIL * sum(rings),
-            "rollers' waves": slowed * a.bodies.disc.blocks.size * n,
-            "rings' waves": slowed * RING_STENCIL * sum(rings),
-            "rollers' motion": ROLLER_UPDATE * disc,
-            "rings' motion": turning * rings[0] + STILL * rings[1],
-        },
-        bytes_moved=STATE_BYTES * (disc + sum(rings)) + tables,
-        working_set=0.5 * STATE_BYTES * (disc + sum(rings)) + tables,
-    )
+    operations = {
+        "rollers' forces": stiffness,
+        "rings' forces": RING_STENCIL * sum(rings),
+        "rollers' waves": slowed * stiffness,
+        "rings' waves": slowed * RING_STENCIL * sum(rings),
+        "rollers' motion": ROLLER_UPDATE * disc,
+        "rings' motion": (TURN if plan.operation.speed else STILL) * rings[0] + STILL * rings[1],
+    }
+    state = STATE_BYTES * (disc + sum(rings))
+    return operations, state + tables, 0.5 * state + tables
 
 
 PEAK = """
@@ -366,7 +348,7 @@ class Mesh:
     setup: float  # s
     phases: dict[str, float]  # s per step
     step: float  # s
-    work: Work
+    work: tuple[dict[str, float], float, float]  # of `least_work`
     state_bytes: int
 
     @property
@@ -384,14 +366,9 @@ def measure(size_mm: float) -> Mesh:
     setup, plan = timed(paper_plan, size_mm, clock=time.perf_counter)
     plan.prepare()
     return Mesh(
-        size_mm=size_mm,
-        plan=plan,
-        setup=setup,
-        phases=time_phases(plan),
-        step=step_seconds(plan),
-        work=least_work(plan),
-        state_bytes=plan.arrays().nbytes,
-    )
+        size_mm=size_mm, plan=plan, setup=setup, phases=time_phases(plan), step=step_seconds(plan),
+        work=least_work(plan), state_bytes=plan.arrays().nbytes,
+    )  # fmt: skip
 
 
 def ceilings(found: Machine) -> Table:
@@ -418,12 +395,12 @@ def phase_table(meshes: list[Mesh], found: Machine) -> Table:
     table.add_section()
     row("sum of the phases", [sum(m.phases.values()) for m in meshes])
     row("whole step, measured", [m.step for m in meshes], style="bold")
-    floors = [m.work.floor(found) for m in meshes]
+    floors = [found.floor(sum(m.work[0].values()), *m.work[1:]) for m in meshes]
     row("floor", [f[0] for f in floors])
     table.add_row("ceiling that binds", *[f[1] for f in floors])
     table.add_row("whole step over floor", *[f"{m.step / f[0]:.1f}" for m, f in zip(meshes, floors, strict=True)])
     for name in KERNELS:
-        shares = [m.work.operations[name] / m.phases[name] for m in meshes]
+        shares = [m.work[0][name] / m.phases[name] for m in meshes]
         table.add_row(
             f"{name}: share of the arithmetic ceiling", *[f"{100 * s / found.fma_rate:.0f} %" for s in shares]
         )
@@ -442,11 +419,6 @@ def size_table(meshes: list[Mesh]) -> Table:
         for m in meshes
     )  # fmt: skip
     return new_table("The paper's scene", headings, rows)
-
-
-def exponent(meshes: list[Mesh]) -> float:
-    """Exponent with which the time for a fixed simulated time grows over the degrees of freedom."""
-    return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
 
 
 COMMAND = "python -m benchmarks.throughput"
@@ -478,10 +450,11 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
     rows = []
     if len(meshes) > 1:
         fine = [m for m in meshes if m.size_mm <= 1.0]
-        power = "time grows as DOF to the power, all meshes (explicit limit in 2D: 1.5)"
-        rows.append((power, f"{exponent(meshes):.2f}"))
-        if len(fine) > 1 and len(fine) < len(meshes):
-            rows.append(("from 1 mm down", f"{exponent(fine):.2f}"))
+        every = "time grows as DOF to the power, all meshes (explicit limit in 2D: 1.5)"
+        for name, some in ((every, meshes), ("from 1 mm down", fine)):
+            if some is meshes or 1 < len(fine) < len(meshes):
+                power = np.polyfit(np.log([m.freedom for m in some]), np.log([m.full for m in some]), 1)[0]
+                rows.append((name, f"{power:.2f}"))
         few, many = (peak_bytes(size) for size in (max(sizes), min(sizes)))
         each = (many[1] - few[1]) / (many[0] - few[0])
         rows.append((f"peak memory of a process at {max(sizes):g} mm, MB", f"{few[1] / 1e6:.0f}"))

@@ -80,10 +80,7 @@ def _study(
         if output is not None or dry_run or resume or scheduler is not None or workers is not None or keep_runs:
             raise UsageError("--collect solves nothing: only --quiet goes with it")
         folder = Folder(path=collect)
-        code = _collect(folder.points(), folder, quiet)
-        if code and (other := folder.other_program()):
-            say(f"warning: {other}; points that this one can't read are missing; --resume solves all again")
-        return code
+        return _collect(folder.points(), folder, quiet)
     read = read_study(Path(study or ""))
     design = design_of(read)
     with count_display("points checked", len(design.points), quiet) as count:
@@ -122,7 +119,7 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
 
 def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     """Dataset and page of the points that are done."""
-    from fem.study.folder import write_dataset
+    from fem.study.folder import MISSING, write_dataset
     from fem.study.page import outcome_lines, write_page
     from fem.study.solving import COMPLETE
 
@@ -135,6 +132,8 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     elif not is_complete:
         for line in lines:
             say(line)
+    if (dataset.status == MISSING).any() and (other := folder.other_program()):
+        say(f"warning: {other}; points that this one can't read are missing; --resume solves all again")
     return 0 if is_complete else 1
 
 

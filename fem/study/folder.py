@@ -213,8 +213,8 @@ class Folder:
         try:
             yield
         except OSError as error:
-            told = f"{error.strerror}; finished points are kept, --resume goes on"
-            raise OSError(error.errno, told, str(self.path)) from None
+            reason = f"{error.strerror}; finished points are kept, --resume goes on"
+            raise OSError(error.errno, reason, str(self.path)) from None
 
 
 def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> xarray.Dataset:

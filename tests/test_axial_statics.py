@@ -11,8 +11,7 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.rating.equilibria import TiltedPitch, tilted_pitch
 from fem.solver.start import narrow_slices
-from fem.statics.exact_statics import exact_statics
-from fem.statics.reduced_bearing import kept_contacts
+from fem.statics.exact_statics import exact_statics, kept_contacts
 from lagrange.axial import Axial
 from lagrange.axial.facts import Profile
 from lagrange.contact.hertz import contact_pairs

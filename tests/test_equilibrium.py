@@ -45,13 +45,9 @@ SOFT = Material(youngs_modulus=3e9, poisson_ratio=0.45, density=1200.0)
 
 def motion(bearing, first, turn=0.0, cage_speed=0.0, roller_speed=0.0, ring_speed=0.0):
     return Motion(
-        roller_angle=roller_angles(bearing, first),
-        roller_turn=np.full(bearing.n_rollers, turn),
-        ring_turn=turn,
-        cage_speed=cage_speed,
-        roller_speed=roller_speed,
-        ring_speed=ring_speed,
-    )
+        roller_angle=roller_angles(bearing, first), roller_turn=np.full(bearing.n_rollers, turn), ring_turn=turn,
+        cage_speed=cage_speed, roller_speed=roller_speed, ring_speed=ring_speed,
+    )  # fmt: skip
 
 
 @lru_cache
@@ -300,13 +296,9 @@ def test_the_rolling_start_passes_through_its_neighbouring_equilibria(load):
 
     def at(time):
         moved = Motion(
-            roller_angle=start.angle + ideal.cage * time,
-            roller_turn=np.full(13, ideal.roller * time),
-            ring_turn=how.speed * time,
-            cage_speed=ideal.cage,
-            roller_speed=ideal.roller,
-            ring_speed=how.speed,
-        )
+            roller_angle=start.angle + ideal.cage * time, roller_turn=np.full(13, ideal.roller * time),
+            ring_turn=how.speed * time, cage_speed=ideal.cage, roller_speed=ideal.roller, ring_speed=how.speed,
+        )  # fmt: skip
         return equilibrium(whole, moved, Loads.of(how), start.equilibrium)
 
     before, after = at(-ahead), at(ahead)

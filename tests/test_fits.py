@@ -13,7 +13,7 @@ from fem.elastic.bodies import assemble
 from fem.elastic.outer_support import bored_ring
 from fem.interface import rating
 from fem.rating.report import write_page
-from fem.statics.reduced_bearing import reduced_bearing
+from fem.statics.exact_statics import reduced_bearing
 from lagrange import BallBearing, Material
 from lagrange.bearing import Bearing
 from lagrange.fits import OperatingClearance, Tube, fit_pressure, operating_clearance, spinning_growth

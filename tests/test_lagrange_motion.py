@@ -45,15 +45,11 @@ def random_state(rng, shape=()):
     """Approaches of ± some 0.1 mm: open and closed contacts."""
     wide = (*shape, N)
     return State(
-        x=rng.uniform(-1e-4, 1e-4, shape),
-        y=rng.uniform(-1e-4, 1e-4, shape),
-        rho=BEARING.pitch_radius + rng.uniform(-2e-4, 2e-4, wide),
-        theta=rng.uniform(-np.pi, np.pi, wide),
-        x_rate=rng.uniform(-1.0, 1.0, shape),
-        y_rate=rng.uniform(-1.0, 1.0, shape),
-        rho_rate=rng.uniform(-1.0, 1.0, wide),
-        theta_rate=rng.uniform(-400.0, 400.0, wide),
-    )
+        x=rng.uniform(-1e-4, 1e-4, shape), y=rng.uniform(-1e-4, 1e-4, shape),
+        rho=BEARING.pitch_radius + rng.uniform(-2e-4, 2e-4, wide), theta=rng.uniform(-np.pi, np.pi, wide),
+        x_rate=rng.uniform(-1.0, 1.0, shape), y_rate=rng.uniform(-1.0, 1.0, shape),
+        rho_rate=rng.uniform(-1.0, 1.0, wide), theta_rate=rng.uniform(-400.0, 400.0, wide),
+    )  # fmt: skip
 
 
 def parameters(pair, damping):
@@ -129,12 +125,9 @@ def test_damped_contacts_lose_power_and_never_pull():
     # rates of the approaches by moving the state a little
     step = 1e-9
     moved = replace(
-        state,
-        x=state.x + step * state.x_rate,
-        y=state.y + step * state.y_rate,
-        rho=state.rho + step * state.rho_rate,
+        state, x=state.x + step * state.x_rate, y=state.y + step * state.y_rate, rho=state.rho + step * state.rho_rate,
         theta=state.theta + step * state.theta_rate,
-    )
+    )  # fmt: skip
     later = contact_state(BEARING, pair, moved)
     for side in ("inner", "outer"):
         rate = (getattr(later, side) - getattr(plain, side)) / step

@@ -124,12 +124,9 @@ def test_any_clearance_preload_and_load_has_an_equilibrium():
 def test_unloaded_bearing_with_clearance_stays_put():
     bearing = replace(PAPER, outer_raceway_radius=0.02801)
     found = static_equilibrium(
-        bearing,
-        replace(STANDING, radial_load=0.0),
-        contact_laws("harris", bearing),
-        roller_mass=0.0,
+        bearing, replace(STANDING, radial_load=0.0), contact_laws("harris", bearing), roller_mass=0.0,
         start=(1e-6, 2e-6),
-    )
+    )  # fmt: skip
     assert (found.x, found.y) == (1e-6, 2e-6) and not found.inner_force.any()
 
 

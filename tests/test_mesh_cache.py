@@ -63,18 +63,14 @@ def meshed(monkeypatch):
 
 
 @pytest.mark.parametrize("shape", [DISC, RING])
-def test_the_same_shape_gives_the_same_file_bytes(shape, tmp_path):
-    cache.write(tmp_path / "first.npy", make(shape))
-    cache.write(tmp_path / "second.npy", make(shape))
-    assert (tmp_path / "first.npy").read_bytes() == (tmp_path / "second.npy").read_bytes()
-
-
-@pytest.mark.parametrize("shape", [DISC, RING])
-def test_a_mesh_is_made_once_and_then_read(shape, folder, meshed):
+def test_a_mesh_is_made_once_and_then_read_and_always_the_same_bytes(shape, folder, meshed, tmp_path):
     first, second = mesh_of(shape), mesh_of(shape)
     assert meshed == [shape]
     assert_same(second, first)
     assert [entry.name for entry in folder.iterdir()] == [cache.file_name(shape)]
+    for name in ("first.npy", "second.npy"):
+        cache.write(tmp_path / name, make(shape))
+    assert (tmp_path / "first.npy").read_bytes() == (tmp_path / "second.npy").read_bytes()
 
 
 def test_file_names_tell_shapes_and_recipes_apart(monkeypatch):
@@ -87,24 +83,13 @@ def test_file_names_tell_shapes_and_recipes_apart(monkeypatch):
     assert cache.file_name(DISC) not in names
 
 
-def entry_of_another_shape(good, path):
-    cache.write(path, make(Disc(radius=0.0037, layers=2)))
+def changed(at, value):
+    def damage(good, path):
+        cells = np.load(path)
+        cells[at] = cells[at][::-1] if value is None else value
+        np.save(path, cells)
 
-
-def swapped_nodes(good, path):
-    cells = np.load(path)
-    cells[3] = cells[3][::-1]
-    np.save(path, cells)
-
-
-def node_of_no_mesh(good, path):
-    cells = np.load(path)
-    cells[0, 0] = 10_000
-    np.save(path, cells)
-
-
-def pickled(good, path):
-    np.save(path, np.array([[{}]], dtype=object), allow_pickle=True)
+    return damage
 
 
 def missing_cell(good, path):
@@ -119,10 +104,10 @@ DAMAGE = {
     "binary garbage": lambda good, path: path.write_bytes(np.random.default_rng(1).bytes(4000)),
     "text": lambda good, path: path.write_text("nodes and cells\n"),
     "zeros": lambda good, path: path.write_bytes(b"\0" * len(good)),
-    "another shape": entry_of_another_shape,
-    "a cell the wrong way round": swapped_nodes,
-    "a node that is not there": node_of_no_mesh,
-    "a pickle": pickled,
+    "another shape": lambda good, path: cache.write(path, make(Disc(radius=0.0037, layers=2))),
+    "a cell the wrong way round": changed(3, None),
+    "a node that is not there": changed((0, 0), 10_000),
+    "a pickle": lambda good, path: np.save(path, np.array([[{}]], dtype=object), allow_pickle=True),
     "a missing cell": missing_cell,
 }
 
@@ -140,24 +125,22 @@ def test_a_damaged_entry_is_made_again_and_mended(damage, folder, meshed):
     assert len(list(folder.iterdir())) == 1
 
 
-def test_a_failed_write_leaves_nothing_behind(folder, meshed, monkeypatch):
-    def full_disc(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "replace", full_disc)
-    assert_same(mesh_of(DISC), make(DISC))
-    assert list(folder.iterdir()) == []
+NO_SPACE = OSError(28, "No space left on device")
+REFUSALS = PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")
 
 
-@pytest.mark.parametrize("refusal", [PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")])
-def test_a_read_only_cache_costs_a_meshing_and_nothing_else(refusal, folder, meshed, monkeypatch):
+@pytest.mark.parametrize(
+    "place, refusal", [("os.replace", NO_SPACE), *(("lagrange.files.output.write_whole", each) for each in REFUSALS)]
+)
+def test_a_cache_that_cannot_be_written_costs_a_meshing_and_nothing_else(place, refusal, folder, meshed, monkeypatch):
     def refuse(*_, **__):
         raise refusal
 
-    monkeypatch.setattr("lagrange.files.output.write_whole", refuse)
-    assert_same(mesh_of(DISC), make(DISC))
-    assert_same(mesh_of(DISC), make(DISC))
+    monkeypatch.setattr(place, refuse)
+    for _ in range(2):
+        assert_same(mesh_of(DISC), make(DISC))
     assert meshed == [DISC, DISC]
+    assert not folder.exists() or list(folder.iterdir()) == []
 
 
 def test_a_cache_that_cannot_be_a_folder_costs_a_meshing_and_nothing_else(tmp_path, meshed, monkeypatch):
@@ -251,43 +234,37 @@ class Maker:
         return {"a": np.arange(self.size, dtype=float), "b": np.array(2.5)}
 
 
-def test_is_made_once(folder_kept):
-    make = Maker()
-    first, second = kept("some", "key", make), kept("some", "key", make)
-    assert make.calls == 1 and float(second["b"]) == 2.5
-    np.testing.assert_array_equal(first["a"], second["a"])
+def no_archive():
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("a.npy", b"no array")
+    return archive.getvalue()
 
 
-def test_another_key_or_kind_is_another_entry(folder_kept):
+def test_results_are_made_once_by_kind_and_key_and_large_ones_not_kept(folder_kept):
     make = Maker()
-    for kind, key in (("some", "key"), ("some", "other"), ("more", "key")):
-        kept(kind, key, make)
+    for kind, key in 2 * (("some", "key"), ("some", "other"), ("more", "key")):
+        found = kept(kind, key, make)
+        assert found["a"].tolist() == [0.0, 1.0, 2.0] and float(found["b"]) == 2.5
     assert make.calls == 3
+    kept("large", "key", Maker(size=int(LARGEST / 8) + 1))
+    assert len(list(folder_kept.rglob("*.npz"))) == 3
 
 
-@pytest.mark.parametrize("damage", [b"", b"no archive", None])
+@pytest.mark.parametrize("damage", [b"", b"no archive", None, "sealed"])
 def test_a_damaged_entry_is_made_anew(folder_kept, damage):
     make = Maker()
     kept("some", "key", make)
     (path,) = folder_kept.iterdir()
     data = bytearray(path.read_bytes())
     data[len(data) // 3] ^= 255
-    path.write_bytes(bytes(data) if damage is None else damage)
-    assert kept("some", "key", make)["a"].tolist() == [0.0, 1.0, 2.0]
-    assert make.calls == 2
-    kept("some", "key", make)
-    assert make.calls == 2, "the damaged entry has been replaced"
-
-
-def test_an_archive_of_anything_but_arrays_is_made_anew(folder_kept):
-    make = Maker()
-    kept("some", "key", make)
-    (path,) = folder_kept.iterdir()
-    archive = io.BytesIO()
-    with zipfile.ZipFile(archive, "w") as file:
-        file.writestr("a.npy", b"no array")
-    write_sealed(path, archive.getvalue())
-    assert kept("some", "key", make)["a"].tolist() == [0.0, 1.0, 2.0]
+    if damage == "sealed":
+        write_sealed(path, no_archive())
+    else:
+        path.write_bytes(bytes(data) if damage is None else damage)
+    for _ in range(2):
+        assert kept("some", "key", make)["a"].tolist() == [0.0, 1.0, 2.0]
+        assert make.calls == 2, "the damaged entry has been replaced"
 
 
 def test_a_folder_that_cannot_be_written_costs_time_only(folder_kept):
@@ -295,11 +272,6 @@ def test_a_folder_that_cannot_be_written_costs_time_only(folder_kept):
     make = Maker()
     assert kept("some", "key", make)["a"].size == 3 and kept("some", "key", make)["a"].size == 3
     assert make.calls == 2
-
-
-def test_what_is_large_is_not_kept(folder_kept):
-    kept("some", "key", Maker(size=int(LARGEST / 8) + 1))
-    assert not list(folder_kept.rglob("*.npz"))
 
 
 # Compiled kernels are kept for one text of all modules they may be made of
@@ -376,8 +348,15 @@ def test_a_ring_has_equal_sectors_and_equidistant_rows(ring):
     np.testing.assert_allclose(radii, np.repeat(wanted[:, None], ring.sectors, axis=1), rtol=4e-15)
     angles = np.unwrap(np.arctan2(rows[..., 1], rows[..., 0]), axis=1)
     np.testing.assert_allclose(
-        angles, np.tile(2.0 * pi * np.arange(ring.sectors) / ring.sectors, (len(rows), 1)), atol=1e-13
+        angles, 2.0 * pi * np.arange(ring.sectors) / ring.sectors + np.zeros((len(rows), 1)), atol=1e-13
     )
+    row, sector = np.divmod(mesh.cells, ring.sectors)  # every cell joins neighbouring rows and sectors
+    assert np.all(np.ptp(row, axis=1) == 1)
+    apart = np.abs(sector[:, :, None] - sector[:, None, :])
+    assert np.minimum(apart, ring.sectors - apart).max() == 1
+    found = quality(mesh)  # off the right angle by half a sector
+    assert found.smallest_angle == pytest.approx(90.0 - 180.0 / ring.sectors, abs=1e-9)
+    assert found.largest_angle == pytest.approx(90.0 + 180.0 / ring.sectors, abs=1e-9)
 
 
 @pytest.mark.parametrize("shape", DISCS + RINGS)
@@ -395,14 +374,6 @@ def test_cells_tile_the_shape_without_holes_or_overlap(shape):
     assert set(count.values()) == {1, 2}
     assert sum(n == 1 for n in count.values()) == rims
     assert len(mesh.points) - len(count) + len(mesh.cells) == 1 - holes, "Euler's formula"
-
-
-def test_every_cell_of_a_ring_joins_neighbouring_rows_and_sectors():
-    ring = RINGS[0]
-    row, sector = np.divmod(make(ring).cells, ring.sectors)
-    assert np.all(np.ptp(row, axis=1) == 1)
-    apart = np.abs(sector[:, :, None] - sector[:, None, :])
-    assert np.minimum(apart, ring.sectors - apart).max() == 1
 
 
 @pytest.mark.parametrize("layers", [2, 3, 4, 5, 8, 13, 20, 2.5, 3.5, 4.5, 9.5, 20.5])
@@ -437,13 +408,6 @@ def test_a_disc_looks_the_same_turned_and_mirrored(layers):
     assert corners(mesh.points * [1.0, -1.0]) == corners(mesh.points)
 
 
-@pytest.mark.parametrize("ring", RINGS)
-def test_quadrilaterals_of_a_ring_are_off_the_right_angle_by_half_a_sector(ring):
-    found = quality(make(ring))
-    assert found.smallest_angle == pytest.approx(90.0 - 180.0 / ring.sectors, abs=1e-9)
-    assert found.largest_angle == pytest.approx(90.0 + 180.0 / ring.sectors, abs=1e-9)
-
-
 def test_quality_measures_a_known_triangle_and_square():
     triangle = Mesh(points=np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0 * tan(pi / 6.0)]]), cells=np.array([[0, 1, 2]]))
     found = quality(triangle)
@@ -469,14 +433,9 @@ def test_a_bearings_shapes_have_the_surface_spacing_asked_for(size_mm):
     ):
         assert 2.0 * pi * raceway / ring.sectors == pytest.approx(size, rel=4.0 / ring.sectors + 0.01)
         assert (ring.outer_radius - ring.inner_radius) / ring.layers == pytest.approx(size, rel=0.2)
-    assert (shapes.inner_ring.inner_radius, shapes.inner_ring.outer_radius) == (
-        bearing.bore_radius,
-        bearing.inner_raceway_radius,
-    )
-    assert (shapes.outer_ring.inner_radius, shapes.outer_ring.outer_radius) == (
-        bearing.outer_raceway_radius,
-        bearing.outside_radius,
-    )
+    inner, outer = shapes.inner_ring, shapes.outer_ring
+    assert (inner.inner_radius, inner.outer_radius) == (bearing.bore_radius, bearing.inner_raceway_radius)
+    assert (outer.inner_radius, outer.outer_radius) == (bearing.outer_raceway_radius, bearing.outside_radius)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX signals")

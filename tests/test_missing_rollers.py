@@ -12,8 +12,7 @@ from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from fem.interface import simulate, statics
 from fem.rating.answers import Case, Options
-from fem.statics.exact_statics import couplings_at, crossings_at, exact_statics
-from fem.statics.reduced_bearing import neighbours_of, reduced_bearing
+from fem.statics.exact_statics import couplings_at, crossings_at, exact_statics, neighbours_of, reduced_bearing
 from fem.study.study_file import read_parameter
 from lagrange import contact_laws
 from lagrange.kinematics import kinematics, roller_angles

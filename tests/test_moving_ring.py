@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from fem.interface import simulate as run_scene
 from fem.solver.rigid.reduced import make_plan
 from fem.solver.start import equilibrium_start
-from fem.statics.reduced_bearing import reduced_bearing
+from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem

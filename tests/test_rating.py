@@ -11,7 +11,7 @@ from fem.rating.answers import Case, Options
 from fem.rating.equilibria import elastic_pitch
 from fem.rating.ross import coefficients
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
-from fem.statics.reduced_bearing import reduced_bearing
+from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws
 from lagrange.axial.facts import logarithmic_drop
 from lagrange.bearing import Bearing, Material

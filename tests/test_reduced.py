@@ -21,8 +21,14 @@ from fem.solver.guards import BY_PRESSURE, add_samples, frequency_error, law_war
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.rigid.state import ReducedState, slowest_vibration
 from fem.solver.simulate import make_plan, run
-from fem.statics.exact_statics import crossings_at, exact_contacts, exact_statics, law_error
-from fem.statics.reduced_bearing import ReducedBearing, tangential_compliance
+from fem.statics.exact_statics import (
+    ReducedBearing,
+    crossings_at,
+    exact_contacts,
+    exact_statics,
+    law_error,
+    tangential_compliance,
+)
 from lagrange import Material
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError

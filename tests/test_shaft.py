@@ -13,7 +13,7 @@ from fem.kernels.sample_kernels import DISSIPATED
 from fem.kernels.shaft import Shaft
 from fem.solver.simulate import make_plan
 from fem.solver.start import equilibrium_start
-from fem.statics.reduced_bearing import reduced_bearing
+from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import ContactLaws, PowerLaw

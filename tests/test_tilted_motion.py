@@ -12,7 +12,7 @@ from fem.solver.elements import plan as elements
 from fem.solver.rigid import state as rigid_state
 from fem.solver.rigid.state import tables_of
 from fem.solver.simulate import make_plan
-from fem.statics.reduced_bearing import kept_contacts
+from fem.statics.exact_statics import kept_contacts
 from lagrange import contact_laws, first_state
 from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.hertz import contact_pairs

@@ -6,21 +6,18 @@ Equation (9) of docs/method.md.
 from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, inf, log2, sqrt
-from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.contacts.model import Model
+from fem.contacts.model import EVENLY, HEAVY, Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
 from fem.elastic.outer_support import BoredRing, LooseRing
 from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
 from lagrange.mounting import HELD, Housing, Mounting
 
-# what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
-EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 # times that a bore's springs count: a node then swings on its own by at most 0.29 rad in a step. Nodes meet and leave
 # the bore all the time, and in larger steps what each meeting misses of the energy is more than the next kicks repay
 FINELY = 40.0
@@ -90,17 +87,16 @@ def _found(
     if isinstance(ring, BoredRing):
         springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
         of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
-    waves = {"roller": _disc_waves, "inner_ring": _ring_waves, "outer_ring": _ring_waves}
-    elastic = [name for name in waves if not getattr(model, name).material.rigid]
-    steps = []
+    elastic = [name for name in springs if not getattr(model, name).material.rigid]
+    steps: list[float] = []
     for name in elastic:
-        step = _longest_step(*waves[name](getattr(model, name), springs[name]), of_mount, mass, min(steps, default=inf))
+        step = _longest_step(*_waves(getattr(model, name), springs[name]), of_mount, mass, min(steps, default=inf))
         if step == 0.0:
             return 0.0  # without looking at the others, which takes its time on fine meshes
         steps.append(step)
     if isinstance(ring, BoredRing):
         steps.append(2.0 / sqrt(FINELY * ring.stiffness / ring.row_mass[ring.held_row]))
-    if len(elastic) < len(waves):
+    if len(elastic) < len(springs):
         steps.extend(2.0 / sqrt(limit + of_mount) for limit in _rigid_limits(model, force, housing, sticks))
     return min(steps)
 
@@ -117,17 +113,19 @@ def _rigid_limits(model: Model, force: float, housing: Housing | None, sticks: b
         yield model.bearing.n_rollers * HEAVY * outer / (housing.mass + model.outer_ring.total_mass)
 
 
-def _disc_waves(disc: DiscBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """A, of a disc, and what S is the square of, both scaled by 1/√mass on either side."""
-    scale = sparse.diags(1.0 / np.sqrt(np.repeat(disc.mass, 2)))
-    return (scale @ disc.stiffness @ scale).tocsr(), (scale @ springs).tocsr()
+def _waves(body: DiscBody | RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """A, of a body, and what S is the square of, both scaled by 1/√mass on either side.
 
-
-def _ring_waves(ring: RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
-    """The same of a held ring; held at points, of a free one, which is not less."""
-    free = (2 * ring.n_sectors * ring.free_rows[:, None] + np.arange(2 * ring.n_sectors)).ravel()
-    scale = sparse.diags(1.0 / np.sqrt(np.repeat(ring.row_mass[ring.free_rows], 2 * ring.n_sectors)))
-    return (scale @ ring.matrix[free][:, free] @ scale).tocsr(), (scale @ springs.tocsr()[free]).tocsr()
+    Of a held ring; held at points, of a free one, which is not less.
+    """
+    if isinstance(body, DiscBody):
+        stiffness, mass, held = body.stiffness, np.repeat(body.mass, 2), springs
+    else:
+        free = (2 * body.n_sectors * body.free_rows[:, None] + np.arange(2 * body.n_sectors)).ravel()
+        mass = np.repeat(body.row_mass[body.free_rows], 2 * body.n_sectors)
+        stiffness, held = body.matrix[free][:, free], springs.tocsr()[free]
+    scale = sparse.diags(1.0 / np.sqrt(mass))
+    return (scale @ stiffness @ scale).tocsr(), (scale @ held).tocsr()
 
 
 def _longest_step(
@@ -139,15 +137,27 @@ def _longest_step(
     be stable, too, and what exceeds 4 first rises with the step and then may fall.
     """
     from scipy.optimize import brentq  # a step that is kept need not load it
-    from scipy.sparse.linalg import LinearOperator, eigsh
+    from scipy.sparse.linalg import LinearOperator, eigs, eigsh
 
-    def largest(apply):
-        operator = LinearOperator(waves.shape, matvec=lambda u: apply(u.ravel()), dtype=float)
-        found = float(eigsh(operator, which="LA", tol=LANCZOS_TOLERANCE, **_how(waves))[0])
-        return found * (1.0 + LANCZOS_TOLERANCE)
+    # seeded, so that the same scene gets the same step
+    how = {"k": 1, "v0": np.random.default_rng(0).standard_normal(waves.shape[0]), "return_eigenvectors": False}
 
-    def excess(dt):
-        return _excess(waves, springs, further, mass, dt)
+    def operator(apply) -> LinearOperator:
+        return LinearOperator(waves.shape, matvec=lambda u: apply(u.ravel()), dtype=float)
+
+    def largest(apply) -> float:
+        return float(eigsh(operator(apply), which="LA", tol=LANCZOS_TOLERANCE, **how)[0]) * (1.0 + LANCZOS_TOLERANCE)
+
+    def excess(dt: float) -> float:
+        """By how much dt² ω² of q(dt² A)(A + S) is above 4, nearly."""
+        slowing = mass.at(dt)
+
+        def slowed(u):
+            found = waves @ u + springs @ (springs.T @ u)
+            return found - slowing.waves * (waves @ (found - slowing.velocities * (waves @ found)))
+
+        found = eigs(operator(slowed), which="LM", tol=0.1 * STEP_TOLERANCE, **how)[0].real
+        return dt**2 * (found * (1.0 + 0.1 * STEP_TOLERANCE) + further) - (4.0 - CLOSE)
 
     # of the lumped mass: slowing makes no wave faster
     sure = 2.0 / sqrt(largest(lambda u: waves @ u + springs @ (springs.T @ u)) + further)
@@ -165,25 +175,3 @@ def _longest_step(
             return found if found >= least else 0.0
         stable = dt
     return stable
-
-
-def _how(waves: sparse.csr_matrix) -> dict[str, Any]:
-    """What both searches for a largest eigenvalue begin with: seeded, so that the same scene gets the same step."""
-    start = np.random.default_rng(0).standard_normal(waves.shape[0])
-    return {"k": 1, "v0": start, "return_eigenvectors": False}
-
-
-def _excess(waves, springs, further: float, mass: ReciprocalMass, dt: float) -> float:
-    """By how much dt² ω² of q(dt² A)(A + S) is above 4, nearly."""
-    from scipy.sparse.linalg import LinearOperator, eigs
-
-    slowing = mass.at(dt)
-
-    def slowed(u):
-        u = u.ravel()
-        found = waves @ u + springs @ (springs.T @ u)
-        return found - slowing.waves * (waves @ (found - slowing.velocities * (waves @ found)))
-
-    operator = LinearOperator(waves.shape, matvec=slowed, dtype=float)
-    found = eigs(operator, which="LM", tol=0.1 * STEP_TOLERANCE, **_how(waves))[0].real
-    return dt**2 * (found * (1.0 + 0.1 * STEP_TOLERANCE) + further) - (4.0 - CLOSE)

@@ -1,19 +1,26 @@
 """A bearing made discrete: bodies and contacts, what every contact model answers, what statics give and need."""
 
 from dataclasses import dataclass
-from math import inf
+from math import ceil, inf, log2, pi
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy import sparse
 
+from fem.contacts.points import POINTS_PER_NODE, PointLaw, Shares, disc_push, hertz_patch, points, ring_push
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, rigid_body, ring_body
-from fem.kernels.state import Law, Points
+from fem.kernels.patches import N_NODES, chord
+from fem.kernels.state import INNER, OUTER, Law, Points
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import Turns
 from meshes import BearingShapes, bearing_shapes
 
+# what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
+EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
+CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end
+REACH = 2.0  # and of those of statics, over that at the expected force
+FAINT = 0.05  # of the largest force: contacts expected to carry less get the points of this one
 GROWN_PASSES = 2  # each leaves ρω²r²/(λ + 2μ) of what growth was off by, some 0.3 % at most
 
 
@@ -59,13 +66,9 @@ class Motion:
 def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
     """Nothing turns; the first roller's angle from +x, rad."""
     return Motion(
-        roller_angle=roller_angles(bearing, first_roller_angle),
-        roller_turn=np.zeros(bearing.n_rollers),
-        ring_turn=0.0,
-        cage_speed=0.0,
-        roller_speed=0.0,
-        ring_speed=0.0,
-    )
+        roller_angle=roller_angles(bearing, first_roller_angle), roller_turn=np.zeros(bearing.n_rollers), ring_turn=0.0,
+        cage_speed=0.0, roller_speed=0.0, ring_speed=0.0,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,13 +91,29 @@ class Unloaded:
 
 @dataclass(frozen=True, kw_only=True)
 class Reduced(PressurePoints):
-    """A bearing of finite elements reduced to such points."""
+    """A bearing of finite elements reduced to such points, and the nodes that they push."""
 
     free: Unloaded
+    across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
+    bodies: tuple[DiscBody, RingBody, RingBody]  # roller, inner and outer ring
+    loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
 
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacements under the points' forces, N: both rings', polar, and the rollers', (n_rollers, n_nodes, 2)."""
-        raise NotImplementedError
+        disc, *rings = self.bodies
+        fields = []
+        for ring, growth, (mine, nodes, push) in zip(
+            rings, (self.free.inner_growth, self.free.outer_sag), self.loads[:2], strict=True
+        ):
+            nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
+            nodal[ring.raceway_row][:, nodes] = -(push @ forces[mine]).reshape(-1, 2).T
+            fields.append(growth + ring.held(nodal))
+        n = len(self.loads) - 2
+        nodal = np.zeros((disc.n_nodes, 2, n))
+        for roller, (mine, nodes, push) in enumerate(self.loads[2:]):
+            nodal[disc.first_surface_node + nodes, :, roller] = -(push @ forces[mine]).reshape(-1, 2)
+        rollers = disc.relaxed(nodal.reshape(-1, n)) + self.free.roller_growth[:, None]
+        return *fields, rollers.T.reshape(n, -1, 2).copy()
 
 
 def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
@@ -155,7 +174,9 @@ class Model:
     # circles, that stand as wide as forces make contacts
     has_law: ClassVar[bool] = False
     is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
-    static_passes: ClassVar[int] = 3  # contacts sit along the lines of centres, which the solution moves
+    static_passes: ClassVar[int] = 2  # contacts sit along the lines of centres, which the solution moves
+    shares: ClassVar[Shares]  # of points among nodes
+    nodes_beyond: ClassVar[float] = 3.0  # that the outermost points push beside those under them
     failure_hint: ClassVar[str] = ""  # what else to try where velocities are lost
     stress_note: ClassVar[str | None] = None  # how the mesh carries contacts, where pictures add nothing to its stress
 
@@ -169,20 +190,104 @@ class Model:
         """
         raise NotImplementedError
 
-    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray | None) -> Reduced:
+    def places(self, forces: np.ndarray) -> list[np.ndarray]:
+        """Points of each contact, m along the tangent, by expected forces, (2 n_rollers,), N."""
+        n, faintest = self.bearing.n_rollers, FAINT * forces.max()
+        halves = [self.laws[c // n].half_count(max(force, faintest), REACH) for c, force in enumerate(forces)]
+        return [self.laws[c // n].places(max(2, half)) for c, half in enumerate(halves)]
+
+    def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
+        """Compliance between a contact's points, at angles on both bodies, beside the meshes', m/N."""
+        return self.laws[kind].local_compliance(on_ring.size)
+
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray) -> Reduced:
         """The bearing reduced to its contacts with hub and radii at `place`, (n_rollers + 2,), m.
 
         `free` : motion of the bodies without contact forces
         `forces` : (2 n_rollers,), N, expected, of inner contacts and then of outer ones; not asked for by all models
         """
-        raise NotImplementedError
+        n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
+        line, each = motion.lines_of_centres(place), self.places(forces)
+        across, contact = np.concatenate(each), np.repeat(np.arange(2 * n), [some.size for some in each])
+        kind, j, turn = contact // n, contact % n, np.array(motion.ring_turns)
+        radii = np.array([law.pair.radii for law in self.laws])[kind].T
+        angles = np.arcsin(across / np.abs(radii))
+        on_ring = line[contact] + angles[0] - turn[kind]
+        on_roller = line[contact] + np.where(kind == INNER, pi - angles[1], angles[1]) - motion.roller_turn[j]
+        rise = np.sum(radii * (1.0 - np.cos(angles)), axis=0)
+        sectors = np.array([ring.n_sectors for ring in rings])[kind]
+        for side, (angle, nodes) in enumerate(((on_ring, sectors), (on_roller, disc.shape.surface_nodes))):
+            depth = np.array([getattr(law, "sagitta", (0.0, 0.0))[side] for law in self.laws])[kind]
+            if depth.any():  # how far facets lie below the circle
+                rise += depth * np.array([chord(x)[0] for x in np.mod(angle * nodes / (2.0 * pi), 1.0)])
+        compliance, growth, loads = np.zeros((across.size, across.size)), np.zeros(across.size), []
+        for c in range(2 * n):
+            mine = np.flatnonzero(contact == c)
+            compliance[np.ix_(mine, mine)] = self.beside(c // n, on_ring[mine], on_roller[mine])
+
+        def load(mine: np.ndarray, body, pushed: tuple[np.ndarray, np.ndarray], field: np.ndarray) -> None:
+            nodes, push = pushed
+            compliance[np.ix_(mine, mine)] += push.T @ body.surface_influence(nodes) @ push
+            growth[mine] += push.T @ field[nodes].ravel()
+            loads.append((mine, nodes, push))
+
+        for k, (ring, field) in enumerate(zip(rings, (free.inner_growth, free.outer_sag), strict=True)):
+            mine = np.flatnonzero(kind == k)
+            outward = (1.0 if k == INNER else -1.0) / np.cos(angles[0, mine])
+            load(mine, ring, ring_push(ring, on_ring[mine], outward, self.shares), field[ring.raceway_row].T)
+        swelling = free.roller_growth.reshape(-1, 2)[disc.first_surface_node :]
+        for roller in range(n):
+            mine = np.flatnonzero(j == roller)
+            load(mine, disc, disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares), swelling)
+        return Reduced(
+            contact=contact, closing=growth - rise, compliance=compliance, across=across, bodies=(disc, *rings),
+            loads=loads, free=free,
+        )  # fmt: skip
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
         """Closed contacts on each kind of body at a force, N: columns that make `column @ column.T` a stiffness, N/m.
 
-        A roller has one contact of each kind, apart from each other.
+        A roller has one contact of each kind, apart from each other. Of points those over CLOSED_NODES nodes.
         """
-        raise NotImplementedError
+        disc, half = self.roller, POINTS_PER_NODE * CLOSED_NODES // 2
+        on_roller = []
+        for kind, law in enumerate(self.laws):
+            angle = law.places(half) / disc.shape.radius + 2.0 * pi * kind / 3.0
+            nodes, push = disc_push(disc, angle, 1.0, self.shares)
+            on_roller.append(_embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, law))
+        found = {"roller": sparse.hstack(on_roller).tocsc()}
+        for name, ring, law in (
+            ("inner_ring", self.inner_ring, self.inner_law),
+            ("outer_ring", self.outer_ring, self.outer_law),
+        ):
+            nodes, push = ring_push(ring, law.places(half) / ring.raceway_radius, 1.0, self.shares)
+            first = ring.raceway_row * 2 * ring.n_sectors + nodes
+            found[name] = _embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
+        return found
+
+    def kernel_data(self, largest_force: float) -> KernelData:
+        """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""
+        found = points(self.laws, largest_force, self.bearing.n_rollers)
+        units, pairs = self._patch_units(found), [law.pair for law in self.laws]
+        return KernelData(
+            laws=tuple(Law(0.0, 0.0, 0.0, pair.half_width_factor, 1.0 / pair.relative_radius) for pair in pairs),
+            ripples=(np.zeros(0),) * 3, units=units, points=found, shear_levels=None, neighbourly=N_NODES * len(units),
+            facet_depth=float(np.abs(found.sagitta).sum(axis=1).max()),
+        )  # fmt: skip
+
+    def _patch_units(self, found: Points) -> tuple[int, ...]:
+        """As many entries as patches need units of six nodes: a power of two, as each is compiled for itself."""
+        nodes = self.inner_ring.n_sectors, self.outer_ring.n_sectors, self.roller.shape.surface_nodes
+        widest = max(
+            2.0 * np.abs(found.shift[kind, side]).max() * count / (2.0 * pi)
+            for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
+        )
+        return (0,) * 2 ** max(0, ceil(log2((widest + self.nodes_beyond) / N_NODES)))
+
+    def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
+        """Nodes of a surface that carry a contact force, N, at an angle, their shares, and the angle less theirs."""
+        half_width = self.laws[kind].pair.half_width(abs(force))
+        return hertz_patch(n_surface, angle, half_width / radius, self.shares)
 
     def stiffnesses(self, force: float) -> list[float]:
         """Stiffnesses of an inner, an outer and a roller's contact, N/m, at a force, N, where bodies may be rigid."""
@@ -195,14 +300,6 @@ class Model:
     def shear_stiffnesses(self, force: float) -> list[float]:
         """Those springs' stiffnesses, N/m, as `stiffnesses`."""
         return [0.0, 0.0, 0.0]
-
-    def kernel_data(self, largest_force: float) -> KernelData:
-        """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""
-        raise NotImplementedError
-
-    def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
-        """Nodes of a surface that carry a contact force, N, at an angle, their shares, and the angle less theirs."""
-        raise NotImplementedError
 
     def smeared(self, spacing: float, half_width: float) -> float | None:
         """Node spacing, m, of the patch that pictures exchange for Hertz's pressure; None: the mesh has that."""
@@ -253,3 +350,11 @@ def assembled_bodies(bearing: Bearing, shapes: BearingShapes) -> dict[str, DiscB
         "outer_ring": ring_body(shapes.outer_ring, bearing.outer_ring.elastic, thickness, held_inside=False),
     }
     return {name: rigid_body(body) if getattr(bearing, name).rigid else body for name, body in bodies.items()}
+
+
+def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:
+    """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
+    rows = np.stack([first, first + apart], axis=1).ravel()
+    place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
+    own = np.linalg.inv(law.local_compliance(push.shape[1]))
+    return place @ sparse.csc_matrix(push @ np.linalg.cholesky(EVENLY * own))

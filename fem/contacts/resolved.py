@@ -28,7 +28,6 @@ from fem.contacts.model import Model, assembled_bodies, named
 from fem.contacts.points import (
     POINTS_PER_NODE,
     PointLaw,
-    PointModel,
     disc_patch_force,
     hats,
     hertz_patch,
@@ -67,7 +66,7 @@ class ResolvedLaw(PointLaw):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResolvedModel(PointModel):
+class ResolvedModel(Model):
     """Contacts whose points push the nodes beside them."""
 
     shapes: ClassVar = staticmethod(graded_shapes)
@@ -132,7 +131,7 @@ class SpreadLaw(PointLaw):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpreadModel(PointModel):
+class SpreadModel(Model):
     """Contacts whose points push patches of nodes, and what the mesh lacks between them."""
 
     shapes: ClassVar = staticmethod(graded_shapes)
@@ -230,7 +229,7 @@ class SpringLaw(ResolvedLaw):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PenaltyModel(PointModel):
+class PenaltyModel(Model):
     """Contacts of one spring each, between circles."""
 
     shares: ClassVar = staticmethod(hats)

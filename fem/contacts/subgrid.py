@@ -26,10 +26,8 @@ import numpy as np
 from scipy import sparse
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.critical_step import EVENLY, LIGHT
-from fem.contacts.model import KernelData, assembled_bodies, named
+from fem.contacts.model import EVENLY, LIGHT, KernelData, Model, assembled_bodies, named
 from fem.contacts.points import (
-    PointModel,
     disc_patch_force,
     disc_patch_traction,
     patch,
@@ -66,7 +64,7 @@ class SurfaceCompliance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SubgridModel(PointModel):
+class SubgridModel(Model):
     """Contacts of one patch each, with what the mesh can't see of them as a law."""
 
     roller_surface: SurfaceCompliance
@@ -92,21 +90,17 @@ class SubgridModel(PointModel):
             between = unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
         met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
         return cls(
-            bearing=bearing,
-            **bodies,
-            **named(contact_law(*sides, pair) for sides, pair in met),
+            bearing=bearing, **bodies, **named(contact_law(*sides, pair) for sides, pair in met),
             whole_levels=tuple(_level(*sides, pair, sum(side.whole for side in sides)) for sides, pair in met),
-            shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met),
-            roller_surface=roller,
-            inner_surface=inner,
-            outer_surface=outer,
-        )
+            shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met), roller_surface=roller,
+            inner_surface=inner, outer_surface=outer,
+        )  # fmt: skip
 
     def places(self, forces) -> list[np.ndarray]:
         return 2 * self.bearing.n_rollers * [np.zeros(1)]
 
     def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
-        """See `PointModel.beside`: the ripples of both surfaces."""
+        """See `Model.beside`: the ripples of both surfaces."""
         ring, surface = (
             (self.inner_ring, self.inner_surface) if kind == INNER else (self.outer_ring, self.outer_surface)
         )
@@ -146,13 +140,9 @@ class SubgridModel(PointModel):
         return KernelData(
             laws=tuple(law.constants for law in self.laws),
             ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
-            units=ONE,
-            points=None,
-            shear_levels=self.shear_levels,
-            neighbourly=NEIGHBOURLY,
-            facet_depth=0.0,
+            units=ONE, points=None, shear_levels=self.shear_levels, neighbourly=NEIGHBOURLY, facet_depth=0.0,
             whole_levels=self.whole_levels,
-        )
+        )  # fmt: skip
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
         return patch(n_surface, angle)
@@ -261,14 +251,10 @@ def unmeshed_disc(disc: Section, thickness: float, half_width: float) -> Surface
 
 def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:
     return SurfaceCompliance(
-        whole=float(exact),
-        missing=float(exact - found.mean()),
-        half_width=half_width,
-        unit=unit,
-        ripple=_spline_coefficients(found.mean() - found),
-        spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0,
+        whole=float(exact), missing=float(exact - found.mean()), half_width=half_width, unit=unit,
+        ripple=_spline_coefficients(found.mean() - found), spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0,
         missing_shear=float(sticking),
-    )
+    )  # fmt: skip
 
 
 def _spline_coefficients(samples: np.ndarray) -> np.ndarray:

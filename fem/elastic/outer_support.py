@@ -115,11 +115,9 @@ def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
         within = np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist()
         held.append({*within, *np.argsort(apart, kind="stable")[:FEWEST].tolist()})
     return SupportedRing(
-        **own_fields(ring),
-        held_sectors=np.array(sorted(set().union(*held))),
-        held_nodes=np.array([len(nodes) for nodes in held]),
-        width=points.width,
-    )
+        **own_fields(ring), held_sectors=np.array(sorted(set().union(*held))),
+        held_nodes=np.array([len(nodes) for nodes in held]), width=points.width,
+    )  # fmt: skip
 
 
 def own_fields(ring: RingBody) -> dict[str, Any]:
@@ -263,10 +261,8 @@ def bored_ring(ring: RingBody, bore: Bore, thickness: float) -> BoredRing:
     area = 2.0 * pi * radius / ring.n_sectors * thickness
     from_below = np.abs(np.angle(np.exp(1j * (ring.angles + 0.5 * pi))))
     whole = BoredRing(
-        **own_fields(ring),
-        play=play,
-        stiffness=area * bore.stiffness_around(radius, ring.material.lame_mu),
+        **own_fields(ring), play=play, stiffness=area * bore.stiffness_around(radius, ring.material.lame_mu),
         touching=np.full(ring.n_sectors, True),
-    )
+    )  # fmt: skip
     first = whole.touching if play <= 0.0 else from_below < FIRST_ARC
     return replace(whole, surrounded=whole, touching=first)

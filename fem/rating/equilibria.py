@@ -9,8 +9,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
 from fem.statics.contact_balance import Loads, NotFound, balance, closed_forces, first_guess, hub_stiffness
-from fem.statics.exact_statics import exact_contacts, exact_statics
-from fem.statics.reduced_bearing import reduced_bearing
+from fem.statics.exact_statics import exact_contacts, exact_statics, reduced_bearing
 from lagrange.axial import Axial
 from lagrange.axial.pressure import SHARP, pressures, profile_ends
 from lagrange.axial.slices import Slices, contact_slices

@@ -9,7 +9,7 @@ from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
 from fem.statics import contact_balance as statics
 from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standing_ring
-from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
+from fem.statics.exact_statics import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
 from lagrange.axial.facts import Axial

@@ -1,5 +1,5 @@
 """Bearings at rest.
 
 `contact_balance` has hub and rollers on elastic contacts, `equilibrium` those of a meshed model, of many points too;
-`exact_statics` is the whole bearing without a mesh, its reference, `reduced_bearing` the same series for dynamics.
+`exact_statics` is the whole bearing by series without a mesh, their reference, reduced to its contacts for dynamics.
 """

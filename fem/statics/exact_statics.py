@@ -1,31 +1,42 @@
-"""Statics of the whole bearing without a mesh: exact series for every body under Hertz pressures.
+"""Bearings without a mesh: exact series for every body under Hertz pressures.
 
-The yardstick for the finite-element model: any bearing, frictionless, standing, weightless, in milliseconds.
+At rest they are the yardstick for the finite-element model: any bearing, frictionless, standing, weightless, in
+milliseconds. For dynamics a bearing is reduced to its contacts by the same series, with couplings along its rings and
+its waves.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import log, pi
+from typing import ClassVar
 
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
+from fem.elastic.cache import kept
 from fem.elastic.continuum import (
     Section,
     cross_compliance,
     hertz_approach,
     hertz_patch,
+    moving_softening,
     patch_crossing,
     patch_displacement,
     patch_slope,
     plane_compliance,
     ring_sections,
     roller_section,
+    stick_approach,
+    weight_sag,
 )
+from fem.elastic.vibration import inertia
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
-from lagrange import Bearing, Operation
-from lagrange.contact.hertz import contact_pairs
+from lagrange import Bearing, Kinematics, Operation
+from lagrange.contact.hertz import contact_pairs, line_compliance
+from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import roller_angles
+from lagrange.surface.deviation import Turns
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
 N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz pressures converge slowly
@@ -176,3 +187,264 @@ class ExpectedForces:
         inner, outer = (np.abs(speeds).max() for speeds in self.operation.ring_speeds_met)
         cage = float(0.5 * inner + outer)  # or less
         return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenWaves:
+    """All modes of a bearing's bodies."""
+
+    inertia: tuple[float, float]  # s⁴/kg, Σ s²/ω⁴ of them at an inner and an outer contact
+    slowest: float  # rad/s
+
+
+@lru_cache(maxsize=1)
+def unseen_waves(bearing: Bearing, inner_mass: float) -> UnseenWaves:
+    """Those of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
+    bearing = replace(bearing, faults=())
+    length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
+
+    def make():
+        inner, outer = ring_sections(bearing)
+        of_inner = inertia(inner, length, hub if bearing.bore_radius > 0.0 else None)
+        return {"inertia": np.array([inertia(roller_section(bearing), length), of_inner, inertia(outer, length)])}
+
+    table = kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
+    roller, of_inner, of_outer = table[:, 0]
+    both = float(roller + of_inner), float(roller + of_outer)
+    return UnseenWaves(inertia=both, slowest=float(table[:, 1].min()))
+
+
+def softened(law: ContactLaw, compliance: float) -> ContactLaw:
+    """The law of a contact less a linear compliance, m/N, that its bodies' modes carry."""
+    return ContactLaw.of_level(law.A, law.B - compliance / law.A, law.pair)
+
+
+FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
+STRAYS = 0.25  # of the rollers' distance, by which compliances follow their angles
+FAINT_CHANGE = 1e-4  # of a contact's own compliance: what changes less over that is left out
+FAINT_TRACTION = 5e-3  # of a contact's own compliance: a neighbour's traction, a tenth of a force at most, likewise
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingCouplings:
+    """Compliances by neighbours, polynomials of how much further than at equal angles these are."""
+
+    distance: np.ndarray  # (neighbours,), in rollers: −1, 1, −2 ...
+    felt: np.ndarray  # (2, 2), whole: by ring, of how many the angles matter, and how many do themselves
+    along: np.ndarray  # (2, neighbours), m/N
+    steep: np.ndarray  # (2, neighbours), m/N per rad
+    bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
+    strays: float  # rad, how much nearer or further
+    crossed: np.ndarray  # (2, neighbours), m/N, by tractions on these rollers along +θ, at equal angles
+    crossing: np.ndarray  # (2,), whole: by ring, of how many they matter
+
+
+def strays(n_rollers: int) -> float:
+    """By how much, rad, angles between rollers may be smaller or larger; beyond, compliances stay."""
+    return STRAYS * 2.0 * pi / n_rollers
+
+
+def _neighbours(n: int) -> np.ndarray:
+    """By how many rollers others are ahead, the nearest first: −1, 1, −2 ..."""
+    return np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
+
+
+def ring_couplings(bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
+    """Couplings by the rings' series, see `_kept_series`; `own` : m/N, compliance of a contact, over ln Q."""
+    h, distance = strays(bearing.n_rollers), _neighbours(bearing.n_rollers)
+    ahead, far = distance > 0, np.abs(distance) - 1
+    given, slope = series[:, :, :, far].swapaxes(0, 1)
+    given = np.where(ahead, given, given[:, ::-1])  # an even function of the angle
+    slope = np.where(ahead, slope, -slope[:, ::-1])
+    along, steep, bent = given[:, 1], slope[:, 1], _bent(given, slope, h)
+    changed = np.abs(given - given[:, 1:2]).max(axis=1)
+    # an odd function of the angle; what pulls a roller along pulls its ring back
+    crossed = np.where(ahead, crossed[:, far], -crossed[:, far])
+
+    def reach(values: np.ndarray, limit: float) -> list[int]:
+        """By ring, how many there are up to the last one beyond a limit."""
+        return [int(np.flatnonzero(row > limit * own).max(initial=-1)) + 1 for row in values]
+
+    count, pulled = reach(np.abs(along), FAINT), reach(np.abs(crossed), FAINT_TRACTION)
+    near = np.minimum(reach(changed, FAINT_CHANGE), count)
+    kept = slice(max(count + pulled))
+    along, steep, bent, crossed = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent, crossed))
+    return RingCouplings(
+        distance=distance[kept], felt=np.array([near, count], dtype=np.intp).T.copy(), along=along, steep=steep,
+        bent=bent, strays=h, crossed=crossed, crossing=np.array(pulled, dtype=np.intp),
+    )  # fmt: skip
+
+
+def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings, np.ndarray]:
+    """Couplings by neighbours of rollers that are there, and for each, (neighbours, n_rollers), the pocket's, or −1.
+
+    The neighbours' compliances are those of `rings` in these places, 0 at −1; the couplings' own arrays are empty.
+    """
+    n, total, pocket = bearing.n_rollers, bearing.pockets, np.array(bearing.pocket)
+    every = _neighbours(n)
+    distance = every[np.abs(every) <= np.abs(rings.distance).max(initial=0)]
+    apart = pocket[(np.arange(n) + distance[:, None]) % n] - pocket
+    below = (total - 1) // 2
+    apart = (apart + below) % total - below  # the shorter way
+    at = np.full(apart.shape, -1)
+    for place, pockets in enumerate(rings.distance):
+        at[apart == pockets] = place
+
+    def counted(counts: np.ndarray) -> np.ndarray:
+        """Neighbours as far as these many pockets."""
+        furthest = [np.abs(rings.distance[:count]).max(initial=0) for count in counts.ravel()]
+        return np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp).reshape(counts.shape)
+
+    found = replace(rings, distance=distance, felt=counted(rings.felt), crossing=counted(rings.crossing))
+    return found, at
+
+
+def _bent(given: np.ndarray, slope: np.ndarray, h: float) -> np.ndarray:
+    """Coefficients of x² to x⁵ of the polynomials with values and slopes, (2, 3, neighbours), at −h, 0, h."""
+    even = 0.5 * (given[:, 2] + given[:, 0]) - given[:, 1]
+    odd = 0.5 * (given[:, 2] - given[:, 0]) - h * slope[:, 1]
+    of_even, of_odd = 0.5 * h * (slope[:, 2] - slope[:, 0]), h * (0.5 * (slope[:, 2] + slope[:, 0]) - slope[:, 1])
+    fourth, fifth = 0.5 * of_even - even, 0.5 * of_odd - 1.5 * odd
+    found = (even - fourth) / h**2, (odd - fifth) / h**3, fourth / h**4, fifth / h**5
+    return np.stack(found, axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedBearing:
+    """Compliances of the contacts, rollers at equal angles."""
+
+    contacts: Condensed  # whole bodies, rollers from angle 0 on; `closing` by the growth of spinning bodies
+    inner_law: ContactLaw
+    outer_law: ContactLaw
+    between: ContactLaw  # of two rollers
+    rings: RingCouplings  # by pockets
+    across: float  # m/N
+    inner_growth: float  # m, of the inner raceway as it spins
+    roller_growth: float
+    outer_growth: float
+    sag: tuple[float, float]  # m, of the raceways below hub and outer ring, by the rings' own weight
+
+    failure_hint: ClassVar[str] = ""
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.contacts.bearing
+
+    def give(self, load: float) -> float:
+        """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
+        return 0.0
+
+    def at(self, angle: np.ndarray, turns: Turns) -> Condensed:
+        """The contacts with rollers at angles from +x, (n_rollers,), rad, and bodies turned so far."""
+        radial = np.column_stack([np.cos(angle), np.sin(angle)])
+        sag_i, sag_o = self.sag
+        fallen = np.concatenate([-sag_i * np.sin(angle), sag_o * np.sin(angle)])
+        return replace(self.contacts, radial=radial, turns=turns, closing=self.contacts.closing + fallen)
+
+
+def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) -> ReducedBearing:
+    """Reduce a bearing that rolls, under gravity, m/s², to its contacts.
+
+    Errors
+    ------
+    As of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own growth is
+    that of their rolling speed. What flows through a contact makes its own law softer, but no other compliance.
+    UsageError: contacts roll nearly as fast as waves (`moving_softening`).
+    """
+    (contacts, between), series, n = kept_contacts(bearing), _kept_series(_sound(bearing)), bearing.n_rollers
+    (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
+    closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
+    laws = {name: _rolling(getattr(contacts, name), bearing, motion) for name in ("inner_law", "outer_law")}
+    inner, outer = ring_sections(bearing)
+    return ReducedBearing(
+        contacts=replace(contacts, closing=closing, **laws), between=between, across=float(contacts.compliance[0, n]),
+        rings=ring_couplings(bearing.full, series["around"], series["crossed"], laws["inner_law"].A), **laws,
+        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer,
+        sag=(weight_sag(inner, gravity), weight_sag(outer, gravity)),
+    )  # fmt: skip
+
+
+def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLaw:
+    """The law of a contact that rolls along both surfaces: its two sides by how much softer they are.
+
+    A ring's harmonics that are longer than two rollers' distance stand still with the load zone: they are as they were.
+    """
+    speed, pair = (motion.cage - motion.outer_ring) * bearing.outer_raceway_radius, law.pair
+    of_ring, of_roller = (moving_softening(material, speed) for material in pair.materials)
+    sides = [line_compliance(material, pair.length) for material in pair.materials]
+    share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)
+    still = _long_waves(_sound(bearing), pair.kind == "inner")
+    faster = ContactLaw.of_level(law.A * share, law.B - 0.5 * log(share), pair)  # b² grows as A
+    return softened(faster, (of_ring - 1.0) * still)
+
+
+@lru_cache(maxsize=2)
+def _long_waves(bearing: Bearing, inner: bool) -> float:
+    """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
+    ring = ring_sections(bearing)[0 if inner else 1]
+    series = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
+    series[0] *= 0.5
+    return float(series.sum()) / (np.pi * ring.loaded * bearing.roller_length)
+
+
+def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
+    """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
+    angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
+    arrays = _kept_series(_sound(bearing))
+    inner, outer, between = (
+        ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
+        for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
+    )
+    contacts = Condensed(
+        bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
+        compliance=of_present(bearing, arrays["compliance"]) if bearing.missing else arrays["compliance"],
+        closing=np.zeros(2 * bearing.n_rollers),
+    )  # fmt: skip
+    return contacts, between
+
+
+def _sound(bearing: Bearing) -> Bearing:
+    """The bearing whose series are kept: neither faults of surfaces nor missing rollers change how bodies give way."""
+    return replace(bearing, faults=()).full
+
+
+@lru_cache(maxsize=1)
+def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
+    """Series and laws, the last bearing's kept in memory: scenes that follow differ in speed, load or faults."""
+
+    def make():
+        found = exact_contacts(bearing, roller_angles(bearing, 0.0))
+        width = HALF_WIDTH * bearing.roller_radius
+        each = hertz_approach(roller_section(bearing).elastic, width)  # of two rollers, accelerated by the other
+        between = ContactLaw.of_approach(2.0 * each / bearing.roller_length, width, contact_pairs(bearing)[2])
+        laws = found.inner_law, found.outer_law, between
+        n, roller = bearing.n_rollers, stick_approach(roller_section(bearing).elastic, width)
+        shift = 2.0 * pi / n * np.arange(1, n // 2 + 1)
+        angles = np.add.outer(strays(n) * np.array([-1.0, 0.0, 1.0]), shift)
+        others = *(stick_approach(ring, width) for ring in ring_sections(bearing)), roller
+        return {
+            "compliance": found.compliance,
+            "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
+            # compliances and slopes a bit less far, as far and further than 1, 2 ... of n equal parts
+            "around": couplings_at(bearing, angles.ravel()).reshape(2, 2, *angles.shape),
+            "crossed": crossings_at(bearing, shift),  # by tractions 1, 2 ... parts behind, (2, n // 2)
+            "stick": np.array([(roller + other) / bearing.roller_length for other in others]),
+        }
+
+    return kept("contact-laws", repr(bearing), make)
+
+
+def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
+    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N.
+
+    Errors
+    ------
+    Known exactly for one half-width, from which it goes with the logarithm: 0.1 % off at half-widths of 5 % of a
+    roller's radius.
+    """
+    known = HALF_WIDTH * bearing.roller_radius
+    found = _kept_series(_sound(bearing))["stick"].copy()
+    for row, pair in enumerate(contact_pairs(bearing)):
+        width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
+        found[row] += pair.line_compliance * log(known / width)
+    return found

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.contacts.tilted import rounded_range, tilted_slices
 from fem.elastic.cache import kept
-from fem.statics.reduced_bearing import kept_contacts
+from fem.statics.exact_statics import kept_contacts
 from lagrange.axial.pressure import PeakTable, peak_table, pressures_under, profile_ends
 from lagrange.axial.slices import Slices, contact_slices
 from lagrange.contact.hertz import Side, contact_pairs

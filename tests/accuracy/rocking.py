@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
 from fem.solver.elements.plan import ElementPlan
-from fem.statics.reduced_bearing import tangential_compliance
+from fem.statics.exact_statics import tangential_compliance
 from lagrange import Bearing
 from tests.measurements import markdown_table, program
 from tests.reference.rocking import sticking_modes

@@ -8,8 +8,7 @@ from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sec
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from fem.statics.exact_statics import HALF_WIDTH
-from fem.statics.reduced_bearing import ReducedBearing
+from fem.statics.exact_statics import HALF_WIDTH, ReducedBearing
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.half_plane import cubic_bspline_patch
 

@@ -12,8 +12,7 @@ from fem.solver import start as massless
 from fem.solver.start import unloaded
 from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
 from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
-from fem.statics.exact_statics import exact_contacts
-from fem.statics.reduced_bearing import kept_contacts, reduced_bearing
+from fem.statics.exact_statics import exact_contacts, kept_contacts, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import Axial
 from lagrange.axial.slices import MORE

@@ -21,7 +21,7 @@ from fem.solver.rigid.lagrangian import RigidPlan, sections_of
 from fem.solver.rigid.state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import may_strike, sample_count
-from fem.statics.reduced_bearing import (
+from fem.statics.exact_statics import (
     ReducedBearing,
     UnseenWaves,
     reduced_bearing,

@@ -26,7 +26,7 @@ from fem.solver.parts import filled
 from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan, RigidPlan, spalls_met
 from fem.solver.row_state import RowState, collect_arrays, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
-from fem.statics.reduced_bearing import ReducedBearing, neighbours_of
+from fem.statics.exact_statics import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
 from lagrange.axial.facts import Axial

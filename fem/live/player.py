@@ -269,13 +269,9 @@ class Player:
         self._begin(changed(self.given, values), self._first_roller(), tell)
 
     def _begin(self, scene: Scene, first_roller: float, tell: Callable[[str], None] | None) -> None:
-        numerics = {"duration_ms": LONGEST_MS, "output_interval_us": INTERVAL_US}
-        played = scene.model_copy(
-            update={
-                "operation": scene.operation.model_copy(update={"first_roller_deg": first_roller}),
-                "numerics": scene.numerics.model_copy(update=numerics),
-            }
-        )
+        operation = scene.operation.model_copy(update=dict(first_roller_deg=first_roller))
+        numerics = scene.numerics.model_copy(update=dict(duration_ms=LONGEST_MS, output_interval_us=INTERVAL_US))
+        played = scene.model_copy(update=dict(operation=operation, numerics=numerics))
         plan = make_plan(played)
         state = plan.prepare(tell)
         samples = _good(state.advance(1))

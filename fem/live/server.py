@@ -124,7 +124,9 @@ class LiveServer:
                 since = STEP if step else began - before if is_watched else FRAME
                 wanted = residue + since / pace.slowness / self._player.plan.interval
                 try:
-                    done = await self._in_thread(self._advance, max(1, int(wanted)))
+                    end = time.monotonic() + WORK * FRAME
+                    is_late = lambda end=end: time.monotonic() > end  # noqa: E731
+                    done = await self._in_thread(self._player.advance, max(1, int(wanted)), is_late)
                 except RunFailed as error:
                     publish("refused", f"{error}; change a value to restart")
                     self._change_pace(Pace(slowness=pace.slowness, playing=False))
@@ -135,10 +137,6 @@ class LiveServer:
             frame = await self._in_thread(self._player.frame)
             self._new = False
             publish("frame", frame | {"slowness": slowness if pace.playing and pace == self._pace else None})
-
-    def _advance(self, count: int) -> int:
-        end = time.monotonic() + WORK * FRAME
-        return self._player.advance(count, lambda: time.monotonic() > end)
 
     def _in_thread(self, work: Callable, *arguments: object) -> asyncio.Future:
         """The work's outcome, by a thread for which the process need not wait: it may be compiling."""
@@ -203,12 +201,38 @@ class LiveServer:
         self._changed.set()
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        status = refusal(request, self._port, self._token)
-        if status is not None:
-            return _response(status, f"{status.value} {status.phrase}\n", "text/plain; charset=utf-8")
-        if request.path.endswith("/live"):
+        """The page; nothing where a page connects; or why a request is not answered."""
+        names = (f"{LOOPBACK}:{self._port}", f"localhost:{self._port}")
+        origins, joins = request.headers.get_all("Origin"), request.path.endswith("/live")
+        asked = request.path.encode()
+        known = [secrets.compare_digest(asked, f"/{self._token}/{part}".encode()) for part in ("", "live")]
+        status = HTTPStatus.OK
+        if (
+            request.headers.get_all("Host") not in [[name] for name in names]
+            or (origins and origins not in [[f"http://{name}"] for name in names])
+            or not any(known)
+        ):
+            status = HTTPStatus.FORBIDDEN
+        elif request.method != "GET":
+            status = HTTPStatus.METHOD_NOT_ALLOWED
+        elif joins and not origins:
+            status = HTTPStatus.FORBIDDEN
+        elif joins:
             return None
-        return _response(HTTPStatus.OK, self._page, "text/html; charset=utf-8", self._policy)
+        is_page = status is HTTPStatus.OK
+        body = (self._page if is_page else f"{status.value} {status.phrase}\n").encode()
+        headers = {
+            "Content-Type": f"text/{'html' if is_page else 'plain'}; charset=utf-8",
+            "Content-Length": str(len(body)),
+            "Content-Security-Policy": self._policy if is_page else "default-src 'none'",
+            "Cache-Control": "no-store",
+            "Referrer-Policy": "no-referrer",
+            "X-Content-Type-Options": "nosniff",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Cross-Origin-Opener-Policy": "same-origin",
+            "Connection": "close",
+        }
+        return Response(status.value, status.phrase, Headers(headers), body)
 
 
 def _message(kind: str, content: object) -> str:
@@ -232,35 +256,3 @@ def make_page(player: Player, connection: str) -> tuple[str, str]:
     )
     own = f"script-src 'nonce-{mark}'; style-src 'nonce-{mark}'; connect-src 'self' {connection}; img-src data:"
     return text, f"default-src 'none'; {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-
-
-def refusal(request: Request, port: int, token: str) -> HTTPStatus | None:
-    """Why a request is not answered; None: it is."""
-    names = (f"{LOOPBACK}:{port}", f"localhost:{port}")
-    origins, joins = request.headers.get_all("Origin"), request.path.endswith("/live")
-    known = [secrets.compare_digest(request.path.encode(), f"/{token}/{part}".encode()) for part in ("", "live")]
-    if (
-        request.headers.get_all("Host") not in [[name] for name in names]
-        or (origins and origins not in [[f"http://{name}"] for name in names])
-        or not any(known)
-    ):
-        return HTTPStatus.FORBIDDEN
-    if request.method != "GET":
-        return HTTPStatus.METHOD_NOT_ALLOWED
-    return HTTPStatus.FORBIDDEN if joins and not origins else None
-
-
-def _response(status: HTTPStatus, text: str, kind: str, policy: str = "default-src 'none'") -> Response:
-    body = text.encode()
-    headers = {
-        "Content-Type": kind,
-        "Content-Length": str(len(body)),
-        "Content-Security-Policy": policy,
-        "Cache-Control": "no-store",
-        "Referrer-Policy": "no-referrer",
-        "X-Content-Type-Options": "nosniff",
-        "Cross-Origin-Resource-Policy": "same-origin",
-        "Cross-Origin-Opener-Policy": "same-origin",
-        "Connection": "close",
-    }
-    return Response(status.value, status.phrase, Headers(headers), body)

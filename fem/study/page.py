@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from xarray import Dataset
@@ -56,8 +57,7 @@ class Column:
         return self.words[int(value)] if self.words else f"{value:.4g}".replace("-", "−")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Effect:
+class Effect(NamedTuple):
     """Means of a quantity over the points that share a parameter's value, or lie in the same bin of it."""
 
     at: np.ndarray  # (n_levels,), the parameter

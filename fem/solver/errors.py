@@ -1,6 +1,7 @@
 """How far a run is from exact elasticity: a coarser mesh, three meshes at rest, the other models."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -41,6 +42,14 @@ class Estimate:
         return self.error / abs(self.quantity.value) if self.quantity.value else float("inf")
 
 
+def _refuse_comparisons(scene: Scene, option: str) -> None:
+    if scene.contact.model in COMPARISONS:
+        raise UsageError(
+            f"{option}: contact.model = '{scene.contact.model}' is there for comparison only and has no order of "
+            "convergence; leave one of them out"
+        )
+
+
 def coarser_scene(scene: Scene) -> Scene:
     """The scene on the mesh to compare with.
 
@@ -48,11 +57,7 @@ def coarser_scene(scene: Scene) -> Scene:
     ------
     UsageError: the scene's mesh is too coarse for that, or its contact model converges to nothing.
     """
-    if scene.contact.model in COMPARISONS:
-        raise UsageError(
-            f"--estimate-error: contact.model = '{scene.contact.model}' is there for comparison only and has no order "
-            "of convergence; leave one of them out"
-        )
+    _refuse_comparisons(scene, "--estimate-error")
     size = scene.numerics.mesh_size_mm
     coarsest = pi * scene.bearing.roller_diameter_mm / 10.0
     coarser = min(COARSER * size, coarsest)
@@ -185,11 +190,7 @@ def mesh_table(scene: Scene) -> MeshTable:
     ------
     UsageError: balls, a contact model without an order of convergence, or no equilibrium.
     """
-    if scene.contact.model in COMPARISONS:
-        raise UsageError(
-            f"--converge: contact.model = '{scene.contact.model}' is there for comparison only and has no order of "
-            "convergence; leave one of them out"
-        )
+    _refuse_comparisons(scene, "--converge")
     if scene.axial is not None:
         raise UsageError("--converge: compares plane sections at rest; leave [axial] out")
     size = scene.numerics.mesh_size_mm
@@ -230,8 +231,19 @@ class Choice:
 
 def model_choices(plan: Plan) -> list[Choice]:
     """Every model for the scene of a plan; finite elements on the scene's mesh."""
-    exact = _exact_hub(plan.scene)
-    return [_choice(plan, name, exact) for name in SOLVERS]
+    scene, exact, found = plan.scene, None, []
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    if scene.bearing.type != "ball" and operation.radial_load >= LEAST_LOAD:
+        with suppress(NotFound):
+            exact = exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub
+    for name in SOLVERS:
+        try:
+            mine = plan if scene.model == name else make_plan(scene.varied({"model": name}))
+            error = None if exact is None else float(np.linalg.norm(mine.static_hub() - exact) / np.linalg.norm(exact))
+            found.append(Choice(model=name, lacks=mine.lacks, seconds=mine.expected_seconds, hub_error=error))
+        except (SceneError, UsageError, RuntimeError) as refused:
+            found.append(Choice(model=name, lacks=f"not for this scene: {refused}"))
+    return found
 
 
 def suggestion(choices: list[Choice]) -> str | None:
@@ -243,22 +255,3 @@ def suggestion(choices: list[Choice]) -> str | None:
         return 'model = "fem" for elastic bodies, "lagrange" for a quick look' if "fem" in able else None
     later = '; if it warns about elastic waves, use "fem"' if "fem" in able else "; it warns about elastic waves"
     return f'start with "reduced"{later}'
-
-
-def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
-    try:
-        mine = plan if plan.scene.model == name else make_plan(plan.scene.varied({"model": name}))
-        error = None if exact is None else float(np.linalg.norm(mine.static_hub() - exact) / np.linalg.norm(exact))
-    except (SceneError, UsageError, RuntimeError) as refused:
-        return Choice(model=name, lacks=f"not for this scene: {refused}")
-    return Choice(model=name, lacks=mine.lacks, seconds=mine.expected_seconds, hub_error=error)
-
-
-def _exact_hub(scene: Scene) -> np.ndarray | None:
-    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    if scene.bearing.type == "ball" or operation.radial_load < LEAST_LOAD:
-        return None
-    try:
-        return exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub
-    except NotFound:
-        return None

@@ -98,30 +98,14 @@ def n_in_place(bearing: Bearing, give: float, samples: Samples) -> int:
     return int(np.argmax(astray)) // bearing.n_rollers if astray.any() else len(astray)
 
 
-def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
-    """What to say of a sample whose bodies are out of place."""
-    hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
-    if plan.scene.cage is not None:
-        hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
-    hint = _bare(plan.bearing, samples, at) or f"{hint}contact.friction_coefficient above 0"
-    return f"the bearing has come apart {_hub_then(plan.time_step, samples, at)}; {hint}"
-
-
-def through_trouble(bearing: Bearing, time_step: float, samples: Samples, at: int) -> str:
-    """What to say of a sample whose rigid bodies are in one another."""
-    hint = _bare(bearing, samples, at) or "use a lighter load, more or larger rollers or a stiffer material"
-    return f"rigid bodies have gone through one another {_hub_then(time_step, samples, at)}; {hint}"
-
-
-def _bare(bearing: Bearing, samples: Samples, at: int) -> str | None:
-    hub_x, hub_y = from_outer_ring(samples, "inner")
-    return nothing_carries(bearing, samples["roller_theta"][at], (hub_x[at], hub_y[at]))
-
-
-def _hub_then(time_step: float, samples: Samples, at: int) -> str:
+def place_trouble(bearing: Bearing, time_step: float, samples: Samples, at: int, what: str, hint: str) -> str:
+    """What to say of a sample whose bodies are out of place; `hint` : what to do, where something carries."""
     step, (hub_x, hub_y) = round(samples["time"][at] / time_step), from_outer_ring(samples, "inner")
-    place = f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the centre"
-    return f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is {place}"
+    hint = nothing_carries(bearing, samples["roller_theta"][at], (hub_x[at], hub_y[at])) or hint
+    return (
+        f"{what} at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is "
+        f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the centre; {hint}"
+    )
 
 
 def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:

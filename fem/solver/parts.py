@@ -111,23 +111,21 @@ def surfaces_of(bearing: Bearing, columns: int, of_part: bool = False) -> PartPr
     if of_part:
         every = [None if profile is None else profile.part for profile in every]
     if any(ring is not None for ring in every[:2]):
-        on_rings = tuple(_ring_profile(ring) for ring in every[:2])
+        on_rings = tuple(RingProfile(*(at_line(row[0]) for row in _splines(ring))) for ring in every[:2])
     if all(roller is not None for roller in every[2:]):
-        on_rollers = tuple(_roller_profiles(roller, columns) for roller in every[2:])
+        first = np.zeros((2, columns), dtype=np.int64)
+        for row, profile in zip(first, every[2:], strict=True):
+            row[: profile.row.size] = profile.row * profile.coefficients.shape[1]
+        pairs = zip(every[2:], first, strict=True)
+        on_rollers = tuple(RollerProfiles(*map(at_line, (*_splines(profile), row))) for profile, row in pairs)
     return PartProfiles(on_rings, on_rollers)
 
 
-def _ring_profile(profile: Profile | None) -> RingProfile:
-    sinkage = np.zeros(WIDTH) if profile is None else profile.coefficients[0]
-    soft = None if profile is None or profile.compliance is None else profile.compliance[0]
-    return RingProfile(sinkage=at_line(sinkage), compliance=at_line(np.zeros_like(sinkage) if soft is None else soft))
-
-
-def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
-    first = np.zeros(columns, dtype=np.int64)
-    first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
-    soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
-    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
+def _splines(profile: Profile | None) -> tuple[np.ndarray, np.ndarray]:
+    """Sinkage, m, and compliance, m/N, of a profile, or of none: coefficients by row."""
+    sinkage = np.zeros((1, WIDTH)) if profile is None else profile.coefficients
+    soft = None if profile is None else profile.compliance
+    return sinkage, np.zeros_like(sinkage) if soft is None else soft
 
 
 def time_along_a_knot(bearing: Bearing, ideal: Kinematics, spalls: bool = True) -> float:
@@ -290,13 +288,13 @@ def laws_of(tables: tuple[ContactTable | SpalledTable, ...]) -> tuple[tuple[Tilt
     laws = tuple(TiltedLaw.of(table.whole if isinstance(table, SpalledTable) else table) for table in tables)
     if not any(isinstance(table, SpalledTable) for table in tables):
         return laws, (None,) * len(tables)
-    return laws, tuple(map(_rest, tables))  # of all contacts, so that they are of one type
-
-
-def _rest(table: ContactTable | SpalledTable) -> SpalledRest:
-    if not isinstance(table, SpalledTable):
-        return SpalledRest(law=TiltedLaw.of(table), of_rest=1.0, of_part=0.0)
-    return SpalledRest(law=TiltedLaw.of(table.rest), of_rest=1.0 / (1.0 - table.share), of_part=1.0 / table.share)
+    rests = (
+        SpalledRest(law=TiltedLaw.of(table.rest), of_rest=1.0 / (1.0 - table.share), of_part=1.0 / table.share)
+        if isinstance(table, SpalledTable)
+        else SpalledRest(law=TiltedLaw.of(table), of_rest=1.0, of_part=0.0)
+        for table in tables
+    )
+    return laws, tuple(rests)  # of all contacts, so that they are of one type
 
 
 LESS = "reduce impacts and tilt of the rollers, or leave [axial] out"  # where tables go no further

@@ -178,12 +178,12 @@ class RowState(RunState):
         if len(rows):
             looked = self.read(rows)
             count, trouble = self.sound_part(looked, trouble)
-            sound = looked.first(count)
+            sound = looked.at(slice(count))
             self.largest[:] = np.maximum(self.largest, guards.largest_forces(sound))
             if count:
                 self.missed[0] = max(self.missed[0], np.abs(sound.error).max())
                 self.passed_on[0] = sound.passed_on[-1]
-            samples = sound.every(plan.looks)
+            samples = sound.at(slice(None, None, plan.looks))
             self.done += len(samples)
         return Block(samples=samples, frame=frame, trouble=trouble)
 
@@ -205,7 +205,11 @@ class RowState(RunState):
         self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
         self._came_apart = in_place < balanced
         if self._came_apart:
-            trouble = guards.place_trouble(plan, looked, in_place)
+            hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
+            if plan.scene.cage is not None:
+                hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
+            told = "the bearing has come apart", f"{hint}contact.friction_coefficient above 0"
+            trouble = guards.place_trouble(bearing, plan.time_step, looked, in_place, *told)
         elif balanced < len(looked):
             trouble = guards.energy_trouble(plan, looked, balanced)
         return min(balanced, in_place), trouble

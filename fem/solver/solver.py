@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fem.solver.errors import ErrorEstimate
 
 ROUND_OFF = 1e-9  # of the kinetic energy, no imbalance: a bearing without load exchanges next to nothing
+OF_ENERGY = "imbalance", "exchanged", "error"  # of `Samples`
 Numbers = dict[str, object]  # what a line of JSON holds
 
 
@@ -55,32 +56,14 @@ class Samples:
     @classmethod
     def joined(cls, blocks: Sequence["Samples"]) -> "Samples":
         """Blocks of one run, one after the other."""
-        return cls(
-            values={name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()},
-            imbalance=np.concatenate([block.imbalance for block in blocks]),
-            exchanged=np.concatenate([block.exchanged for block in blocks]),
-            error=np.concatenate([block.error for block in blocks]),
-        )
+        values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()}
+        energies = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in OF_ENERGY}
+        return cls(values=values, **energies)
 
-    def first(self, count: int) -> "Samples":
-        """The first samples of the block."""
-        return self._at(slice(count))
-
-    def after(self, count: int) -> "Samples":
-        """All but the first so many."""
-        return self._at(slice(count, None))
-
-    def every(self, looks: int) -> "Samples":
-        """The first of each so many."""
-        return self._at(slice(None, None, looks))
-
-    def _at(self, which: slice) -> "Samples":
-        return Samples(
-            values={name: array[which] for name, array in self.values.items()},
-            imbalance=self.imbalance[which],
-            exchanged=self.exchanged[which],
-            error=self.error[which],
-        )
+    def at(self, which: slice) -> "Samples":
+        """Some of the block."""
+        values = {name: array[which] for name, array in self.values.items()}
+        return Samples(values=values, **{name: getattr(self, name)[which] for name in OF_ENERGY})
 
     def relative_error(self) -> np.ndarray:
         """Energy error over the energy exchanged, (n,)."""

@@ -233,7 +233,22 @@ def make_arrays(
     body = model.roller
     whole = {"total_mass": body.total_mass, "inertia": body.polar_inertia, "radius": body.shape.radius}
     rollers, disc = filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole), disc_nodes(body, dt, columns)
-    drive = _drive(model, operation, start, dt, ramp, slowing)
+    mass_on_hub, damped = hub_mass(hub, operation), 0.0 if mounting.shaft is None else mounting.shaft.damping
+    drive = filled(
+        Drive,
+        {},
+        operation,
+        hub=around.hub + start.housing,
+        velocity=start.hub_velocity.copy(),
+        frame=np.array([0.0, 1.0, 0.0]),
+        mass=mass_on_hub,
+        late_mass=late_mass(mass_on_hub, damped, dt),
+        dt=dt,
+        slowing=slowing.waves,
+        calming=slowing.velocities / float(dt),
+        ramp=ramp,
+        history=parts.history_arrays(model.bearing, operation),
+    )
     contacts = contact_arrays(model, operation, start, data, friction, mass, columns)
     chord, history = dt if start.steady else 0.0, operation.history
     if not hub.material.rigid:
@@ -256,7 +271,9 @@ def make_arrays(
     if mass.calming == 0.0:
         disc, inner, outer = (group._replace(calmed=group.w) for group in (disc, inner, outer))
     column = N_SCALARS + len(BLOCKS) * n
-    housing = _housing(model, operation, outer, start.housing, dt, column)
+    free = isinstance(ground, BoredRing)  # which moves by itself
+    on_housing = 0.0 if free else _held_mass(ground), None if free or ground.material.rigid else outer
+    housing = parts.housing_of(mounting, *on_housing, start.housing, dt, column)
     shaft = parts.springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
     of_bore = column + len(replace(mounting, bore=None).columns)
     bore = bore_body(ground, outer, start.outer_rate, housing, of_bore)
@@ -390,26 +407,6 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
     disc.w.reshape(shape)[:, :, :n] = np.moveaxis(momenta, 0, -1)
 
 
-def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowing: Slowing) -> Drive:
-    mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
-    late = late_mass(mass, 0.0 if shaft is None else shaft.damping, dt)
-    return filled(
-        Drive,
-        {},
-        operation,
-        hub=start.equilibrium.hub + start.housing,
-        velocity=start.hub_velocity.copy(),
-        frame=np.array([0.0, 1.0, 0.0]),
-        mass=mass,
-        late_mass=late,
-        dt=dt,
-        slowing=slowing.waves,
-        calming=slowing.velocities / float(dt),
-        ramp=ramp,
-        history=parts.history_arrays(model.bearing, operation),
-    )
-
-
 def hub_mass(ring: RingBody, operation: Operation) -> float:
     """What moves with the hub, kg: the shaft, and the ring's held row or a rigid ring."""
     return float(operation.inner_mass - ring.total_mass + _held_mass(ring))
@@ -434,16 +431,6 @@ def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housi
     place, impulse = (np.zeros(2), np.zeros(2)) if housing is None else (housing.place, housing.impulse)
     known = {"ring": ring, "place": place, "impulse": impulse, "velocity": velocity, "column": column}
     return filled(Bore, sizes, **known, play=body.play, stiffness=body.stiffness)
-
-
-def _housing(
-    model: Model, operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
-) -> Housing | None:
-    """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring."""
-    body = model.outer_ring
-    free = isinstance(body, BoredRing)  # which moves by itself
-    carried = None if free or body.material.rigid else ring
-    return parts.housing_of(operation.mounting, 0.0 if free else _held_mass(body), carried, place, dt, column)
 
 
 def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:

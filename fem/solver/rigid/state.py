@@ -274,11 +274,6 @@ class RigidState(RowState):
     def judged(self, block: Block) -> Block:
         """The block, or the restart that it takes."""
 
-    @property
-    def may_restart(self) -> bool:
-        """Whether a halving is left."""
-        return self.restarts["halvings"] < self.most_halvings
-
     def restart(self, block: Block, why: str, way: str = "halvings") -> Block:
         """The block that makes all samples so far void, of a run that is at its start again."""
         why += "; the run restarts with half of it" if way == "halvings" else ""
@@ -401,7 +396,7 @@ class ReducedState(RigidState):
         if samples is not None and len(samples):
             lost = lost or self._loses_energy(samples)
             guards.add_samples(self.hub_sums, samples)
-        if not (lost and self.may_restart):
+        if not lost or self.restarts["halvings"] == self.most_halvings:
             return block
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
         if self._came_apart:
@@ -560,7 +555,7 @@ class LagrangianState(RigidState):
         too_fast = self.judge.too_fast
         if (trouble := too_fast or self.judge.rattling) is None:
             return block
-        if self.may_restart:
+        if self.restarts["halvings"] < self.most_halvings:
             return self.restart(block, trouble.partition(";")[0])
         # still worth having where contacts only rattle: see `notices`
         return block if too_fast is None else Block(samples=block.samples, trouble=too_fast)
@@ -576,7 +571,9 @@ class LagrangianState(RigidState):
         in_place = guards.n_in_place(bearing, THROUGH * bearing.roller_radius, looked)
         self._came_apart = in_place < len(looked) and trouble is None
         if self._came_apart:
-            trouble = guards.through_trouble(bearing, self.plan.time_step, looked, in_place)
+            hint = "use a lighter load, more or larger rollers or a stiffer material"
+            told = "rigid bodies have gone through one another", hint
+            trouble = guards.place_trouble(bearing, self.plan.time_step, looked, in_place, *told)
         return in_place, trouble
 
     @property
@@ -633,7 +630,13 @@ class LagrangianState(RigidState):
         held = problem.angles == "kinematic"
         if held:
             theta = plan.begin.angle + np.reshape(turned(problem.bearing, problem.operation, time).cage, (-1, 1))
-            self._put_on_rays(rows, theta)
+            n, ring = problem.bearing.n_rollers, np.zeros((2, len(rows), 1))
+            if self.bodies.housing is not None:
+                column = self.bodies.housing.column
+                ring[:] = rows[:, [column, column + 1]].T[:, :, None]
+            x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
+            rho = np.hypot(x - ring[0], y - ring[1])
+            x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)
         samples = self.reader.read(rows)
         if held:
             samples["roller_theta"][:] = theta
@@ -676,15 +679,6 @@ class LagrangianState(RigidState):
             told[f"inner_a{axis}"] = -(without + of_cage) / operation.inner_mass
         for name in told.keys() & samples.values.keys():
             samples[name][:] = told[name]
-
-    def _put_on_rays(self, rows: np.ndarray, theta: np.ndarray) -> None:
-        n, ring = self.plan.bearing.n_rollers, np.zeros((2, len(rows), 1))
-        if self.bodies.housing is not None:
-            column = self.bodies.housing.column
-            ring[:] = rows[:, [column, column + 1]].T[:, :, None]
-        x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
-        rho = np.hypot(x - ring[0], y - ring[1])
-        x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)
 
 
 def tables_of(problem: Problem, axial: Axial, times: float = 1.0) -> Tables:

@@ -200,22 +200,13 @@ def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, fi
     # of the cage, where it meets that ring
     radii = {"inner_ring": -bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius, "rollers": 0.0}
     body = filled(
-        kernels.Cage,
-        {"columns": padded.size},
-        cage,
-        bearing,
-        motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
-        frame=np.array([1.0, 0.0]),
-        cosine=np.cos(padded),
-        sine=np.sin(padded),
-        pockets=filled(CageContacts, {"n": n}),
-        guide=filled(CageContacts, {"n": 1}) if guided else None,
-        half_clearance=0.5 * cage.pocket_clearance,
-        play=0.5 * (cage.guidance_clearance or 0.0),
-        guide_radius=radii[cage.guidance],
-        friction=cage.friction_coefficient,
-        at=row_width(n, None) if first is None else first,
-    )
+        kernels.Cage, {"columns": padded.size}, cage, bearing,
+        motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]), frame=np.array([1.0, 0.0]),
+        cosine=np.cos(padded), sine=np.sin(padded), pockets=filled(CageContacts, {"n": n}),
+        guide=filled(CageContacts, {"n": 1}) if guided else None, half_clearance=0.5 * cage.pocket_clearance,
+        play=0.5 * (cage.guidance_clearance or 0.0), guide_radius=radii[cage.guidance],
+        friction=cage.friction_coefficient, at=row_width(n, None) if first is None else first,
+    )  # fmt: skip
     return lined_up(body)
 
 
@@ -265,20 +256,13 @@ def axes_at(
     n, hub = bearing.n_rollers, hub_tilt(operation, axial)
     (across, along), turns = roller_inertias(bearing), (kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0))
     tilts = filled(
-        TiltArrays,
-        {"columns": columns, "lanes": WIDTH},
-        slope=np.array([start.slope_x, start.slope_y], dtype=float),
-        slope_rate=np.array([start.slope_x_rate, start.slope_y_rate], dtype=float),
-        inertia=across,
-        along=along,
-        spin=tuple(float(each.roller) for each in turns),
-        cage=tuple(float(each.cage) for each in turns),
-        hub_over=1.0 / hub.inertia if hub.is_free else 0.0,
-        hub_spin=hub_axial_inertia(bearing, operation),
-        hub_stiffness=hub.stiffness,
-        rest=(float(hub.slope_x), float(hub.slope_y)),
+        TiltArrays, {"columns": columns, "lanes": WIDTH}, slope=np.array([start.slope_x, start.slope_y], dtype=float),
+        slope_rate=np.array([start.slope_x_rate, start.slope_y_rate], dtype=float), inertia=across, along=along,
+        spin=tuple(float(each.roller) for each in turns), cage=tuple(float(each.cage) for each in turns),
+        hub_over=1.0 / hub.inertia if hub.is_free else 0.0, hub_spin=hub_axial_inertia(bearing, operation),
+        hub_stiffness=hub.stiffness, rest=(float(hub.slope_x), float(hub.slope_y)),
         column=row_width(n, cage, operation.mounting),
-    )
+    )  # fmt: skip
     tilts.tilt[:n], tilts.rate[:n] = start.tilt, start.tilt_rate
     return tilts
 

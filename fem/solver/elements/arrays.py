@@ -119,17 +119,11 @@ def pair_groups(
             of_row = {"row": ring.raceway, "n_nodes": ring.n_sectors, "node_mass": mass, "ripple": ripple}
             surface = filled(state.RingSurface, {}, ring, **of_row, radius=body.raceway_radius)
         return Pair(
-            row=row,
-            sign=1.0 if row == INNER else -1.0,
-            radius=body.raceway_radius,
-            orbit=ground.raceway_radius - model.roller.shape.radius,
-            law=data.laws[row],
-            surface=surface,
-            counted_from=nowhere if body.material.rigid else more["centre"],
-            profile=profile.ring_profiles[row],
-            roller_profiles=profile.roller_profiles[row],
-            **more,
-        )
+            row=row, sign=1.0 if row == INNER else -1.0, radius=body.raceway_radius,
+            orbit=ground.raceway_radius - model.roller.shape.radius, law=data.laws[row], surface=surface,
+            counted_from=nowhere if body.material.rigid else more["centre"], profile=profile.ring_profiles[row],
+            roller_profiles=profile.roller_profiles[row], **more,
+        )  # fmt: skip
 
     # rigid rings are part of the hub, or of the housing, which does not turn
     on_hub = filled(state.Hub, {}, drive, **n, place=drive.hub, radius=hub.raceway_radius)
@@ -235,20 +229,11 @@ def make_arrays(
     rollers, disc = filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole), disc_nodes(body, dt, columns)
     mass_on_hub, damped = hub_mass(hub, operation), 0.0 if mounting.shaft is None else mounting.shaft.damping
     drive = filled(
-        Drive,
-        {},
-        operation,
-        hub=around.hub + start.housing,
-        velocity=start.hub_velocity.copy(),
-        frame=np.array([0.0, 1.0, 0.0]),
-        mass=mass_on_hub,
-        late_mass=late_mass(mass_on_hub, damped, dt),
-        dt=dt,
-        slowing=slowing.waves,
-        calming=slowing.velocities / float(dt),
-        ramp=ramp,
+        Drive, {}, operation, hub=around.hub + start.housing, velocity=start.hub_velocity.copy(),
+        frame=np.array([0.0, 1.0, 0.0]), mass=mass_on_hub, late_mass=late_mass(mass_on_hub, damped, dt), dt=dt,
+        slowing=slowing.waves, calming=slowing.velocities / float(dt), ramp=ramp,
         history=parts.history_arrays(model.bearing, operation),
-    )
+    )  # fmt: skip
     contacts = contact_arrays(model, operation, start, data, friction, mass, columns)
     chord, history = dt if start.steady else 0.0, operation.history
     if not hub.material.rigid:
@@ -306,16 +291,11 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
         starts, points, mass, grown = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros(0)
     rows = np.repeat(np.arange(len(mass)), np.diff(starts))
     return filled(
-        Disc,
-        {"n_nodes": len(mass), "columns": columns},
-        starts=starts,
-        neighbours=neighbours,
+        Disc, {"n_nodes": len(mass), "columns": columns}, starts=starts, neighbours=neighbours,
         blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
-        points=np.ascontiguousarray(points).ravel(),
-        grown=grown,
-        mass=mass.copy(),
+        points=np.ascontiguousarray(points).ravel(), grown=grown, mass=mass.copy(),
         first=0 if disc.material.rigid else disc.first_surface_node,
-    )
+    )  # fmt: skip
 
 
 def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
@@ -332,22 +312,12 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     widening = ring.harmonic_stiffness(np.zeros(1)).real.reshape(ring.n_rows, 2, ring.n_rows, 2)
     first = int(ring.free_rows[0])
     return filled(
-        Ring,
-        {"n_rows": ring.n_rows, "width": width},
-        table=table,
-        slowed=slowing.waves * table,
-        calming=slowing.velocities / dt * table,
-        radii=ring.radii.copy(),
-        grown=-slowing.waves * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass,
-        row_mass=ring.row_mass.copy(),
-        cosines=np.cos(angle),
-        sines=np.sin(angle),
-        n_sectors=ring.n_sectors,
-        first_row=first,
-        last_row=first + len(ring.free_rows),
-        raceway=ring.raceway_row,
-        held=ring.held_row,
-    )
+        Ring, {"n_rows": ring.n_rows, "width": width}, table=table, slowed=slowing.waves * table,
+        calming=slowing.velocities / dt * table, radii=ring.radii.copy(),
+        grown=-slowing.waves * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass, row_mass=ring.row_mass.copy(),
+        cosines=np.cos(angle), sines=np.sin(angle), n_sectors=ring.n_sectors, first_row=first,
+        last_row=first + len(ring.free_rows), raceway=ring.raceway_row, held=ring.held_row,
+    )  # fmt: skip
 
 
 def _fill(target: np.ndarray, values: np.ndarray) -> None:
@@ -540,15 +510,10 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         for place in carried:
             outside -= outer.polar(np.broadcast_to(place, (len(outer.points), 2)))
     return Frame(
-        sample=sample,
-        time=sample * interval,
-        roller_turn=rollers.turn[: rollers.n].copy(),
-        ring_turn=turn,
+        sample=sample, time=sample * interval, roller_turn=rollers.turn[: rollers.n].copy(), ring_turn=turn,
         outer_turn=0.0 if drive.history is None or drive.history.outer is None else float(drive.history.outer.frame[0]),
-        rollers=np.moveaxis(bodies, -1, 0),
-        inner_ring=inner,
-        outer_ring=outside,
-    )
+        rollers=np.moveaxis(bodies, -1, 0), inner_ring=inner, outer_ring=outside,
+    )  # fmt: skip
 
 
 class Displaced(Protocol):

@@ -338,18 +338,9 @@ def make_plan(scene: Scene) -> ElementPlan:
     stride = looks * ceil(steps / looks)  # `ElementPlan.looks` shall divide it
     warnings = limits.plan_warnings(scene, model, operation, loaded.equilibrium, interval)
     return ElementPlan(
-        scene=scene,
-        model=model,
-        operation=operation,
-        start=start,
-        tilting=tilting,
-        seat=cage_seat(bearing, cage, start.angle, found.rho, found.hub, raceways),
-        critical_time_step=critical,
-        time_step=interval / stride,
-        stride=stride,
-        largest_force=expected,
-        mass=mass,
+        scene=scene, model=model, operation=operation, start=start, tilting=tilting,
+        seat=cage_seat(bearing, cage, start.angle, found.rho, found.hub, raceways), critical_time_step=critical,
+        time_step=interval / stride, stride=stride, largest_force=expected, mass=mass,
         warnings=(*warnings, *model.outer_ring.warnings, *(() if start.warning is None else (start.warning,))),
-        n_samples=sample_count(scene),
-        frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
-    )
+        n_samples=sample_count(scene), frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
+    )  # fmt: skip

@@ -50,15 +50,9 @@ def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Mot
     angle = roller_angles(model.bearing, operation.first_roller_angle)
     n = model.bearing.n_rollers
     motion = Motion(
-        roller_angle=angle + way.cage,
-        roller_turn=np.full(n, way.roller),
-        ring_turn=way.shaft,
-        cage_speed=ideal.cage,
-        roller_speed=ideal.roller,
-        ring_speed=ideal.shaft,
-        outer_turn=way.outer_ring,
-        outer_speed=ideal.outer_ring,
-    )
+        roller_angle=angle + way.cage, roller_turn=np.full(n, way.roller), ring_turn=way.shaft, cage_speed=ideal.cage,
+        roller_speed=ideal.roller, ring_speed=ideal.shaft, outer_turn=way.outer_ring, outer_speed=ideal.outer_ring,
+    )  # fmt: skip
     return motion, ideal
 
 
@@ -152,18 +146,12 @@ def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion:
         force = equilibrium.outer_force @ motion.radial
         place = (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
     return Start(
-        equilibrium=equilibrium,
-        kinematics=ideal,
-        angle=motion.roller_angle,
-        hub_velocity=np.zeros(2),
+        equilibrium=equilibrium, kinematics=ideal, angle=motion.roller_angle, hub_velocity=np.zeros(2),
         roller_velocity=(ideal.cage * equilibrium.rho)[:, None] * motion.around,
-        roller_rate=np.zeros_like(equilibrium.rollers),
-        inner_rate=np.zeros_like(equilibrium.inner_ring),
-        outer_rate=np.zeros_like(equilibrium.outer_ring),
-        housing=place,
-        tilts=None if equilibrium.axes is None else tilts_moving(equilibrium.axes),
-        **more,
-    )
+        roller_rate=np.zeros_like(equilibrium.rollers), inner_rate=np.zeros_like(equilibrium.inner_ring),
+        outer_rate=np.zeros_like(equilibrium.outer_ring), housing=place,
+        tilts=None if equilibrium.axes is None else tilts_moving(equilibrium.axes), **more,
+    )  # fmt: skip
 
 
 def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, near: Equilibrium) -> Tilting:

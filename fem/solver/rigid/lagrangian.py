@@ -308,18 +308,14 @@ def beginning(problem: Problem) -> Beginning:
     samples = sampled(problem, np.zeros(1), alone) | dict.fromkeys(NONE_HERE, per_roller)
     accelerating = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
     return Beginning(
-        angle=state.theta,
-        hub=np.array([state.x, state.y]) + ring,
-        hub_velocity=np.array([state.x_rate, state.y_rate]),
-        hub_acceleration=accelerating,
-        centre=ring[:, None] + state.rho * radial,
+        angle=state.theta, hub=np.array([state.x, state.y]) + ring, hub_velocity=np.array([state.x_rate, state.y_rate]),
+        hub_acceleration=accelerating, centre=ring[:, None] + state.rho * radial,
         velocity=state.rho_rate * radial + state.rho * state.theta_rate * around,
         acceleration=outwards * radial + along * around,
-        pushed=outwards * radial + (0.0 if held else 1.0) * along * around,
-        ring=ring,
+        pushed=outwards * radial + (0.0 if held else 1.0) * along * around, ring=ring,
         ring_acceleration=ring_acceleration,
         samples=samples | dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin},
-    )
+    )  # fmt: skip
 
 
 class StartState(RunState):
@@ -470,27 +466,18 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval = 1e-6 * numerics.output_interval_us
     problem = Problem(
-        bearing=bearing,
-        operation=scene.ideal_operation(),
-        laws=contact_laws(options.law, bearing),
-        start=numerics.start,
-        angles=options.angles,
-        damping=scene.damping.contacts,
-        load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
-        cage=scene.ideal_cage(),
+        bearing=bearing, operation=scene.ideal_operation(), laws=contact_laws(options.law, bearing),
+        start=numerics.start, angles=options.angles, damping=scene.damping.contacts,
+        load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0, cage=scene.ideal_cage(),
         axial=scene.ideal_axial(),
-    )
+    )  # fmt: skip
     longest, sections = longest_step(problem), None
     if problem.damping.acts:  # contacts without dampers vibrate on after a strike
         fastest = fastest_kinematics(bearing, problem.operation)
         sections = sections_of(bearing, fastest, interval, longest, longest_step(problem, spalls=False))
     steps = ceil(interval / longest * (1.0 - 1e-12))
     return LagrangianPlan(
-        scene=scene,
-        problem=problem,
-        n_samples=sample_count(scene),
-        stride=max(1, steps) if sections is None else sections.count * sections.near,
-        sections=sections,
-        law_warning=warning(options.law, bearing),
-        warnings=of_scene(scene, bearing, problem.operation, interval),
-    )
+        scene=scene, problem=problem, n_samples=sample_count(scene),
+        stride=max(1, steps) if sections is None else sections.count * sections.near, sections=sections,
+        law_warning=warning(options.law, bearing), warnings=of_scene(scene, bearing, problem.operation, interval),
+    )  # fmt: skip

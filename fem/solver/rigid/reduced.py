@@ -232,22 +232,11 @@ def make_plan(scene: Scene) -> ReducedPlan:
     stored += model.contacts.outer_law.energy(loaded.outer_force).sum()
     warnings = plan_warnings(scene, model, operation, loaded, interval)
     return ReducedPlan(
-        scene=scene,
-        model=model,
-        operation=operation,
-        tangential=tangential,
+        scene=scene, model=model, operation=operation, tangential=tangential,
         relaxation_factor=relaxation_factor(strongest_coupling(model, met)),
         waves=unseen_waves(bearing, operation.inner_mass),
-        strikes=scene.cage is not None or may_strike(scene, bearing, operation),
-        start=start,
-        tables=tables,
-        largest_force=largest,
-        seat=cage_seat(bearing, cage, start.angle, start.rho, start.hub, raceways),
-        static_energy=float(stored),
-        critical_time_step=critical,
-        stride=stride,
-        looks=looks,
-        sections=sections,
-        n_samples=sample_count(scene),
-        warnings=(*warnings, *(() if start.warning is None else (start.warning,))),
-    )
+        strikes=scene.cage is not None or may_strike(scene, bearing, operation), start=start, tables=tables,
+        largest_force=largest, seat=cage_seat(bearing, cage, start.angle, start.rho, start.hub, raceways),
+        static_energy=float(stored), critical_time_step=critical, stride=stride, looks=looks, sections=sections,
+        n_samples=sample_count(scene), warnings=(*warnings, *(() if start.warning is None else (start.warning,))),
+    )  # fmt: skip

@@ -176,20 +176,13 @@ def paces_of(plan: RigidPlan, drive: ReducedDrive) -> tuple[tuple[ReducedDrive, 
     outward = bearing.pitch_radius * np.abs(kinematics_met(bearing, plan.operation).cage).max() ** 2
     steady = STEADY * bearing.n_rollers * bearing.roller_mass * outward**2
     pace = filled(
-        paces.Paces,
-        {},
-        counts=np.array([found.near, found.far], dtype=np.intp),
-        sections=found.count,
-        now=np.zeros(1, dtype=np.intp),
-        made=np.zeros(2, dtype=np.intp),
+        paces.Paces, {}, counts=np.array([found.near, found.far], dtype=np.intp), sections=found.count,
+        now=np.zeros(1, dtype=np.intp), made=np.zeros(2, dtype=np.intp),
         where=np.array([(BODIES[body], spall[0] or 0) for body, _, spall, _ in spalls], dtype=np.intp),
-        arcs=np.array(arcs),
-        stiffness=2.0 * bearing.roller_mass / plan.critical_time_step**2,
-        outward=outward,
-        calm=steady + 12.0 * CALM * (plan.static_energy + found.strike) / long**2,
-        smooth=smooth,
+        arcs=np.array(arcs), stiffness=2.0 * bearing.roller_mass / plan.critical_time_step**2, outward=outward,
+        calm=steady + 12.0 * CALM * (plan.static_energy + found.strike) / long**2, smooth=smooth,
         **dict.fromkeys(("step", "half_step"), np.zeros((2, 2, 3))) | of_sensor,
-    )
+    )  # fmt: skip
     return (drive, drive._replace(dt=float(long), looks=not smooth)), pace
 
 
@@ -519,17 +512,10 @@ class LagrangianState(RigidState):
         rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
         by_shaft, by_outer = kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0)
         prescribed = filled(
-            Prescribed,
-            {},
-            spin=by_shaft.roller,
-            cage=by_shaft.cage,
-            spin_by_outer=by_outer.roller,
-            cage_by_outer=by_outer.cage,
-            first=rays if held else None,
-            force=np.zeros(columns_for(n)),
-            work=np.zeros(2),
+            Prescribed, {}, spin=by_shaft.roller, cage=by_shaft.cage, spin_by_outer=by_outer.roller,
+            cage_by_outer=by_outer.cage, first=rays if held else None, force=np.zeros(columns_for(n)), work=np.zeros(2),
             column=row_width(n, None, mounting) if held and cage is not None else -1,
-        )
+        )  # fmt: skip
         free = None if problem.free_cage is None else cage
         # their spin is prescribed
         bodies = rigid_bodies(bearing, operation, free, dt, placed, inertia=np.inf, prescribed=prescribed)

@@ -209,14 +209,6 @@ def test_the_load_that_a_ramp_withholds_is_a_term_of_its_own(tmp_path):
     np.testing.assert_allclose(sum(found.y.terms.values()), found.y.error, atol=BUDGET, rtol=0)
 
 
-def test_free_angles_have_their_own_degrees_of_freedom(tmp_path):
-    path = tmp_path / "free.nc"
-    assert run(path, "--duration", "1", "--quiet", "lagrange.angles=free") == 0
-    with h5py.File(path) as file:
-        assert file.attrs["degrees_of_freedom"] == 2 * 13 + 2
-        assert np.ptp(np.diff(file["roller_theta"][-1])) > 1e-9  # no cage keeps them apart
-
-
 def test_meshes_are_not_loaded_nor_a_compiler_where_no_step_is_taken(tmp_path):
     code = (
         "import sys; from fem.commands.run_fem import run_main; "
@@ -229,12 +221,16 @@ def test_meshes_are_not_loaded_nor_a_compiler_where_no_step_is_taken(tmp_path):
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-def test_a_start_alone_can_be_extended(tmp_path):
+def test_a_start_alone_can_be_extended_and_free_angles_have_their_own_degrees_of_freedom(tmp_path):
     path, whole = tmp_path / "a.nc", tmp_path / "whole.nc"
     assert run(path, "--duration", "0", "--quiet") == 0
     assert run(path, "--duration", "1", "--quiet", "--resume") == run(whole, "--duration", "1", "--quiet") == 0
     with h5py.File(path) as file, h5py.File(whole) as other:
         assert all(np.array_equal(file[name][:], other[name][:]) for name in columns_of(""))
+    assert run(path, "--duration", "1", "--quiet", "lagrange.angles=free") == 0
+    with h5py.File(path) as file:
+        assert file.attrs["degrees_of_freedom"] == 2 * 13 + 2
+        assert np.ptp(np.diff(file["roller_theta"][-1])) > 1e-9  # no cage keeps them apart
 
 
 def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys):

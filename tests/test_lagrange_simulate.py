@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from lagrange import contact_laws as contact_laws_tilt
-from lagrange import static_equilibrium as static_equilibrium_surfaces
-from lagrange import static_equilibrium as static_equilibrium_tilt
 from lagrange.bearing import Cage, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.laws import ContactLaws, PowerLaw, contact_laws
@@ -157,13 +154,16 @@ def test_free_angles_start_as_told_and_turn_on():
 
 
 def test_a_standing_bearing_settles_on_its_statics_and_rests_there():
-    standing = replace(RUNNING, speed=0.0)
-    run = simulate(Problem(PAPER, standing, HARRIS, start="rest", damping=ContactDamping(constant=2000.0)), 2e-3, 1e-4)
-    found = static_equilibrium(PAPER, standing, HARRIS)
+    slow = replace(RUNNING, speed=0.0)
+    run = simulate(Problem(PAPER, slow, HARRIS, start="rest", damping=ContactDamping(constant=2000.0)), 2e-3, 1e-4)
+    found = static_equilibrium(PAPER, slow, HARRIS)
     assert run.inner_y[-1] == pytest.approx(found.y, rel=1e-8)
     np.testing.assert_allclose(run.inner_force[-1], found.inner_force, atol=1e-4)
-    still = simulate(Problem(PAPER, standing, HARRIS), 5e-4, 1e-5)
+    still = simulate(Problem(PAPER, slow, HARRIS), 5e-4, 1e-5)
     assert np.ptp(still.inner_y) < 1e-13 and np.ptp(still.inner_x) < 1e-13
+    alone = simulate(Problem(PAPER, RUNNING, HARRIS), 0.0, 1e-5)  # no duration gives the start alone
+    assert alone.time.shape == (1,) and alone.roller_rho.shape == (1, 13) and alone.steps == 0
+    assert alone.inner_force[0].max() == pytest.approx(630.76, abs=0.05)
 
 
 @pytest.mark.slow
@@ -174,12 +174,6 @@ def test_a_hub_that_drops_through_a_clearance_strikes_the_rollers():
     assert np.max(np.abs(run.energy_error)) < 1e-5 * run.energy_contact.max()
     tips = simulate(Problem(loose, replace(RUNNING, radial_load=0.0), HARRIS), 1e-3, 1e-5)
     assert tips.inner_force.max() < 50.0 and abs(tips.inner_vy[0]) < 1.0  # from roller to roller, without a kick
-
-
-def test_no_duration_gives_the_start_alone():
-    run = simulate(Problem(PAPER, RUNNING, HARRIS), 0.0, 1e-5)
-    assert run.time.shape == (1,) and run.roller_rho.shape == (1, 13) and run.steps == 0
-    assert run.inner_force[0].max() == pytest.approx(630.76, abs=0.05)
 
 
 CAGE = Cage(
@@ -274,7 +268,7 @@ SUNK = {
 def test_statics_over_a_spall(depth, body, angle):
     hub, *loads = SUNK[depth]
     bearing = replace(PAPER, faults=(spall(body, angle, depth=depth),))
-    found = static_equilibrium_surfaces(bearing, STANDING, HARRIS, roller_mass=0.0)
+    found = static_equilibrium(bearing, STANDING, HARRIS, roller_mass=0.0)
     assert -found.y == pytest.approx(hub, rel=5e-4)
     np.testing.assert_allclose(found.inner_force[:4], loads, atol=0.2)
 
@@ -283,8 +277,15 @@ def test_statics_over_a_spall(depth, body, angle):
 def test_a_roller_unloads_fully_from_a_width_on(body, unloads_from):
     for width, is_loaded in ((0.98 * unloads_from, True), (1.02 * unloads_from, False)):
         bearing = replace(PAPER, faults=(spall(body, DOWN, width=width),))
-        found = static_equilibrium_surfaces(bearing, STANDING, HARRIS, roller_mass=0.0)
+        found = static_equilibrium(bearing, STANDING, HARRIS, roller_mass=0.0)
         assert (found.inner_force[0] > 0.0) == is_loaded
+
+
+def still_at(hub, rho, theta, **more):
+    """Bodies that stand at places; (x, y, ...) of the hub."""
+    zero = np.zeros(len(rho))
+    rest = {"x_rate": 0.0, "y_rate": 0.0, "rho_rate": zero, "theta_rate": zero}
+    return State(x=hub[0], y=hub[1], rho=rho, theta=theta, **rest, **more)
 
 
 def test_accelerations_are_the_gradient_of_the_energy():
@@ -295,11 +296,7 @@ def test_accelerations_are_the_gradient_of_the_energy():
     start = np.concatenate([[1e-6, -12e-6], 0.023 + rng.uniform(-1e-6, 1e-6, n), DOWN + 0.015 + np.arange(n) * 0.47])
 
     def state(values):
-        rest = np.zeros(n)
-        return State(
-            x=values[0], y=values[1], rho=values[2 : n + 2], theta=values[n + 2 :],
-            x_rate=0.0, y_rate=0.0, rho_rate=rest, theta_rate=rest, turns=Turns(inner_ring=-0.01, rollers=0.2),
-        )  # fmt: skip
+        return still_at(values, values[2 : n + 2], values[n + 2 :], turns=Turns(inner_ring=-0.01, rollers=0.2))
 
     def energy(values):
         return contact_energy(HARRIS, contact_state(bearing, HARRIS, state(values)))
@@ -307,9 +304,8 @@ def test_accelerations_are_the_gradient_of_the_energy():
     contacts = contact_state(bearing, HARRIS, state(start))
     ax, ay, rho, theta = accelerations(bearing, operation, state(start), contacts)
     mass = bearing.roller_mass
-    forces = np.concatenate(
-        [[operation.inner_mass * ax, operation.inner_mass * ay], mass * rho, mass * start[2 : n + 2] ** 2 * theta]
-    )
+    on_hub = operation.inner_mass * np.array([ax, ay])
+    forces = np.concatenate([on_hub, mass * rho, mass * start[2 : n + 2] ** 2 * theta])
     steps = np.concatenate([np.full(n + 2, 1e-9), np.full(n, 1e-8)])
     gradient = [
         (energy(start + h * unit) - energy(start - h * unit)) / (2.0 * h)
@@ -339,7 +335,7 @@ def test_the_first_state_moves_with_the_equilibrium():
 
     def at_rest(time, theta, x, y):
         turns = Turns(inner_ring=operation.speed * time, rollers=run.roller_spin * time)
-        return static_equilibrium_surfaces(bearing, operation, HARRIS, angles=theta, start=(x, y), turns=turns).y
+        return static_equilibrium(bearing, operation, HARRIS, angles=theta, start=(x, y), turns=turns).y
 
     samples = zip(run.time[every], run.roller_theta[every], run.inner_x[every], run.inner_y[every], strict=True)
     slow = np.array([at_rest(*sample) for sample in samples])
@@ -470,7 +466,7 @@ def test_equations_with_tilt_are_those_that_computer_algebra_derives():
 def test_dampers_of_a_tilted_contact_are_those_of_its_slices():
     found = scene(axial__slices=11)
     bearing = found.ideal_bearing()
-    slices = sliced_laws(bearing, found.ideal_axial(), contact_laws_tilt("iso16281", bearing)).inner
+    slices = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing)).inner
     damping, rng = ContactDamping(time=1e-5), np.random.default_rng(7)
     approach, slope = 8e-6 + 4e-6 * rng.uniform(size=9), 1e-3 * rng.uniform(-1.0, 1.0, 9)
     closing, turning = 1e-4 * rng.uniform(-1.0, 1.0, 9), 1e-2 * rng.uniform(-1.0, 1.0, 9)
@@ -492,7 +488,7 @@ WAVE = [{"body": "inner_ring", "order": 40, "amplitude_um": 0.3}]
 def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
     found = scene(axial__slices=10, model="reduced", spall=SPALLS, waviness=WAVE)
     bearing, operation = found.ideal_bearing(), found.ideal_operation()
-    laws = sliced_laws(bearing, found.ideal_axial(), contact_laws_tilt("iso16281", bearing))
+    laws = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing))
     rng, n = np.random.default_rng(5), bearing.n_rollers
     zero, theta = np.zeros(n), roller_angles(bearing, operation.first_roller_angle) + 1e-3 * rng.uniform(-9.0, 9.0, n)
     moved = np.concatenate([1e-6 * np.array([3.0, -9.0]), bearing.pitch_radius + 1e-6 * rng.uniform(-4.0, 4.0, n),
@@ -501,9 +497,7 @@ def test_forces_over_spalls_and_waves_are_the_gradient_of_the_energy():
     def at(x):
         rho, angle, tilt = np.split(x[2:], 3)
         tilts = Tilts(tilt=tilt, tilt_rate=zero, slope_x=1e-4, slope_y=-1e-3)
-        state = State(
-            x=x[0], y=x[1], rho=rho, theta=angle, x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero, tilts=tilts
-        )
+        state = still_at(x, rho, angle, tilts=tilts)
         return state, contact_state(bearing, laws, state)
 
     state, touch = at(moved)
@@ -529,18 +523,11 @@ def test_a_roller_over_a_spall_of_half_the_length_stands_in_equilibrium():
     edge = {"body": "outer_ring", "width_mm": 0.6, "angle_deg": 360.0 / 13.0 + 0.62}  # under the next roller
     found = scene(axial__slices=10, model="reduced", spall=[SPALLS[0] | {"angle_deg": 0.0}, edge])
     bearing, operation = found.ideal_bearing(), replace(found.ideal_operation(), speed=0.0, gravity=0.0)
-    laws = contact_laws_tilt("iso16281", bearing)
-    plane = static_equilibrium_tilt(bearing, operation, laws)
-    contacts, theta = sliced_laws(bearing, found.ideal_axial(), laws), plane.theta
-    start = np.array([plane.x, plane.y]), plane.rho
-    hub = hub_tilt(operation, found.ideal_axial())
-    still = tilted_equilibrium(bearing, operation, contacts, hub, Placement(theta), start)
+    contacts = sliced_laws(bearing, found.ideal_axial(), contact_laws("iso16281", bearing))
+    theta, still = roller_angles(bearing, operation.first_roller_angle), standing(found)
     zero = np.zeros(bearing.n_rollers)
     tilts = Tilts(tilt=still.tilt, tilt_rate=zero, slope_x=0.0, slope_y=0.0)
-    state = State(
-        x=still.place[0], y=still.place[1], rho=still.rho, theta=theta, x_rate=0.0, y_rate=0.0, rho_rate=zero,
-        theta_rate=zero, tilts=tilts,
-    )  # fmt: skip
+    state = still_at(still.place, still.rho, theta, tilts=tilts)
     touch = contact_state(bearing, contacts, state)
     assert np.abs(hub_equations(operation, state, touch, 0.0, 0.0)).max() < 1e-6 * operation.radial_load
     assert np.abs(radial_equations(bearing, operation, state, touch, zero)).max() < 1e-6 * operation.radial_load
@@ -563,8 +550,8 @@ def scene(**changes):
 def standing(found):
     """Statics of a standing, weightless bearing under the law of ISO/TS 16281."""
     bearing, operation = found.ideal_bearing(), replace(found.ideal_operation(), speed=0.0, gravity=0.0)
-    laws = contact_laws_tilt("iso16281", bearing)
-    plane = static_equilibrium_tilt(bearing, operation, laws)
+    laws = contact_laws("iso16281", bearing)
+    plane = static_equilibrium(bearing, operation, laws)
     theta, axial = roller_angles(bearing, operation.first_roller_angle), found.ideal_axial()
     start = np.array([plane.x, plane.y]), plane.rho
     contacts = sliced_laws(bearing, axial, laws)
@@ -595,11 +582,7 @@ def test_statics_are_those_of_the_standards_method(profile, outer_raceway, misal
 def test_energy_of_rollers_that_tilt_balances(angles):
     found = scene(**{**FREE, "axial__slices": 11})
     bearing, operation = found.ideal_bearing(), found.ideal_operation()
-    motion = simulate(
-        Problem(bearing, operation, contact_laws_tilt("johnson", bearing), axial=found.ideal_axial(), angles=angles),
-        2e-4,
-        1e-5,
-    )
-    moved = np.ptp(motion.inner_slope_y)
-    assert moved > 1e-7  # rad
+    how = {"axial": found.ideal_axial(), "angles": angles}
+    motion = simulate(Problem(bearing, operation, contact_laws("johnson", bearing), **how), 2e-4, 1e-5)
+    assert np.ptp(motion.inner_slope_y) > 1e-7  # rad
     assert np.abs(motion.energy_error).max() < 1e-8 * motion.energy_contact.max()

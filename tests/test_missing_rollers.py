@@ -115,10 +115,8 @@ def test_a_run_numbers_its_rollers_and_is_sound(tmp_path, monkeypatch):
 def test_models_agree_while_pockets_pass_the_load():
     """2 ms, in which an empty pocket leaves the load zone: hub and loads of both elastic models, and energy."""
     turning = {"speed_rpm": 4500.0}
-    runs = [
-        simulate(scene([0, 4], model, operation=turning, numerics={"duration_ms": 2.0})) for model in ("reduced", "fem")
-    ]
-    reduced, fem = runs
+    tables = {"operation": turning, "numerics": {"duration_ms": 2.0}}
+    reduced, fem = (simulate(scene([0, 4], model, **tables)) for model in ("reduced", "fem"))
     np.testing.assert_allclose(reduced["inner_y"], fem["inner_y"], atol=0.01e-6)
     np.testing.assert_allclose(reduced["inner_force"], fem["inner_force"], atol=2.0)
     names = "energy_kinetic", "energy_elastic", "energy_contact", "work_dissipated"

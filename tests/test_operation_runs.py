@@ -20,7 +20,9 @@ from residual.evaluation import evaluate
 from residual.sources import read_result
 from tests.reference.budgets import budget_terms
 from tests.reference.compiled_motion import assert_right
+from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.operation_tables import LOADS, RAMP, scene_with
+from tests.reference.whole_run import whole_run
 
 MODELS = ("lagrange", "reduced", "fem")
 SMOOTH = "time_ms,speed_rpm\n0,3000\n1,3200\n3,4500\n4,4700\n"  # in which rollers do not slip
@@ -53,18 +55,8 @@ def test_energy_balances_and_the_budget_adds_up(model, tmp_path):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_a_resumed_run_has_the_same_bits(model, tmp_path):
-    scene = everything(tmp_path, model)
-    plan = make_plan(scene)
-    state, other = plan.first_state(), make_plan(scene).first_state()
-    while state.done < plan.n_samples // 2:
-        state.advance(37)
-    kept, numbers = state.to_keep()
-    other.done = state.done
-    other.take_back({name: np.array(value) for name, value in kept.items()}, dict(numbers))
-    mine, theirs = (each.advance(50).samples for each in (state, other))
-    assert len(mine) == len(theirs) > 0
-    for name in mine.values:
-        assert np.array_equal(mine[name], theirs[name], equal_nan=True), name
+    plan = make_plan(everything(tmp_path, model))
+    assert_same_bits(*reversed(rest_of_run(plan, 37, 50)))
 
 
 @pytest.mark.parametrize("choices", [{}, {"angles": "free"}, {"start": "rest", "load_ramp": 5e-4}])
@@ -94,11 +86,8 @@ def test_an_unbalance_drives_a_circle(model):
         hub.append(balance(contacts, loads, first_guess(bearing, contacts.radial, 0.0, push))[0][0])
     stiffness, inertia = 2.0 * force / (hub[1] - hub[0]), 20.0 * operation.speed**2
     assert 0.04 < inertia / stiffness < 0.2
-    plan = make_plan(scene)
-    state, parts = plan.first_state(), []
-    while state.done < plan.n_samples:
-        parts.append(state.advance(200).samples)
-    time, x, y = (np.concatenate([part[name] for part in parts]) for name in ("time", "inner_x", "inner_y"))
+    found = whole_run(make_plan(scene))
+    time, x, y = (found[name] for name in ("time", "inner_x", "inner_y"))
     window = np.sin(np.pi * time / time[-1]) ** 2
     place = (x + 1j * y) * window / window.sum()
     ahead, back = (np.sum(place * np.exp(sign * 1j * operation.speed * time)) for sign in (-1, 1))

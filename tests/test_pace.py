@@ -1,6 +1,7 @@
 """Times to expect are scaled by what runs have taken on this machine."""
 
 import json
+import re
 from collections.abc import Iterator
 
 import numba
@@ -49,7 +50,7 @@ def test_a_damaged_file_counts_for_nothing_and_is_replaced(text, kept):
 
 
 def test_a_folder_that_can_not_be_made_is_no_failure(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("", encoding="utf-8")
+    (tmp_path / "file").touch()
     monkeypatch.setattr("fem.solver.compiling.pace_file", lambda: tmp_path / "file" / "pace.json")
     compiling.remember("fem", 1.0, 3.0)
     assert compiling.pace("fem") == 1.0
@@ -93,21 +94,12 @@ def test_a_piece_of_a_compiled_run_tells_how_long_it_takes(kept, capsys, monkeyp
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
-def test_a_dry_run_compiles_nothing(monkeypatch):
-    plan = make_plan(read_scene(None, ("model=reduced", "numerics.duration_ms=2")))
-    new = numba.njit(lambda x: x)
-    monkeypatch.setattr(type(plan), "prepare", lambda plan: new(1))
-    assert seconds_by_trial(plan) is None and not new.signatures
-    assert new(1) == 1  # compiled elsewhere as ever
-
-
-@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_a_dry_run_says_whether_and_how_long_the_run_will_compile(kept, capsys, monkeypatch):
     options = ["--model", "reduced", "--duration", "2", "--dry-run"]
     plan = make_plan(read_scene(None, ("model=reduced", "numerics.duration_ms=2")))
     plan.prepare()
     run_main(options)
-    assert "compilation:                   none" in capsys.readouterr().out
+    assert re.search(r"compilation: +none", capsys.readouterr().out)
     new, take_steps = numba.njit(lambda x: x), type(plan.first_state()).take_steps
 
     def compiles(state, count):  # a part of the time loop that no cache holds
@@ -117,8 +109,8 @@ def test_a_dry_run_says_whether_and_how_long_the_run_will_compile(kept, capsys, 
     monkeypatch.setattr(type(plan.first_state()), "take_steps", compiles)
     run_main(options)
     told = capsys.readouterr().out
-    assert f"compilation:                   about {plan.compiling_seconds:.2g} s, perhaps three times that" in told
-    assert not new.signatures
+    assert re.search(rf"compilation: +about {plan.compiling_seconds:.2g} s, perhaps three times that", told)
+    assert seconds_by_trial(plan) is None and not new.signatures  # a dry run compiles nothing
     monkeypatch.setattr("time.process_time", iter((0.0, 57.0)).__next__)
     plan.prepare()
     assert new.signatures and plan.compiling == "about 57 s"

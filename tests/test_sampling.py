@@ -24,6 +24,9 @@ def interval(*settings):
 def test_the_papers_scene_keeps_its_ten_microseconds():
     assert interval() == 10.0 and Scene().numerics.output_interval_us == 10.0
     assert interval("bearing.clearance_um=-5") == 10.0
+    assert interval(NU206, "numerics.output_interval_us=20") == 20.0, "one that is given stays"
+    still = ("operation.speed_rpm=0", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
+    assert interval(*still) == interval("bearing.clearance_um=20", *still) == 10.0, "nothing presses"
 
 
 @pytest.mark.parametrize("struck", STRUCK + FOLDED)
@@ -39,10 +42,6 @@ def test_a_light_hub_on_stiff_contacts_is_followed():
     scene = read_scene(None, light)
     hub = hub_frequency(scene.perfect_bearing(), scene.ideal_operation())
     assert 1e-6 * scene.numerics.output_interval_us * hub * SAMPLES_OF_THE_HUB <= 1.0 < 1e-5 * hub * SAMPLES_OF_THE_HUB
-
-
-def test_an_interval_that_is_given_stays():
-    assert interval(NU206, "numerics.output_interval_us=20") == 20.0
 
 
 def test_the_scene_in_a_result_spells_it_out_and_a_varied_one_gets_its_own():
@@ -90,8 +89,3 @@ def test_an_nu_206_by_defaults_is_within_what_differentiation_errs_by(tmp_path):
     assert not any("aliased" in note for note in found.notes)
     for direction, floor in zip(found.directions, found.floors, strict=True):
         assert direction.balance.rms < floor
-
-
-def test_a_bearing_that_nothing_presses_keeps_ten_microseconds():
-    still = ("operation.speed_rpm=0", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
-    assert interval(*still) == interval("bearing.clearance_um=20", *still) == 10.0

@@ -62,11 +62,8 @@ def without_rollers_mass(bearing):
 )
 def test_what_makes_no_sense_is_refused_by_name(operation, told):
     assert_refused({"operation": operation}, told)
-
-
-def test_models_that_can_not_have_it_refuse_it():
-    tables = {"contact": {"model": "faceted"}, "operation": SPRINGS}
-    assert_refused(tables, 'operation.shaft = "springs": only with contact.model = "subgrid"')
+    faceted = {"contact": {"model": "faceted"}, "operation": SPRINGS}
+    assert_refused(faceted, 'operation.shaft = "springs": only with contact.model = "subgrid"')
 
 
 def test_the_keys_survive_as_text_and_a_rigid_shaft_has_none():
@@ -178,13 +175,8 @@ def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
 def test_the_checker_knows_springs_and_dashpots(choices):
     scene = read_scene(None, tuple(f"operation.{key}={value}" for key, value in SPRINGS.items()))
     bearing = scene.ideal_bearing()
-    run = simulate(
-        Problem(
-            bearing, scene.ideal_operation(), contact_laws("harris", bearing), start="rest", load_ramp=4e-4, **choices
-        ),
-        7.4e-4,
-        1e-5,
-    )
+    laws, rest = contact_laws("harris", bearing), {"start": "rest", "load_ramp": 4e-4}
+    run = simulate(Problem(bearing, scene.ideal_operation(), laws, **rest, **choices), 7.4e-4, 1e-5)
     scene = scene.varied({"numerics.start": "rest", "numerics.load_ramp_ms": 0.4})
     if "damping" in choices:
         scene = scene.varied({"damping.contact_N_s_m": 200.0})
@@ -264,10 +256,8 @@ def test_the_reduced_models_springs_are_stretched_by_the_place_that_its_samples_
     """A light hub vibrates free of its rollers and its equations hold; by leapfrog's places they missed 5 mN."""
     operation = SPRINGS | {"speed_rpm": 20000.0, "inner_ring_and_shaft_kg": 0.1, "radial_load_N": 500.0}
     numerics = {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 1.0, "output_interval_us": 2.0}
-    bearing = {"outer_raceway_diameter_mm": 56.2}
-    result = run_scene(
-        parse_scene({"model": "reduced", "bearing": bearing, "operation": operation, "numerics": numerics}, "")
-    )
+    tables = {"bearing": {"outer_raceway_diameter_mm": 56.2}, "operation": operation, "numerics": numerics}
+    result = run_scene(parse_scene({"model": "reduced", **tables}, ""))
     assert np.max(result["inner_force"]) == 0.0
     assert 0.1 * np.ptp(result["inner_ay"]) > 500.0
     for direction in result.residual().directions:

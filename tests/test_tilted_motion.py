@@ -31,6 +31,13 @@ from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.tilted_runs import defects, missed, moved, moved_by, scene
 
 
+def problem_of(found, **more):
+    """What the reference solves of a scene."""
+    bearing = found.ideal_bearing()
+    laws, damping = contact_laws(found.lagrange.law, bearing), found.damping.contacts
+    return Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial(), damping=damping, **more)
+
+
 @pytest.mark.slow  # compiles a loop
 def test_parallel_axes_move_as_in_the_plane_section():
     straight = {"roller_profile": "none", "coupling": False}
@@ -55,15 +62,12 @@ def test_a_strike_on_the_edge_of_a_spall_is_that_of_the_plane_section(model):
 
 def test_a_misaligned_shaft_moves_rollers_as_the_reference_says():
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0)
-    bearing = found.ideal_bearing()
-    laws = contact_laws(found.lagrange.law, bearing)
-    reference = simulate(Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial()), 5e-4, 1e-5)
-    samples, tilt = moved(found), reference
+    samples, reference = moved(found), simulate(problem_of(found), 5e-4, 1e-5)
     loaded = reference.inner_force > 50.0
     assert samples["inner_y"] == pytest.approx(reference.inner_y, abs=1e-3 * 6e-6)
-    assert samples["roller_tilt"][loaded] == pytest.approx(tilt.roller_tilt[loaded], abs=1e-2 * 5e-4)
-    assert samples["inner_moment"] == pytest.approx(tilt.inner_moment, abs=5e-3 * tilt.inner_moment.max())
-    assert tilt.inner_moment.max() > 0.5  # N m
+    assert samples["roller_tilt"][loaded] == pytest.approx(reference.roller_tilt[loaded], abs=1e-2 * 5e-4)
+    assert samples["inner_moment"] == pytest.approx(reference.inner_moment, abs=5e-3 * reference.inner_moment.max())
+    assert reference.inner_moment.max() > 0.5  # N m
     assert missed(samples) < 1e-6
 
 
@@ -74,8 +78,7 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
         "lagrange", {"coupling": False, **free}, operation__misalignment_mrad=1.0, lagrange__law="johnson",
         damping__contact_time_us=12.5,
     )  # fmt: skip
-    bearing, plan = found.ideal_bearing(), make_plan(found)
-    tables = TiltedLaws(*tables_of(plan.problem, found.ideal_axial()))
+    tables = TiltedLaws(*tables_of(make_plan(found).problem, found.ideal_axial()))
     run_scene(found, tmp_path / "damped.nc", RunOptions(quiet=True))
     checked = evaluate(read_result(tmp_path / "damped.nc"))  # by slices, whose stiffness jumps as each one touches
     damped = np.abs(checked.record.inner_damping_force).sum(axis=1).max()
@@ -84,22 +87,15 @@ def test_dampers_of_tilted_contacts_take_what_the_reference_says(free, monkeypat
     assert 0.0 < max(np.abs(each.budget.terms["damping"]).max() for each in checked.directions) < 0.1 * damped
     assert np.abs(checked.tilt.contact_law[3:-3]).max() < 2e-3 * np.abs(checked.record.inner_moment).max()
     monkeypatch.setattr(first_state, "sliced_laws", lambda *of: tables)
-    laws, damping = contact_laws("johnson", bearing), found.damping.contacts
-    reference = simulate(
-        Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial(), damping=damping), 5e-4, 1e-5
-    )
-    samples = moved(found)
-    for name, value in {
-        "inner_force": reference.inner_force, "inner_moment": reference.inner_moment,
-        "roller_tilt": reference.roller_tilt, "inner_slope_y": reference.inner_slope_y,
-    }.items():  # fmt: skip
+    samples, reference = moved(found), simulate(problem_of(found), 5e-4, 1e-5)
+    for name in ("inner_force", "inner_moment", "roller_tilt", "inner_slope_y"):
+        value = getattr(reference, name)
         assert samples[name] == pytest.approx(value, abs=1e-4 * np.abs(value).max())
     largest = np.abs(reference.inner_damping_moment).max()
     assert largest > 5e-4  # N m
     assert samples["inner_damping_moment"] == pytest.approx(reference.inner_damping_moment, abs=2e-3 * largest)
-    assert samples["work_damping_contact"] == pytest.approx(
-        reference.work_damping, abs=3e-3 * reference.work_damping[-1]
-    )
+    lost = reference.work_damping
+    assert samples["work_damping_contact"] == pytest.approx(lost, abs=3e-3 * lost[-1])
     assert missed(samples) < 1e-6
 
 
@@ -153,15 +149,6 @@ def test_energy_balances_where_rollers_rattle_and_tilt(model, profile):
     assert missed(moved(scene(model, {"roller_profile": profile, "slices": 21}, **rattling))) < 1e-4
 
 
-@pytest.mark.parametrize(
-    ("model", "axial", "changes", "remedy"),
-    [],
-)
-def test_what_does_not_go_with_tilt_is_refused_by_name(model, axial, changes, remedy):
-    with pytest.raises(SceneError, match=remedy):
-        scene(model, axial, **changes)
-
-
 def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
     heavy = {"operation__radial_load_N": 25_000.0, "operation__misalignment_mrad": 1.0}
     found = scene("reduced", {"slices": 21}, **heavy)
@@ -211,16 +198,9 @@ SURFACES = defects(HALF)
 @pytest.mark.parametrize("keys", [{"bearing__missing_rollers": [2]}, {"operation__outer_ring_speed_rpm": -3000.0}])
 def test_missing_rollers_and_a_turning_outer_ring_move_as_the_reference_says(keys):
     found = scene("lagrange", {"coupling": False}, operation__misalignment_mrad=1.0, **keys)
-    bearing, operation = found.ideal_bearing(), found.ideal_operation()
-    laws = contact_laws(found.lagrange.law, bearing)
-    reference, samples = (
-        simulate(Problem(bearing, operation, laws, axial=found.ideal_axial()), 5e-4, 1e-5),
-        moved(found),
-    )
+    samples, reference = moved(found), simulate(problem_of(found), 5e-4, 1e-5)
     loaded = reference.inner_force > 50.0
-    assert samples["inner_force"][loaded] == pytest.approx(
-        reference.inner_force[loaded], abs=2e-3 * 700.0
-    )  # N, of a table
+    assert samples["inner_force"][loaded] == pytest.approx(reference.inner_force[loaded], abs=1.4)  # N, of a table
     assert samples["roller_tilt"][loaded] == pytest.approx(reference.roller_tilt[loaded], abs=1e-2 * 5e-4)
     assert samples["inner_moment"] == pytest.approx(reference.inner_moment, abs=5e-3)  # N m, of 0.7
     assert missed(samples) < 1e-6
@@ -283,9 +263,7 @@ def test_a_spall_of_half_the_length_moves_rollers_as_the_reference_says(tmp_path
         "lagrange", {"coupling": False, "slices": 10}, operation__misalignment_mrad=1.0, lagrange__law="johnson",
         spall=SURFACES["spall"][:1], numerics__duration_ms=1.0, numerics__output_interval_us=2.0,
     )  # fmt: skip
-    bearing, path = found.ideal_bearing(), tmp_path / "spalled.nc"
-    laws = contact_laws("johnson", bearing)
-    reference = simulate(Problem(bearing, found.ideal_operation(), laws, axial=found.ideal_axial()), 1e-3, 2e-6)
+    path, reference = tmp_path / "spalled.nc", simulate(problem_of(found), 1e-3, 2e-6)
     run_scene(found, path, RunOptions(quiet=True))
     record = read_result(path)
     assert reference.inner_force[:, 0].min() < 0.9 * reference.inner_force[:, 0].max()  # it crosses the spall
@@ -377,12 +355,10 @@ def test_a_table_of_a_spalled_contact_below_the_grid_is_that_of_the_slices_that_
 
 @pytest.mark.parametrize(
     ("changes", "remedy"),
-    [
-        ({"contact.model": "penalty"}, 'only with contact.model = "subgrid"'),
-        ({"bodies.rollers": "rigid"}, "whose slices are those of elastic bodies"),
-        ({"damping.contact_N_s_m": 10.0}, "leave one of them out"),
-    ],
-)
+    [({"contact.model": "penalty"}, 'only with contact.model = "subgrid"'),
+     ({"bodies.rollers": "rigid"}, "whose slices are those of elastic bodies"),
+     ({"damping.contact_N_s_m": 10.0}, "leave one of them out")],
+)  # fmt: skip
 def test_parts_that_meshes_lack_with_tilt_are_refused_by_name(changes, remedy):
     with pytest.raises(SceneError, match=remedy):
         scene("fem").varied(changes)
@@ -434,13 +410,10 @@ def test_motion_on_meshes_is_that_of_the_reduced_model():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"bearing__missing_rollers": [2]},
-        {"operation__outer_ring_speed_rpm": -3000.0, "lubricant__viscosity_Pa_s": 0.02},
-    ],
-)
+@pytest.mark.parametrize("keys", [
+    {"bearing__missing_rollers": [2]},
+    {"operation__outer_ring_speed_rpm": -3000.0, "lubricant__viscosity_Pa_s": 0.02},
+])  # fmt: skip
 def test_missing_rollers_films_and_a_turning_outer_ring_move_on_meshes_as_in_the_reduced_model(keys):
     changes = MISALIGNED | keys | {"numerics__duration_ms": 5.0}
     found, series = scene("fem", PROFILED, **changes), moved(scene("reduced", PROFILED, **changes))
@@ -468,12 +441,6 @@ def test_a_spall_of_half_the_length_moves_rollers_on_meshes_as_in_the_reduced_mo
     for name, error in {"inner_y": 5e-3, "outer_force": 5e-3, "inner_moment": 2e-2, "outer_moment": 2e-2}.items():
         assert mesh[name].mean() == pytest.approx(series[name].mean(), rel=error), name
         assert mesh[name].std() == pytest.approx(series[name].std(), rel=2e-2), name
-
-
-HOUSING = {
-    "support__kind": "housing", "support__mass_kg": 12.0, "support__stiffness_N_per_m": 1.5e7,
-    "support__damping_N_s_m": 2200.0,
-}  # fmt: skip
 
 
 @pytest.mark.slow

@@ -56,12 +56,8 @@ def test_lines_of_two_rings_are_harris_ones(inner, outer):
     lines = Geometry.of(bearing, (inner, outer)).lines((abs(inner) or abs(outer)) / 60.0)
     for name in ("FTF", "BPFO", "BPFI", "BSF"):
         assert lines[name] == pytest.approx(found[name], rel=1e-9, abs=1e-9)
-
-
-def test_surfaces_roll_without_slip_on_both_raceways():
-    bearing = replace(Scene().ideal_bearing(), outer_raceway_radius=28e-3)
-    found = kinematics(bearing, 314.0, -120.0)
-    centre, around = found.cage * bearing.pitch_radius, found.roller * bearing.roller_radius
+    rolling = kinematics(bearing, 314.0, -120.0)  # surfaces roll without slip on both raceways
+    centre, around = rolling.cage * bearing.pitch_radius, rolling.roller * bearing.roller_radius
     assert centre - around == pytest.approx(314.0 * bearing.inner_raceway_radius, rel=1e-12)
     assert centre + around == pytest.approx(-120.0 * bearing.outer_raceway_radius, rel=1e-12)
 
@@ -88,11 +84,6 @@ def test_a_load_turns_with_either_ring():
     assert with_inner.ideal_operation().history.force(0.5 * quarter) == pytest.approx((100.0, 0.0), abs=1e-9)
 
 
-def hub(file):
-    with h5py.File(file) as run:
-        return run["inner_x"][:], run["inner_y"][:]
-
-
 @pytest.mark.parametrize("model", ["lagrange", "reduced"])
 def test_a_load_that_turns_with_a_ring_that_stands_stands(tmp_path, model):
     """600 N at 90° from the load's direction push the hub to +x throughout, beside a table of loads too."""
@@ -108,7 +99,8 @@ def test_a_load_that_turns_with_a_ring_that_stands_stands(tmp_path, model):
         scene = f'model = "{model}"\n[operation]\n{operation}[numerics]\nduration_ms = 2\n'
         (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
         assert run_main([str(tmp_path / "scene.toml"), "--output", str(tmp_path / f"{name}.nc"), "--quiet"]) == 0
-        found[name] = hub(tmp_path / f"{name}.nc")
+        with h5py.File(tmp_path / f"{name}.nc") as file:
+            found[name] = file["inner_x"][:], file["inner_y"][:]
     assert found["standing"][0].min() > 1e-6
     for each in list(found.values())[1:]:
         np.testing.assert_allclose(each, found["standing"], rtol=0, atol=1e-12)

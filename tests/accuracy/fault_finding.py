@@ -35,7 +35,6 @@ TURNS, SHORTEST = 2.5, 0.08  # of the cage; s
 NOISE = 10e-9  # m
 TRAJECTORIES = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn")
 RUNS = {"spalled": 70, "perfect": 10, "wavy": 20, "two spalls": 20}
-PARTS = {"one spall or none": ("spalled", "perfect", "wavy"), "two spalls": ("two spalls",)}
 ANGLE, WIDTH = 1.0, 0.1  # degrees; of the width
 SAME = np.radians(20.0)  # two spalls of one body lie farther apart
 
@@ -160,10 +159,6 @@ class Spot(NamedTuple):
         """Error over the width."""
         return self.told.width / self.truth.width - 1.0
 
-    @property
-    def right(self) -> bool:
-        return self.told is not None and abs(self.angle) <= ANGLE and abs(self.width) <= WIDTH
-
 
 class Case(NamedTuple):
     """What a search told of one run."""
@@ -181,30 +176,42 @@ class Case(NamedTuple):
 
     @property
     def right(self) -> bool:
-        return all(spot.right for spot in self.spots) and not self.false
+        return self.right_bodies and all(abs(s.angle) <= ANGLE and abs(s.width) <= WIDTH for s in self.spots)
+
+    @property
+    def rows(self) -> list[list[str]]:
+        """A row for each spall that is there, and for each that is not but was told; one where there is neither."""
+        first, rows = f"{self.kind} {self.number}", []
+        for spot in self.spots:
+            seen = ["missed, more is said to be there" if self.more else "missed", "", ""]
+            if spot.told is not None:
+                seen = [_named(spot.told), f"{spot.angle:+.2f}°", f"{100 * spot.width:+.1f} %"]
+            rows.append([first, f"{_named(spot.truth)}, {1e3 * spot.truth.width:.2f} mm", *seen, self.scene])
+        for each in self.false:
+            rows.append([first, "none", f"{_named(each)}, {1e3 * each.width:.2f} mm", "", "", self.scene])
+        return rows or [[first, "none", "none", "", "", self.scene]]
 
 
 def _apart(one: float, other: float) -> float:
     return (one - other + np.pi) % (2.0 * np.pi) - np.pi
 
 
+def _named(of: Told | Spall) -> str:
+    return of.body.replace("_", " ") if of.roller is None else f"roller {of.roller}"
+
+
 def case(kind: str, number: int, record: Record) -> Case:
-    search = find_faults(record)
-    left, spots = [
-        Told(found.place.body, found.place.roller, found.angle, found.angle_error, found.width, found.width_error)
-        for found in search.found
-    ], []  # fmt: skip
+    """Search one run."""
+    search, spots, operation = find_faults(record), [], record.scene.operation
+    left = [Told(f.place.body, f.place.roller, f.angle, f.angle_error, f.width, f.width_error) for f in search.found]
     for truth in (fault for fault in record.bearing.faults if isinstance(fault, Spall)):
         same = (t for t in left if (t.body, t.roller) == (truth.body, truth.roller))
         one = kind != "two spalls"  # then the place need not be told for the body to be the right one
         hit = next((t for t in same if one or abs(_apart(t.angle, truth.angle)) < SAME), None)
         left = [t for t in left if t is not hit]
         spots.append(Spot(truth, hit))
-    scene = record.scene
-    words = (
-        f"{scene.operation.speed_rpm:.0f} rpm, {scene.operation.radial_load_N:.0f} N, clearance "
-        f"{1e3 * (scene.bearing.outer_raceway_diameter_mm - 56.0):.0f} µm"
-    )
+    clearance = 1e3 * (record.scene.bearing.outer_raceway_diameter_mm - 56.0)
+    words = f"{operation.speed_rpm:.0f} rpm, {operation.radial_load_N:.0f} N, clearance {clearance:.0f} µm"
     return Case(kind, number, tuple(spots), tuple(left), search.says_more, words)
 
 
@@ -212,62 +219,38 @@ def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, Case]:
     """One run as it is, and with noise."""
     seed, kind, number, folder = task
     record = random_record(seed, kind, number, folder)
-    shaken = noisy(record, np.random.default_rng((seed, number, 1)))
-    return case(kind, number, record), case(kind, number, shaken)
+    return tuple(case(kind, number, each) for each in (record, noisy(record, np.random.default_rng((seed, number, 1)))))
 
 
-def campaign(seed: int, runs: dict[str, int], folder: Path | None, processes: int) -> tuple[list[Case], list[Case]]:
+def campaign(seed: int, runs: dict[str, int], folder: Path | None, processes: int) -> dict[str, list[Case]]:
     """All runs as they are, and with noise."""
     tasks = [(seed, kind, number, folder) for kind, count in runs.items() for number in range(count)]
-    clean, shaken = [], []
+    cases = {"as computed": [], "10 nm noise": []}
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for pair in pool.map(searched, tasks):
-            clean.append(pair[0])
-            shaken.append(pair[1])
-            for name, each in zip(("as computed", "10 nm noise"), pair, strict=True):
-                for row in _rows(each):
+            for (name, mine), each in zip(cases.items(), pair, strict=True):
+                mine.append(each)
+                for row in each.rows:
                     Console().print(" | ".join([name, *row]), soft_wrap=True)
-    return clean, shaken
+    return cases
 
 
-def _named(body: str, roller: int | None) -> str:
-    return body.replace("_", " ") if roller is None else f"roller {roller}"
-
-
-def _rows(c: Case) -> list[list[str]]:
-    """A row for each spall that is there, and for each that is not but was told; one where there is neither."""
-    first, rows = f"{c.kind} {c.number}", []
-    for spot in c.spots:
-        truth = f"{_named(spot.truth.body, spot.truth.roller)}, {1e3 * spot.truth.width:.2f} mm"
-        seen = ["missed, more is said to be there" if c.more else "missed", "", ""]
-        if spot.told is not None:
-            seen = [_named(spot.told.body, spot.told.roller), f"{spot.angle:+.2f}°", f"{100 * spot.width:+.1f} %"]
-        rows.append([first, truth, *seen, c.scene])
-    for each in c.false:
-        rows.append([first, "none", f"{_named(each.body, each.roller)}, {1e3 * each.width:.2f} mm", "", "", c.scene])
-    return rows or [[first, "none", "none", "", "", c.scene]]
-
-
-def scores(clean: list[Case], shaken: list[Case]) -> str:
+def scores(campaigns: dict[str, list[Case]]) -> str:
     """Of runs with one spall or none, by body; of runs with two."""
     rows = []
-    for name, cases in (("as computed", clean), ("10 nm noise", shaken)):
-        single = [c for c in cases if c.kind in PARTS["one spall or none"]]
-        for body in (*BODIES, None):
-            part = [c for c in single if (c.spots[0].truth.body if c.spots else None) == body]
-            label = "none (perfect, wavy, unequal)" if body is None else body.replace("_", " ")
-            rows.append([name, label, *_cells(part)])
-        rows.append([name, "**all**", *_cells(single)])
-        if double := [c for c in cases if c.kind == "two spalls"]:
-            rows.append([name, "**two spalls**", *_cells(double)])
+    for name, cases in campaigns.items():
+        single, double = ([c for c in cases if (c.kind == "two spalls") == two] for two in (False, True))
+        parts = {body: [c for c in single if c.spots and c.spots[0].truth.body == body] for body in BODIES}
+        parts |= {"none (perfect, wavy, unequal)": [c for c in single if not c.spots], "**all**": single}
+        parts |= {"**two spalls**": double} if double else {}
+        rows += [[name, label.replace("_", " "), *_cells(part)] for label, part in parts.items()]
     headings = ("trajectories", "spall on", "right bodies, nothing else", "within 1°", "within 10 % of the width",
                 "intervals hold: angle, width", "all right")  # fmt: skip
     return markdown_table(headings, rows)
 
 
 def _cells(part: list[Case]) -> list[str]:
-    matched = [spot for c in part for spot in c.spots if spot.told is not None]
-    cells = ["", "", ""]
+    matched, total, cells = [s for c in part for s in c.spots if s.told is not None], len(part), ["", "", ""]
     if matched:
         angles, widths = (np.abs([getattr(spot, what) for spot in matched]) for what in ("angle", "width"))
         inside = np.mean([abs(spot.angle) <= np.degrees(spot.told.angle_error) for spot in matched])
@@ -277,15 +260,8 @@ def _cells(part: list[Case]) -> list[str]:
             f"{np.sum(angles <= ANGLE)} of {count}, median {np.median(angles):.2f}°",
             f"{np.sum(widths <= WIDTH)} of {count}, median {100 * np.median(widths):.1f} %",
             f"{100 * inside:.0f} %, {100 * over:.0f} %",
-        ]
-    total = len(part)
+        ]  # fmt: skip
     return [f"{sum(c.right_bodies for c in part)} of {total}", *cells, f"{sum(c.right for c in part)} of {total}"]
-
-
-def misses(clean: list[Case], shaken: list[Case]) -> str:
-    both = ((name, c) for name, cases in (("as computed", clean), ("noise", shaken)) for c in cases)
-    rows = [[name, *row] for name, c in both if not c.right for row in _rows(c)]
-    return markdown_table(("", "run", "truth", "found", "angle", "width", "scene"), rows) if rows else "None."
 
 
 @app.default
@@ -296,19 +272,18 @@ def main(*, seed: int, keep: Path | None = None, write: bool = False, processes:
     are solved only where they do not lie there.
     """
     runs = {kind: max(1, round(part * count)) for kind, count in RUNS.items()}
-    clean, shaken = campaign(seed, runs, keep, processes)
-    command = f"python -m tests.accuracy.fault_finding --seed {seed}"
-    publish(
-        "fault_finding",
-        "Random runs",
-        command,
+    found, command = campaign(seed, runs, keep, processes), f"python -m tests.accuracy.fault_finding --seed {seed}"
+    words = (
         f"{runs['spalled']} runs with a spall, {runs['perfect']} of perfect bearings, {runs['wavy']} with waves and "
         f"rollers of another size, {runs['two spalls']} with two spalls on any two bodies or on one; finite\nelements "
-        f"of 2 mm, each of {TURNS:g} turns of the cage, at least {1e3 * SHORTEST:g} ms, sampled every 10 µs.",
-        scores(clean, shaken),
-        write=write,
+        f"of 2 mm, each of {TURNS:g} turns of the cage, at least {1e3 * SHORTEST:g} ms, sampled every 10 µs."
     )
-    publish("fault_finding", "Wrong answers", command, misses(clean, shaken), write=write)
+    publish("fault_finding", "Random runs", command, words, scores(found), write=write)
+    called = {"as computed": "as computed", "10 nm noise": "noise"}
+    wrong = [[called[name], *row] for name, cases in found.items() for c in cases if not c.right for row in c.rows]
+    headings = ("", "run", "truth", "found", "angle", "width", "scene")
+    missed = markdown_table(headings, wrong) if wrong else "None."
+    publish("fault_finding", "Wrong answers", command, missed, write=write)
 
 
 SEEDED = tuple(product((0.8, 1.5, 2.5), ("outer_ring", "inner_ring"), (1450.0, 2700.0), (0.5, 1.0)))
@@ -337,20 +312,16 @@ def sensor(*, write: bool = False) -> None:
     rows, right, missed = [], 0, 0
     for width, body, rpm, seconds in SEEDED:
         found = diagnosis_of_sensor(width, body, rpm, seconds)
-        right, missed = right + (found.verdict == body), missed + (found.verdict == "none")
-        line = found.findings[0]
-        clear = f"{line.name}, {100.0 * (line.found / line.expected - 1.0):+.2f} %, {line.clear:.1f} σ"
+        right, missed, line = right + (found.verdict == body), missed + (found.verdict == "none"), found.findings[0]
+        clear = f"{line.name}, {line.off:+.2f} %, {line.clear:.1f} σ"
         rows.append([f"{width:g} mm", body.replace("_", " "), f"{rpm:g}", f"{seconds:g}", found.verdict, clear])
     headings = "spall", "on", "rpm", "s", "verdict", "first line, from its kinematic place"
-    publish(
-        "fault_finding",
-        "Seeded spalls at a sensor",
-        "python -m tests.accuracy.fault_finding sensor",
+    words = (
         f"{right} of {len(SEEDED)} right, {missed} with no sign of damage. NU206 with its default cage in the housing "
-        "of the vibration tutorial, 0.05 g of noise.",
-        markdown_table(headings, rows),
-        write=write,
+        "of the vibration tutorial, 0.05 g of noise."
     )
+    command, table = "python -m tests.accuracy.fault_finding sensor", markdown_table(headings, rows)
+    publish("fault_finding", "Seeded spalls at a sensor", command, words, table, write=write)
 
 
 if __name__ == "__main__":

@@ -92,17 +92,7 @@ app = App(help=__doc__, help_format="markdown")
 
 @app.default
 def main(*, count: int = 500, jobs: int = 2, write: bool = False) -> None:
-    """Run the scenes and print their table.
-
-    Parameters
-    ----------
-    count
-        scenes of each seed
-    jobs
-        processes
-    write
-        the section of docs/measurements/reduced.md
-    """
+    """Run so many scenes of each seed, in so many processes, and print their table."""
     scenes = [(seed, number) for seed in SEEDS for number in range(count)]
     with ProcessPoolExecutor(jobs) as pool:
         outcomes = [one for one in pool.map(outcome, scenes, chunksize=5) if one is not None]

@@ -124,15 +124,7 @@ app = App(help=__doc__, help_format="markdown")
 
 @app.default
 def main(*parts: Literal["rattling", "bands"], members: int = 4, write: bool = False) -> None:
-    """Measure some parts, or all, and print their tables.
-
-    Parameters
-    ----------
-    members
-        starts of each rattling bearing
-    write
-        the sections of docs/measurements/reduced.md
-    """
+    """Measure some parts, or all, rattling bearings from so many starts each, and print their tables."""
     parts = parts or ("rattling", "bands")
     command = "python -m tests.accuracy.reduced_waves"
     if "rattling" in parts:

@@ -179,15 +179,7 @@ pulses until 0.25 mm beyond the exit edge."""
 
 @app.command
 def varied(*parts: Part, write: bool = False) -> None:
-    """Print the yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole.
-
-    Parameters
-    ----------
-    parts
-        which; all if none is named
-    write
-        the section of docs/measurements/spalls.md
-    """
+    """Print the yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole."""
     width = WIDTHS[-1]
     _, hub = by_program(width, "reduced", 1.0)
     table = []

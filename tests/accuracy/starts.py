@@ -79,10 +79,8 @@ class Reference:
         share = 1.0 if moving else 0.0
         ring = np.array([s.ring_x, s.ring_y])
         hub, rate = ring + np.array([s.x, s.y]), share * np.array([s.x_rate, s.y_rate])
-        if self.held:
-            elements, rates = s.rho, share * s.rho_rate
-        else:
-            turn = np.exp(1j * s.theta)
+        elements, rates, turn = s.rho, share * s.rho_rate, np.exp(1j * s.theta)
+        if not self.held:
             place, speed = s.rho * turn, (share * s.rho_rate + 1j * s.rho * self.cage) * turn
             elements = np.concatenate([ring[0] + place.real, ring[1] + place.imag])
             rates = np.concatenate([speed.real, speed.imag])
@@ -90,13 +88,9 @@ class Reference:
 
     def contacts(self, time: float, q: np.ndarray):
         """Inner and outer forces, N, their directions on the elements, and the rays, (2, n) each."""
-        hub, ring = q[:2], q[2:4]
-        if self.held:
-            angle = self.first + self.cage * time
-            ray = np.array([np.cos(angle), np.sin(angle)])
-            place = ring[:, None] + q[4:] * ray
-        else:
-            place = q[4:].reshape(2, -1)
+        hub, ring, angle = q[:2], q[2:4], self.first + self.cage * time
+        rays = np.array([np.cos(angle), np.sin(angle)])
+        place = ring[:, None] + q[4:] * rays if self.held else q[4:].reshape(2, -1)
         from_hub, from_ring = place - hub[:, None], place - ring[:, None]
         near, far = np.sqrt((from_hub**2).sum(axis=0)), np.sqrt((from_ring**2).sum(axis=0))
         b = self.bearing
@@ -119,10 +113,7 @@ class Reference:
             push = (outer * ray).sum(axis=1) - self.housing.stiffness * q[2:4] - self.housing.damping * v[2:4]
             ring_acc = push / (self.housing.mass + self.bearing.outer_ring_mass) - [0.0, o.gravity]
         acc = on_elements / self.bearing.roller_mass - np.array([[0.0], [o.gravity]])
-        if self.held:
-            elements = ((acc - ring_acc[:, None]) * ray).sum(axis=0) + self.cage**2 * q[4:]
-        else:
-            elements = acc.ravel()
+        elements = ((acc - ring_acc[:, None]) * ray).sum(axis=0) + self.cage**2 * q[4:] if self.held else acc.ravel()
         return np.concatenate([v, hub_acc, ring_acc, elements])
 
     def forces(self, moving: bool = True, duration: float = DURATION) -> np.ndarray:
@@ -171,11 +162,8 @@ def main(count: int, seed: int) -> None:
         loud.append(over_still)
         if error > CLOSE or over_still > LOUD:
             missed.append(k)
-            print(
-                f"{k}: {100 * error:.3g} % off, {over_first:.3g} of the first force, {over_still:.3g} of a standing "
-                f"hub's, {said}: {tables}",
-                flush=True,
-            )
+            print(f"{k}: {100 * error:.3g} % off, {over_first:.3g} of the first force, {over_still:.3g} of a standing "
+                  f"hub's, {said}: {tables}", flush=True)  # fmt: skip
     print(
         f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {100 * np.median(errors):.2g}, "
         f"99 % {100 * np.quantile(errors, 0.99):.2g}, largest {100 * max(errors):.3g}; over a standing hub's at most "

@@ -219,11 +219,7 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic
     that can't be read, more than fits in memory, and all that `checked` refuses.
     """
     path, notes, centre = Path(path), list[str](), scene.mounting().centre
-    if path.suffix.lower() == ".mat" and path.is_file():
-        arrays = _matlab_columns(path, scene, kinematic)
-    else:
-        check_readable(path)
-        arrays = _text_columns(path, scene, kinematic)
+    arrays = _columns(path, scene, kinematic)
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
@@ -252,49 +248,46 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic
     return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
-def _matlab_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
-    """Every quantity that a MATLAB file has, SI, as variables, a struct's fields or columns of a matrix."""
-    from residual.measured.formats import read_channels
+def _columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
+    """Every quantity that a text has, SI; or MATLAB's variables, fields of a struct and columns of matrices."""
+    if path.suffix.lower() == ".mat" and path.is_file():
+        from residual.measured.formats import read_channels
 
-    try:
-        channels = read_channels(path)
-    except OSError as error:
-        raise InputError(f"{path}: can't be read: {error.strerror or error}") from None
-    except ValueError as error:
-        hint = "; of a table write a struct: s = table2struct(T, 'ToScalar', true)" if "a signal" in str(error) else ""
-        raise InputError(f"{path}: {error}{hint}") from None
-    named = {}
-    for name in channels.longest:  # time, s.time, roller_x[1]
-        bare, _, number = name.rpartition(".")[2].partition("[")
-        if number and bare in Columns.model_fields and per_roller(bare):
-            bare = scene.table.header(bare, int(number.rstrip("]")) - 1)[0][0]
-        named[bare] = channels.values[name].astype(float)
-    found = _columns_found(path, list(named), scene, kinematic)
-    return _quantities(found, np.column_stack(list(named.values())), list(range(len(named))))
-
-
-def _text_columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
-    """Every quantity that a text table has, SI."""
-    try:
-        table = TextTable.named(decoded(read_plain(path, LARGEST_TEXT + 1)), scene.table.decimal)
-    except ValueError as error:
-        raise InputError(f"{path}: neither an HDF5 result file nor a text table: {error}") from None
-    try:
-        found = _columns_found(path, table.names, scene, kinematic)
-    except InputError as error:
-        names = [scene.table.header(quantity)[0][0] for quantity in MOTION[:2]]
-        raise InputError(f"{error}{table.header_below(names)}") from None
-    wanted = [index for indices, _ in found.values() for index in indices]
-    try:
-        return _quantities(found, table.numbers(wanted), wanted)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
-
-
-def _quantities(found: dict[str, tuple[list[int], float]], numbers: np.ndarray, held: list[int]) -> dict:
-    """Quantities by name from the columns that are held."""
-    arrays = {name: factor * numbers[:, [held.index(i) for i in own]] for name, (own, factor) in found.items()}
-    return {name: values if per_roller(name) else values[:, 0] for name, values in arrays.items()}
+        try:
+            channels = read_channels(path)
+        except OSError as error:
+            raise InputError(f"{path}: can't be read: {error.strerror or error}") from None
+        except ValueError as error:
+            hint = "; of a table write a struct: s = table2struct(T, 'ToScalar', true)"
+            raise InputError(f"{path}: {error}{hint if 'a signal' in str(error) else ''}") from None
+        named = {}
+        for name in channels.longest:  # time, s.time, roller_x[1]
+            bare, _, number = name.rpartition(".")[2].partition("[")
+            if number and bare in Columns.model_fields and per_roller(bare):
+                bare = scene.table.header(bare, int(number.rstrip("]")) - 1)[0][0]
+            named[bare] = channels.values[name].astype(float)
+        header = list(named)
+        found = _columns_found(path, header, scene, kinematic)
+        numbers = [np.column_stack([named[header[i]] for i in own]) for own, _ in found.values()]
+    else:
+        check_readable(path)
+        try:
+            table = TextTable.named(decoded(read_plain(path, LARGEST_TEXT + 1)), scene.table.decimal)
+        except ValueError as error:
+            raise InputError(f"{path}: neither an HDF5 result file nor a text table: {error}") from None
+        try:
+            found = _columns_found(path, table.names, scene, kinematic)
+        except InputError as error:
+            names = [scene.table.header(quantity)[0][0] for quantity in MOTION[:2]]
+            raise InputError(f"{error}{table.header_below(names)}") from None
+        try:
+            wanted = table.numbers([index for own, _ in found.values() for index in own])
+        except ValueError as error:
+            raise InputError(f"{path}: {error}") from None
+        ends = np.cumsum([len(own) for own, _ in found.values()])
+        numbers = np.split(wanted, ends[:-1], axis=1)
+    scaled = {name: factor * of for (name, (_, factor)), of in zip(found.items(), numbers, strict=True)}
+    return {name: values if per_roller(name) else values[:, 0] for name, values in scaled.items()}
 
 
 def _kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -241,10 +241,6 @@ def _hdf5_tree(group: Any, depth: int) -> dict[str, Any]:
     return tree
 
 
-def _rates(step: float | None) -> frozenset[float]:
-    return frozenset([1.0 / step]) if step else frozenset()
-
-
 def _universal(data: bytes, path: Path) -> Channels:
     """Data sets 58 over equal steps of time; spectra and the like are no signals."""
     sets = _package("pyuff", "a universal file (UFF58)", "pyuff").UFF(str(path)).read_sets()
@@ -254,7 +250,8 @@ def _universal(data: bytes, path: Path) -> Channels:
         over_time = (each["func_type"], each.get("abscissa_spec_data_type")) == (0, TIME_AXIS)
         if (over_time or each["func_type"] == TIME_RESPONSE) and np.isrealobj(each["data"]):
             step = each["abscissa_inc"] if each["abscissa_spacing"] == 1 else None
-            found.collect(each["data"], f"{k} {each.get('id1', '')}".strip(), _rates(step))
+            rates = frozenset([1.0 / step] if step else [])
+            found.collect(each["data"], f"{k} {each.get('id1', '')}".strip(), rates)
     if sets and not found.values:
         raise _Refused(
             f"a universal file (UFF58) of {len(sets)} data sets, none of them over time; spectra cannot be used"
@@ -269,8 +266,8 @@ def _tdms(data: bytes, path: Path) -> Channels:
         _check_size(sum(len(channel) * channel.dtype.itemsize for channel in channels))
         for each in channels:
             about = each.properties
-            step, unit = _rates(about.get("wf_increment")), about.get("unit_string", "")
-            found.collect(each[:], f"{each.group_name}.{each.name}", step, unit)
+            rates = frozenset([1.0 / about["wf_increment"]] if about.get("wf_increment") else [])
+            found.collect(each[:], f"{each.group_name}.{each.name}", rates, about.get("unit_string", ""))
     return found
 
 

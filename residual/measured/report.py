@@ -44,26 +44,24 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
     record, found = check.record, check.record.diagnosis
     values = dict(
         name=record.signal.name, headline=found.headline, reasons=found.reasons, notes=notes(record),
-        gates=(DECOYS, CLEAR, DEEP), prominent=check.part, command=check.command,
-        tables={"findings": finding_table(check), "lines": line_table(record), "facts": facts(check),
-                "comparison": comparison(check), "assumed": assumed_table(check)},
+        gates=(DECOYS, CLEAR, DEEP), prominent=check.part, command=check.command, tables=tables(check),
     )  # fmt: skip
     return _write(folder, "vibration.html.j2", summarise(check), values, draw if figures else None)
 
 
 def print_check(check: Check, folder: Path) -> None:
     """Print the verdict, what it rests on, and where the page is."""
-    found = check.record.diagnosis
+    found, rows = check.record.diagnosis, {name: section.rows for name, section in tables(check).items()}
     print(f"Verdict: {found.verdict}. {found.headline}")
     for sentence in (*found.reasons, *notes(check.record)):
         print(f"  {shown(sentence)}")
-    for row in finding_table(check).rows:
+    for row in rows["findings"]:
         print(f"  {row[0]:6} {row[1]:>9} Hz by kinematics, {row[2]:>9} found; depth {row[4]}, σ {row[5]}, p {row[6]}")
-    for name, value in facts(check).rows:
+    for name, value in rows["facts"]:
         print(f"{name + ':':18} {shown(value)}")
-    for row in comparison(check).rows:
+    for row in rows["comparison"]:
         print(f"{row[0] + ':':34} {row[1]:>12}   {row[2]:>12}")
-    for key, value, source, _ in assumed_table(check).rows:
+    for key, value, source, _ in rows["assumed"]:
         print(f"assumed: {key} = {value} ({source})")
     print(f"Page: {shown(folder / 'vibration.html')}")
 
@@ -73,8 +71,12 @@ def notes(judged: Judged) -> list[str]:
     return [*judged.signal.notes, *judged.diagnosis.notes]
 
 
-def facts(check: Check) -> Section:
-    """The record in words."""
+def _or_dash(value: float | None, digits: int) -> str:
+    return "-" if value is None else text(value, digits)
+
+
+def tables(check: Check) -> dict[str, Section]:
+    """The record in words; parts of the bearing, harmonics of the most prominent, both records, what was assumed."""
     judged, signal, found, width = check.record, check.record.signal, check.record.diagnosis, check.record.width
     size, shape = judged.level.rms, (judged.level.crest or np.nan, judged.level.kurtosis or np.nan)
     level = text(size) + (f" {signal.unit} rms" if signal.unit else ", in the file's own unit rms")
@@ -90,52 +92,57 @@ def facts(check: Check) -> Section:
     wide = f"not measurable: {width.reason}"
     if width.value is not None and width.low is not None and width.high is not None:
         wide = f"{1e3 * width.value:.2f} mm ({1e3 * width.low:.2f} … {1e3 * width.high:.2f} mm)"
-    return Section(columns=(), kind="words", rows=[
+    facts = [
         ("Record", f"{signal.name}: {text(signal.duration, 4)} s at {hertz(signal.rate, 5)}"),
         ("Level", level),
         ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {nominal}"),
         ("Lines, Hz", f"{lines}; resolution {text(found.spectrum.resolution, 3)}"),
         ("Width", wide),
-    ])  # fmt: skip
-
-
-def finding_table(check: Check) -> Section:
-    """Frequencies, depth, prominence and chance of each part of the bearing, most prominent first."""
-    rows = [
+    ]
+    parts = [
         (each.name, text(each.expected, 5), text(each.found, 5), f"{each.off:+.2f} %", text(each.depth, 2),
          text(each.clear, 3), text(each.p, 2), _or_dash(each.sidebands, 2))
-        for each in check.record.diagnosis.findings
+        for each in found.findings
     ]  # fmt: skip
-    columns = (
-        "line", "kinematic, Hz", "found, Hz", "difference", "depth", "σ above others", "p", "sidebands over line",
-    )  # fmt: skip
-    return Section(columns=columns, rows=rows)
-
-
-def line_table(judged: Judged) -> Section:
-    """Harmonics of the most prominent part."""
-    rows = [
+    harmonics = [
         (line.name, text(line.expected, 5), text(line.found, 5),
          f"{20.0 * np.log10(line.level):.1f}" if line.level > 0.0 else "-", text(line.depth, 2))
-        for line in judged.diagnosis.findings[0].lines
+        for line in found.findings[0].lines
     ]  # fmt: skip
-    return Section(columns=("line", "kinematic, Hz", "found, Hz", "over background, dB", "depth"), rows=rows)
+    assumed = [
+        (each.key, str(each.value) if isinstance(each.value, str | list) else text(each.value, 6),
+         "scene" if each.given else "default", each.meaning)
+        for each in check.assumed
+    ]  # fmt: skip
+    of_findings = (
+        "line", "kinematic, Hz", "found, Hz", "difference", "depth", "σ above others", "p", "sidebands over line",
+    )  # fmt: skip
+    of_lines = (*of_findings[:3], "over background, dB", "depth")
+    of_keys = ("key of the scene", "value", "from", "meaning")
+    return {
+        "findings": Section(columns=of_findings, rows=parts),
+        "lines": Section(columns=of_lines, rows=harmonics),
+        "facts": Section(columns=(), rows=facts, kind="words"),
+        "comparison": Section(columns=(), rows=[]) if check.other is None else _comparison(check, check.other),
+        "assumed": Section(columns=of_keys, rows=assumed, kind="words stacked keys"),
+    }
 
 
-def _or_dash(value: float | None, digits: int) -> str:
-    return "-" if value is None else text(value, digits)
-
-
-def comparison(check: Check) -> Section:
-    """Levels and lines of both records; no rows where there is one."""
-    if check.other is None:
-        return Section(columns=(), rows=[])
-    pair, name = (check.record, check.other), check.part
+def _comparison(check: Check, other: Judged) -> Section:
+    """Levels and lines of both records."""
+    pair, name = (check.record, other), check.part
     found = [judged.diagnosis for judged in pair]
     same = [each.of(name) for each in found]
 
     def row(label: str, values: Iterable[float | None], digits: int = 3) -> tuple[str, ...]:
         return label, *(_or_dash(value, digits) for value in values)
+
+    def beside(each: Diagnosis, by: str) -> str:  # depth of the sidebands below and above the first line over its own
+        side, spectrum = each.lines[by], each.spectrum
+        if side < 2.0 * spectrum.resolution:
+            return "not resolved"
+        low, own, high = spectrum.depth[spectrum.at(each.of(name).found + np.array([-side, 0.0, side]))]
+        return f"{text(float(low / own), 2)}, {text(float(high / own), 2)}"
 
     units = [judged.signal.unit or "own unit" for judged in pair]
     shared = units[0] == units[1]
@@ -152,33 +159,13 @@ def comparison(check: Check) -> Section:
         row(f"depth of {name}, all harmonics", (each.depth for each in same), 2),
         *(row(f"{line.name} over the first", (d[k] / d[0] if len(d) > k and d[0] > 0.0 else None for d in depths), 2)
           for k, line in enumerate(same[0].lines) if k),
-        *((f"{name} − {by}, + {by}, over {name}", *(_beside(each, name, by) for each in found))
-          for by in ("shaft", "FTF")),
+        *((f"{name} − {by}, + {by}, over {name}", *(beside(each, by) for each in found)) for by in ("shaft", "FTF")),
         row("background, over the first", (1.0 / level if level > 0.0 else None for level in levels), 2),
         row("pulse at half its height, ms", (None if j.pulse is None else 1e3 * j.pulse.length for j in pair)),
         row("pulse, highest over lowest power", (None if j.pulse is None else j.pulse.contrast for j in pair)),
         row("standard deviations above others", (each.clear for each in same)),
     ]  # fmt: skip
     return Section(columns=("", *(judged.signal.name for judged in pair)), rows=rows)
-
-
-def _beside(found: Diagnosis, name: str, by: str) -> str:
-    """Depth of the sidebands below and above a part's first line over its own."""
-    side, spectrum = found.lines[by], found.spectrum
-    if side < 2.0 * spectrum.resolution:
-        return "not resolved"
-    low, own, high = spectrum.depth[spectrum.at(found.of(name).found + np.array([-side, 0.0, side]))]
-    return f"{text(float(low / own), 2)}, {text(float(high / own), 2)}"
-
-
-def assumed_table(check: Check) -> Section:
-    """Keys that a simulation needed beside the record, their values, where these come from, their meanings."""
-    rows = [
-        (each.key, str(each.value) if isinstance(each.value, str | list) else text(each.value, 6),
-         "scene" if each.given else "default", each.meaning)
-        for each in check.assumed
-    ]  # fmt: skip
-    return Section(columns=("key of the scene", "value", "from", "meaning"), rows=rows, kind="words stacked keys")
 
 
 def summarise(check: Check) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """The third dimension of a run: pressure over the unrolled raceways, and the most loaded roller from its side."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,7 @@ ROOM = 0.8  # of the pitch, that a roller takes up in the picture
 INCHES, DOTS = 9.0, 160  # width of the picture, and per inch
 
 
-@dataclass(frozen=True, kw_only=True)
-class AxialPressures:
+class AxialPressures(NamedTuple):
     """Pressures along rollers at an instant; SI."""
 
     time: float
@@ -63,50 +62,41 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
 
 
 def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
-    """Write a PNG of the pressures at a sample."""
+    """Write a PNG of the pressures at a sample.
+
+    Both raceways unrolled, and the most loaded roller from its side: pressure along it, and below how far its profile
+    and tilt take it from the raceway.
+    """
     import matplotlib.pyplot as plt
 
     found = axial_pressures(stored, sample)
-    figure = axial_figure(found)
+    figure, axes = plt.subplots(2, 2, figsize=(INCHES, 0.62 * INCHES), width_ratios=(2.2, 1.0), layout="constrained")
+    z, half = 1e3 * found.place, 0.5 * ROOM * 360.0 / found.angle.size
+    edges = np.append(z - 0.5 * (z[1] - z[0]), z[-1] + 0.5 * (z[1] - z[0]))
+    largest, most = 1e-6 * float(found.pressure.max()), int(found.pressure[0].max(axis=1).argmax())
+    for side, (raceway, roller), pressure, drop, slope, sharp in zip(
+        SIDES, axes, 1e-6 * found.pressure, found.drop, found.slope[:, most], found.sharp, strict=True
+    ):
+        for middle, of_roller in zip(np.degrees(found.angle), pressure, strict=True):
+            coloured = raceway.pcolormesh(
+                [middle - half, middle + half], edges, np.ma.masked_equal(of_roller[:, None], 0.0), vmin=0.0,
+                vmax=max(largest, 1.0), cmap="inferno_r",
+            )  # fmt: skip
+        raceway.set(xlim=(-180, 180), ylabel="along the axis, mm", title=f"{side} raceway")
+        raceway.set_xticks([-180, -90, 0, 90, 180])
+        gap, below = 1e6 * (drop + slope * found.place), roller.twinx()
+        below.plot(z, gap - gap.min(), color="0.5", linewidth=0.9)
+        below.set_ylabel("gap, undeformed, µm", color="0.4")
+        below.set_ylim(0.0, 3.0 * max(float(np.ptp(gap)), 1.0))
+        roller.fill_between(z, pressure[most], color="C3", alpha=0.6, step="mid")
+        roller.set(ylabel="pressure, MPa", ylim=(0.0, None), xlim=(z[0], z[-1]))
+        peak = SHARP.partition(",")[0] if sharp else f"{pressure[most].max():.0f} MPa"
+        roller.set_title(f"roller {most}: {peak}, {1e3 * slope:.2f} mrad", fontsize=9)
+    axes[1, 0].set_xlabel("angle from the load, °")
+    axes[1, 1].set_xlabel("along the axis, mm")
+    figure.colorbar(coloured, ax=axes[:, 0], label="pressure, MPa", shrink=0.8)
     figure.suptitle(f"{stored.scene.name}, {1e3 * found.time:.4g} ms, {stored.scene.method}", fontsize=10)
     about = {"Software": MARK, "Source": shown(stored.path.name)}
     with replaced(target) as file:
         figure.savefig(file, dpi=DOTS, format="png", metadata=about)
     plt.close(figure)
-
-
-def axial_figure(found: AxialPressures):
-    """Both raceways unrolled, and the most loaded roller from its side with its profile and pressures."""
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(2, 2, figsize=(INCHES, 0.62 * INCHES), width_ratios=(2.2, 1.0), layout="constrained")
-    z, half = 1e3 * found.place, 0.5 * ROOM * 360.0 / found.angle.size
-    edges = np.append(z - 0.5 * (z[1] - z[0]), z[-1] + 0.5 * (z[1] - z[0]))
-    largest = 1e-6 * float(found.pressure.max())
-    most = int(found.pressure[0].max(axis=1).argmax())
-    for k, (side, (raceway, roller)) in enumerate(zip(SIDES, axes, strict=True)):
-        for j, middle in enumerate(np.degrees(found.angle)):
-            shown = raceway.pcolormesh(
-                [middle - half, middle + half], edges, np.ma.masked_equal(1e-6 * found.pressure[k, j][:, None], 0.0),
-                vmin=0.0, vmax=max(largest, 1.0), cmap="inferno_r",
-            )  # fmt: skip
-        raceway.set(xlim=(-180, 180), ylabel="along the axis, mm", title=f"{side} raceway")
-        raceway.set_xticks([-180, -90, 0, 90, 180])
-        _side(roller, found, k, most)
-    axes[1, 0].set_xlabel("angle from the load, °")
-    axes[1, 1].set_xlabel("along the axis, mm")
-    figure.colorbar(shown, ax=axes[:, 0], label="pressure, MPa", shrink=0.8)
-    return figure
-
-
-def _side(axis, found: AxialPressures, k: int, roller: int) -> None:
-    """Pressure along a roller, and below it how far its profile and tilt take it from the raceway."""
-    z, gap = found.place, found.drop[k] + found.slope[k, roller] * found.place
-    below = axis.twinx()
-    below.plot(1e3 * z, 1e6 * (gap - gap.min()), color="0.5", linewidth=0.9)
-    below.set_ylabel("gap, undeformed, µm", color="0.4")
-    below.set_ylim(0.0, 3.0 * max(1e6 * float(np.ptp(gap)), 1.0))
-    axis.fill_between(1e3 * z, 1e-6 * found.pressure[k, roller], color="C3", alpha=0.6, step="mid")
-    axis.set(ylabel="pressure, MPa", ylim=(0.0, None), xlim=(1e3 * z[0], 1e3 * z[-1]))
-    peak = SHARP.partition(",")[0] if found.sharp[k] else f"{1e-6 * found.pressure[k, roller].max():.0f} MPa"
-    axis.set_title(f"roller {roller}: {peak}, {1e3 * found.slope[k, roller]:.2f} mrad", fontsize=9)

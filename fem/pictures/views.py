@@ -394,16 +394,6 @@ def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
     ]
 
 
-def _hertz(instant: Instant) -> str:
-    """The largest Hertz pressure of all contacts and where it is."""
-    forces = instant.inner_force, instant.outer_force, instant.roller_force
-    pressure, roller, kind = max(
-        (law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind)
-        for law, force, kind in zip(instant.model.laws, forces, ("inner", "outer", "next"), strict=True)
-    )
-    return f"p₀ = {1e-6 * pressure:.0f} MPa" + (f" (roller {roller}, {kind})" if pressure > 0.0 else "")
-
-
 def _legend(page: Panel, sketch: Sketch) -> None:
     instant, look, bearing = sketch.instant, sketch.look, sketch.bearing
     _title(page, sketch, EDGE, TOP, 0.105)
@@ -412,8 +402,14 @@ def _legend(page: Panel, sketch: Sketch) -> None:
     if look.scale.field == "displacement":
         notes = ["from undeformed parts that just touch", ""]
     else:
-        note = instant.model.stress_note
-        notes = [f"of the mesh, {note}," if note else "with Hertz's stress below the grid,", _hertz(instant)]
+        note, forces = instant.model.stress_note, (instant.inner_force, instant.outer_force, instant.roller_force)
+        pressure, roller, kind = max(
+            (law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind)
+            for law, force, kind in zip(instant.model.laws, forces, ("inner", "outer", "next"), strict=True)
+        )  # Hertz's, the largest of all contacts
+        place = f" (roller {roller}, {kind})" if pressure > 0.0 else ""
+        notes = [f"of the mesh, {note}," if note else "with Hertz's stress below the grid,"]
+        notes.append(f"p₀ = {1e-6 * pressure:.0f} MPa{place}")
     bore, clearance = instant.scene.mounting().bore, 2.0 * bearing.radial_clearance
     x, y_hub = (_signed(round(1e6 * value, 2)) for value in instant.hub)
     facts = [f"hub (dot): x = {x}, y = {y_hub} µm", f"from the {'bore' if bore else 'outer ring'}'s centre (cross)"]

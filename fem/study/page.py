@@ -225,7 +225,12 @@ def _range(table: Table, quantity: Column) -> list[str]:
 def _facts(table: Table, dataset: Dataset) -> list[tuple[str, str]]:
     study, design = table.points.study, table.points.design
     shape = "" if design.axes is None else ", " + " × ".join(str(size) for size in design.shape)
-    varied = (f"{key}: {_span([point[i] for point in design.points])}" for i, key in enumerate(design.keys))
+    varied = []
+    for key, values in zip(design.keys, zip(*design.points, strict=True), strict=True):
+        numbers = [value for value in values if isinstance(value, float | int) and not isinstance(value, bool)]
+        words = dict.fromkeys(str(value) for value in values if value is not None)
+        span = f"{min(numbers):.4g} to {max(numbers):.4g}" if numbers else ", ".join(words)
+        varied.append(f"{key}: {span}")
     rows = [
         ("Points", f"{len(table.complete)} ({study.sampling.method}{shape})"),
         *([("Seed", str(study.sampling.seed))] if study.sampling.is_drawn else []),
@@ -244,13 +249,6 @@ def _facts(table: Table, dataset: Dataset) -> list[tuple[str, str]]:
             ("Points per hour and process", f"{3600.0 / max(seconds.mean(), 1e-9):.4g}"),
         ]
     return rows
-
-
-def _span(values: list) -> str:
-    numbers = [value for value in values if isinstance(value, float | int) and not isinstance(value, bool)]
-    if numbers:
-        return f"{min(numbers):.4g} to {max(numbers):.4g}"
-    return ", ".join(dict.fromkeys(str(value) for value in values if value is not None))
 
 
 def plan_lines(points: Points, pending: list[int], found: Expected | None, options: StudyOptions) -> list[str]:

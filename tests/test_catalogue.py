@@ -225,6 +225,8 @@ def test_sizes_of_rollers_and_pitch_alone_are_a_bearing_in_every_command(tmp_pat
     monkeypatch.chdir(tmp_path)
     bearing = read_scene(None, ("bearing.inner_raceway_diameter_mm=36",)).bearing
     assert bearing.model_dump() == read_scene().bearing.model_dump()
+    preloaded = read_scene(None, ("bearing.inner_raceway_diameter_mm=36.02",)).bearing  # of the outer ring nothing
+    assert (preloaded.outer_raceway_diameter_mm, preloaded.outside_diameter_mm) == (56.0, 65.0)
     Path("sizes.toml").write_text(ALONE, encoding="utf-8")
     found = read_scene("sizes.toml").bearing
     assert found.outer_raceway_diameter_mm + 0.9 * 8.4 == pytest.approx(found.outside_diameter_mm)

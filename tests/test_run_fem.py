@@ -42,6 +42,12 @@ def test_help_has_an_example_and_version_a_number(capsys):
     assert capsys.readouterr().out.strip()
 
 
+def test_dry_run_compares_with_no_mesh_that_takes_its_time(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run_main(["--dry-run", "--model", "lagrange", "--set", "bearing.outside_diameter_mm=2000"]) == 0
+    assert "nodes, too many" in capsys.readouterr().out
+
+
 def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run_main(["--dry-run", "--mesh-size", "2"]) == 0

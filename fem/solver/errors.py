@@ -10,6 +10,7 @@ import numpy as np
 from fem.quantities import Quantity, moving_quantities
 from fem.solver.elements import plan as elements
 from fem.solver.elements.plan import ElementPlan
+from fem.solver.limits import mesh_nodes
 from fem.solver.simulate import SOLVERS, make_plan, run
 from fem.solver.solver import Plan, Progress, Samples
 from fem.statics.contact_balance import NotFound
@@ -20,6 +21,7 @@ from lagrange.errors import UsageError
 from lagrange.mounting import HELD
 from lagrange.scene.run import COMPARISONS
 from lagrange.scene.scene import Scene, SceneError
+from meshes.bearing import bearing_shapes
 
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
@@ -219,6 +221,9 @@ def _exact(scene: Scene) -> tuple[float | None, ...]:
     return float(found.hub[1]), force, contact_pairs(bearing)[0].peak_pressure(force)
 
 
+MOST_COMPARED = 100_000  # nodes of meshes that are made only to compare models with: some seconds
+
+
 @dataclass(frozen=True, kw_only=True)
 class Choice:
     """A model for a scene."""
@@ -238,7 +243,12 @@ def model_choices(plan: Plan) -> list[Choice]:
             exact = exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub
     for name in SOLVERS:
         try:
-            mine = plan if scene.model == name else make_plan(scene.varied({"model": name}))
+            other = scene if scene.model == name else scene.varied({"model": name})
+            size = 1e-3 * scene.numerics.mesh_size_mm
+            nodes = 0 if other is scene or name != "fem" else mesh_nodes(bearing, size, bearing_shapes)
+            if nodes > MOST_COMPARED:
+                raise UsageError(f"{nodes:,} nodes, too many only to compare with; --model fem plans it")
+            mine = plan if other is scene else make_plan(other)
             error = None if exact is None else float(np.linalg.norm(mine.static_hub() - exact) / np.linalg.norm(exact))
             found.append(Choice(model=name, lacks=mine.lacks, seconds=mine.expected_seconds, hub_error=error))
         except (SceneError, UsageError, RuntimeError) as refused:

@@ -64,14 +64,19 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable) -> 
                 f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
                 f"most {1e3 * thickness:.3g}"
             )
-    shapes = shapes_of(bearing, mesh_size)
-    nodes = bearing.n_rollers * sum(row.nodes for row in shapes.roller.rows)
-    nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
+    nodes = mesh_nodes(bearing, mesh_size, shapes_of)
     if nodes > MOST_NODES:
         raise UsageError(
             f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are allowed; "
             f"at least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
         )
+
+
+def mesh_nodes(bearing: Bearing, mesh_size: float, shapes_of: Callable) -> int:
+    """Of all bodies' meshes, before they are made; `mesh_size` in m."""
+    shapes = shapes_of(bearing, mesh_size)
+    rings = sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
+    return rings + bearing.n_rollers * sum(row.nodes for row in shapes.roller.rows)
 
 
 def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:

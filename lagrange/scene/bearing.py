@@ -90,8 +90,8 @@ class BearingTable(Table):
         "· cos α is the clearance times cos α")
     bore_diameter_mm: float = key(25.0, "diameter of the inner ring's bore; 0: a solid shaft is the inner "
         f"ring{FOLLOWS}: that raceway less 1.1 roller diameters", 0.0, 10_000.0)
-    outside_diameter_mm: Diameter = key(65.0, f"outside diameter of the outer ring{FOLLOWS}: its raceway plus 0.9 "
-        "roller diameters")
+    outside_diameter_mm: Diameter = key(65.0, f"outside diameter of the outer ring{FOLLOWS}, and an outer raceway or a "
+        "clearance: that raceway plus 0.9 roller diameters")
     clearance_um: float | None = key(None, "diametral clearance, instead of outer_raceway_diameter_mm; negative: "
         "preload", -10_000.0, 100_000.0)
     contact_angle_deg: float = key(0.0, "contact angle of tapered rollers or angular-contact balls; raceway diameters "
@@ -137,9 +137,11 @@ class BearingTable(Table):
             else:
                 inner = None
             if inner is not None:
-                found_of_pitch = {"inner_raceway_diameter_mm": round(inner, 9), "clearance_um": clearance}
-                data = {name: value for name, value in (data | found_of_pitch).items() if value is not None}
-                del data["pitch_diameter_mm"]
+                given = data.items()
+                data = {name: value for name, value in given if name not in ("pitch_diameter_mm", "clearance_um")}
+                data["inner_raceway_diameter_mm"] = round(inner, 9)
+                if clearance is not None:
+                    data["clearance_um"] = clearance
         (inner, *_), clearance = cls.values(data, *CLEARANCE_OF), data.get("clearance_um")
         if not all(map(_is_number, (inner, roller, angle))):
             return data

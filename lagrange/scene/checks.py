@@ -116,30 +116,9 @@ def _courses(scene: "Scene") -> Iterator[str]:
                 'as ' "at one speed; leave one of them out")
 
 
-def _rollers_with_faults(scene: "Scene") -> Iterator[str]:
-    tables = {name: getattr(scene, name) for name in surfaces.SURFACES}
-    yield from surfaces.roller_faults(scene.bearing.rollers, tables)
-
-
-def _spalls(scene: "Scene") -> Iterator[str]:
-    if scene.spall:
-        yield from surfaces.spall_faults(scene.perfect_bearing(), scene.spall)
-
-
-def _sizes(scene: "Scene") -> Iterator[str]:
-    if scene.waviness or scene.unequal_roller:
-        yield from surfaces.size_faults(scene.perfect_bearing(), scene.waviness, scene.unequal_roller)
-
-
-def _profiles(scene: "Scene") -> Iterator[str]:
-    if scene.profile:
-        yield from surfaces.profile_faults(scene.perfect_bearing(), scene.profile)
-
-
 def _axial(scene: "Scene") -> Iterator[str]:
     if scene.axial is not None:
         yield from axial_faults(scene.perfect_bearing(), scene.axial)
-        yield from surfaces.part_faults(scene.perfect_bearing(), scene.axial.slices, scene.spall)
     elif tilt := scene.operation.misalignment_mrad:
         yield f"operation.misalignment_mrad = {tilt:g}: needs an [axial] table (an empty one is enough)"
 
@@ -262,6 +241,6 @@ def refusals(scene: "Scene") -> Iterator[str]:
 
 
 COMBINATIONS = (
-    _law, _mass, _mesh, refusals, _fields, _bore, _fit, _cage, _courses, _rollers_with_faults, _spalls, _sizes,
-    _profiles, _axial,
+    _law, _mass, _mesh, refusals, _fields, _bore, _fit, _cage, _courses, surfaces.roller_faults,
+    surfaces.spall_faults, surfaces.size_faults, surfaces.profile_faults, _axial, surfaces.part_faults,
 )  # fmt: skip

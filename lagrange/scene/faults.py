@@ -280,7 +280,7 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> str:
     if kind == "value_error":  # of a field's own validator
         reason = str(fault["ctx"]["error"])
         return f"{place}: {reason}"
-    if kind == "list_type":
+    if kind == "list_type" and table_of(_table_at(fault["loc"][:-1], model).model_fields[str(fault["loc"][-1])])[0]:
         reason = f"must be an array of tables, [[{place}]]"
     elif kind == "model_type":
         header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"

@@ -6,12 +6,11 @@ Any number of each; spalls, waves, deviations and a measured profile of one surf
 # fmt: off  # a key, or a rule, goes on below where it is long
 from collections.abc import Iterator
 from math import asin, degrees, pi, radians
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from lagrange.axial.facts import slices_over
-from lagrange.bearing import Bearing
 from lagrange.limits import exceeds
 from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Rule, Table, key, only
 from lagrange.surface.faults import (
@@ -23,6 +22,9 @@ from lagrange.surface.faults import (
     own_radius,
     thickness,
 )
+
+if TYPE_CHECKING:
+    from lagrange.scene.scene import Scene
 
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
 FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
@@ -121,22 +123,24 @@ class ProfileTable(SurfaceTable):
         return self.fact(MeasuredSurface, angle=radians(self.angle_deg) + self.reference, table=table)
 
 
-def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
-    """Rollers that there are none of, or that are given two sizes; `tables` by their names in the scene."""
-    for name, entries in tables.items():
-        for i, entry in enumerate(entries):
+def roller_faults(scene: "Scene") -> Iterator[str]:
+    """Rollers that there are none of, or that are given two sizes."""
+    n_rollers = scene.bearing.rollers
+    for name in SURFACES:
+        for i, entry in enumerate(getattr(scene, name)):
             if entry.roller is not None and entry.roller >= n_rollers:
                 yield (f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
                     f"from 0 to {n_rollers - 1}")
-    sized = [entry.roller for entry in tables["unequal_roller"]]
+    sized = [entry.roller for entry in scene.unequal_roller]
     for number in sorted({number for number in sized if sized.count(number) > 1}):
         yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
 
 
-def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
+def spall_faults(scene: "Scene") -> Iterator[str]:
     """Spalls that the bodies have no room for, and those that overlap."""
     edges: list[tuple[int, Spall, float]] = []
-    for i, table in enumerate(tables):
+    for i, table in enumerate(scene.spall):
+        bearing = scene.perfect_bearing()
         spall, place = table.fault(), f"spall.{i}"
         own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
         widest = WIDEST * min(own, bearing.roller_radius)
@@ -160,12 +164,13 @@ def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
         edges.append((i, spall, half))
 
 
-def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iterator[str]:
+def part_faults(scene: "Scene") -> Iterator[str]:
     """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
     met: dict[str, tuple[int, np.ndarray]] = {}
-    for i, table in enumerate(tables):
-        spall = table.fault()
-        if not spall.is_part(bearing):
+    for i, table in enumerate(scene.spall):
+        bearing, spall = scene.perfect_bearing(), table.fault()
+        slices = 0 if scene.axial is None else scene.axial.slices
+        if not slices or not spall.is_part(bearing):
             continue
         over, place = slices_over(bearing, slices, spall), f"spall.{i}.length_mm = {table.length_mm:g}"
         if over.all() or not over.any():
@@ -180,10 +185,11 @@ def part_faults(bearing: Bearing, slices: int, tables: list[SpallTable]) -> Iter
                     f"spall.{k}; give both the same length_mm and z_mm")
 
 
-def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:
+def profile_faults(scene: "Scene") -> Iterator[str]:
     """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
     seen: dict[tuple[str, int | None], int] = {}
-    for i, table in enumerate(tables):
+    for i, table in enumerate(scene.profile):
+        bearing = scene.perfect_bearing()
         place = f'profile.{i}.file = "{table.file}"'
         before = seen.setdefault((table.body, table.roller), i)
         if before != i:
@@ -211,10 +217,11 @@ def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str
                 "each other")
 
 
-def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[UnequalRollerTable]) -> Iterator[str]:
+def size_faults(scene: "Scene") -> Iterator[str]:
     """Waves too high or too short for contacts in one place, and rollers too large."""
+    bearing = scene.perfect_bearing()
     largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
-    for i, table in enumerate(waves):
+    for i, table in enumerate(scene.waviness):
         wave, place = table.fault(), f"waviness.{i}.amplitude_um = {table.amplitude_um:g}"
         if exceeds(wave.amplitude, largest):
             yield f"{place} is too high (at most {1e6 * largest:.4g})"
@@ -224,7 +231,7 @@ def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[Uneq
         if wave.amplitude > highest:
             yield (f"{place} of order = {wave.order}: its valleys are too narrow for the rollers to follow (at most "
                 f"{1e6 * highest:.3g} at this order)")
-    for i, other in enumerate(unequal):
+    for i, other in enumerate(scene.unequal_roller):
         if exceeds(abs(other.fault().diameter_deviation), largest):
             yield (f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large (at most "
                 f"{1e6 * largest:.4g} either way)")

@@ -79,6 +79,8 @@ BAD_SCENES = {
     "number for a table": scene("bearing = 3", "bearing = 3: must be a table, [bearing]"),
     "list of tables": scene("[[bearing]]\nrollers = 3", "bearing = [{", "must be a table, [bearing]"),
     "number for a name": scene("name = 3", "name = 3", "string"),
+    "number for a list": scene("[bearing]\nmissing_rollers = 3", "bearing.missing_rollers = 3: must be a valid list"),
+    "list for a profile": scene("[axial]\nroller_profile = [1]", "axial.roller_profile = [1]: must be a valid string"),
     "number for a column": scene("[table]\ntime = 3", "table.time = 3"),
     # numbers that are none, or too large
     "not a number": scene("[operation]\nspeed_rpm = nan", "operation.speed_rpm = nan", "finite"),

@@ -7,12 +7,12 @@ from math import degrees, hypot, pi
 
 import numpy as np
 
-from lagrange.bearing import BallBearing, Bearing
+from lagrange.bearing import BallBearing
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import hertz_columns
 from lagrange.findings import Section
 from lagrange.kinematics import kinematics
-from lagrange.messages import G, engineering, shown
+from lagrange.messages import G, shown
 from lagrange.rating import sources
 from lagrange.rating.life import (
     Dimensions,
@@ -28,7 +28,7 @@ from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
 from lagrange.section import is_plain, load_factor, section_words
-from lagrange.surface.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.budget import tilt_summary
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
@@ -37,10 +37,9 @@ from residual.laws import Interval
 from residual.load_zone import largest_pressures
 from residual.record import Record, varies
 from residual.sampling import WITHIN
-from residual.spectrum import MAIN_LOBE, Peak, Statistics, rms
-from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
+from residual.spectrum import MAIN_LOBE, Peak, rms
+from residual.vibration import ENVELOPE_FROM, STANDS_OUT
 
-NO_MOTION = 1e-6  # nm: round-off of positions
 SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
 OIL_DENSITY = 870.0  # kg/m³, as rate-bearing takes it
 SAME = 1e-6  # relative: sums and differences of stored numbers leave less
@@ -72,29 +71,12 @@ def cells(*values: float | None, digits: int = 4, noise: float = 0.0) -> list[st
     return [text(value, digits, noise) for value in values]
 
 
-def marked(level: float, stands_out: bool) -> str:
-    """A level, with an asterisk where it stands out."""
-    return text(level, 3) + (" *" if stands_out else "")
-
-
-def yes_no(is_so: bool) -> str:
-    return "yes" if is_so else "no"
-
-
 def error_table(e: Evaluation) -> Section:
     found = {"error_x, equation (22)": e.x.error, "error_y, equation (23)": e.y.error}
     found |= {f"momentum balance, {d.name}": d.balance for d in e.directions if d.balance is not None}
     rows = [[name, *cells(s.mean, s.rms, s.std, s.max_abs, noise=e.noise)] for name, s in found.items()]
     title = f"Residual of {shown(e.record.name)}"
     return Section(title=title, columns=("N", "mean", "rms", "std", "largest"), rows=rows)
-
-
-def budget_table(e: Evaluation) -> Section:
-    sums = {term_label(name): [Statistics.of(d.budget.terms[name]) for d in e.directions] for name in e.budget.x.terms}
-    if sums:
-        sums["sum = error"] = [d.error for d in e.directions]
-    rows = [[name, *cells(*(v for s in of for v in (s.mean, s.rms)), noise=e.noise)] for name, of in sums.items()]
-    return Section(columns=("term, N", "mean, x", "rms, x", "mean, y", "rms, y"), rows=rows, sum="sum = error")
 
 
 def law_table(e: Evaluation) -> Section:
@@ -125,85 +107,14 @@ def peak_name(peak: Peak) -> str:
     return " or ".join(filter(None, (peak.line, *peak.also))) or "-"
 
 
-def peak_table(peaks: list[Peak]) -> Section:
-    rows = [[hertz(p.frequency), *cells(p.psd, p.rms, digits=3), peak_name(p), yes_no(p.resolved)] for p in peaks]
-    return Section(columns=("frequency", "density, N²/Hz", "N rms", "nearest line", "resolved"), rows=rows)
-
-
-def quarter_table(e: Evaluation, equations: bool) -> Section:
-    columns = ["from", "hub x, std", "hub y, std", *(("error_x, rms", "error_y, rms") if equations else ())]
-    rows = []
-    if e.quarters is not None:
-        for start, *parts in zip(e.quarters.start, *e.quarters.hub.values(), *e.quarters.error.values(), strict=True):
-            places = [f"{text(1e9 * place, 3, NO_MOTION)} nm" for place in parts[:2]]
-            errors = [f"{text(error, noise=e.noise)} N" for error in parts[2:] if equations]
-            rows.append([f"{text(1e3 * start)} ms", *places, *errors])
-    return Section(columns=columns, rows=rows)
-
-
-def stated_error_table(e: Evaluation) -> Section:
-    """Discretisation errors that the solver states, also in per cent."""
-    rows = []
-    for each in e.record.stated_errors:
-        scale, unit = engineering(each.unit)
-        part = f"{text(100.0 * each.error / abs(each.value), 2)} %" if each.error < abs(each.value) else "-"
-        value, error = text(scale * each.value, 5), text(scale * each.error, 2)
-        rows.append([each.meaning, f"{value} {unit}", f"{error} {unit}", part])
-    return Section(columns=("quantity", "in this run", "discretisation error", ""), rows=rows)
-
-
-def level_table(e: Evaluation) -> Section:
-    """Levels of kinematic lines; those that stand out are marked."""
-    rows = [
-        [x.name, text(x.frequency),
-         *(cell for at in (x, y) for cell in (marked(at.rms, at.stands_out), text(at.background, 3))),
-         "yes" if x.resolved else f"no: {x.obstacle}"]
-        for x, y in zip(e.x.levels, e.y.levels, strict=True)
-    ]  # fmt: skip
-    return Section(columns=("line", "Hz", "N rms, x", "background", "N rms, y", "background", "resolved"), rows=rows)
-
-
 def watched_table(e: Evaluation) -> Section:
     """Lines that the user asks for."""
     rows = [
         [x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)", *cells(x.rms, y.rms, digits=3),
-         ", ".join(cells(x.background, y.background, digits=3)), yes_no(x.resolved)]
+         ", ".join(cells(x.background, y.background, digits=3)), "yes" if x.resolved else "no"]
         for x, y in e.watched
     ]  # fmt: skip
     return Section(columns=("line", "N rms, x", "N rms, y", "background, x and y", "resolved"), rows=rows)
-
-
-def vibration_table(e: Evaluation) -> Section:
-    """Levels of both accelerations in m/s² and g; kurtosis and crest factor have no unit, velocity its own."""
-    both = [d.vibration for d in e.directions]
-    parts = {"": [v.level for v in both]} | {
-        f", {text(1e-3 * low)}-{text(1e-3 * high)} kHz": [v.bands[low, high] for v in both]
-        for low, high in both[0].bands
-    }
-    levels = {"peak": [v.level.peak for v in both]} | {f"rms{of}": [v.rms for v in at] for of, at in parts.items()}
-    shapes = {
-        f"crest factor; kurtosis{of}": ["; ".join(cells(v.crest, v.kurtosis, digits=3)) for v in at]
-        for of, at in parts.items()
-    }
-    speeds = cells(*(None if v.velocity is None else 1e3 * v.velocity for v in both), digits=3)
-    shapes["velocity, 10-1000 Hz (ISO 20816), mm/s rms"] = speeds
-    rows = [[name, *(cell for v in each for cell in (text(v), text(v / G, 3)))] for name, each in levels.items()]
-    rows += [[name, first, "", second, ""] for name, (first, second) in shapes.items()]
-    headings = (f"{d.vibration.body}, {d.name}, {unit}" for d in e.directions for unit in ("m/s²", "g"))
-    return Section(columns=("acceleration", *headings), rows=rows)
-
-
-def envelope_table(e: Evaluation) -> Section:
-    """Lines of both envelopes; those high above their floors are marked."""
-    columns, rows = ["line of the envelope", "Hz", "resolved"], []
-    for d in e.directions:
-        columns += [f"{d.vibration.body}, {d.name}, m/s²", f"{d.vibration.body}, {d.name}, g", "ratio"]
-    for pair in zip(*(d.vibration.lines for d in e.directions), strict=True):
-        row = [pair[0].name, text(pair[0].frequency), yes_no(pair[0].resolved)]
-        for line in pair:
-            row += [marked(line.amplitude, line.is_high), *cells(line.amplitude / G, line.ratio, digits=2)]
-        rows.append(row)
-    return Section(columns=columns, rows=rows)
 
 
 def same_run(e: Evaluation, other: Evaluation) -> bool:
@@ -318,26 +229,22 @@ def fact_table(e: Evaluation) -> Section:
     return Section(columns=(), rows=facts, kind="words")
 
 
-def load_words(bearing: Bearing, *forces: float) -> str:
-    """A load on the plane section, or its range, N, and beside it that on the bearing, where they differ."""
-    section = " to ".join(cells(*forces))
-    if is_plain(bearing):
-        return f"{section} N"
-    whole = " to ".join(text(load_factor(bearing) * force) for force in forces)
-    return f"{whole} N on the bearing ({section} N on its plane section)"
-
-
 def _operation(record: Record) -> str:
-    """Speed and load in words; of what changes the range."""
-    acting, rpm = record.acting, record.scene.operation.speed_rpm
-    if record.operation.history is None:
-        return f"{text(rpm)} rpm, {load_words(record.bearing, float(acting.radial_load))} along −y"
-    load, turning = np.hypot(acting.radial_load, acting.side_load), []
-    for of, speeds in zip(("", ", outer ring "), acting.ring_speeds, strict=True):
-        low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
-        if not of or low or high:
-            turning.append(of + (f"{text(low)} to {text(high)} rpm" if varies(speeds) else f"{text(high)} rpm"))
-    return f"{''.join(turning)}, {load_words(record.bearing, load.min(), load.max())}"
+    """Speed and load in words, the bearing's load where it differs from its section's; of what changes the range."""
+    acting, bearing, speed = record.acting, record.bearing, f"{text(record.scene.operation.speed_rpm)} rpm, "
+    forces, along = [float(np.min(acting.radial_load))], " along −y"
+    if record.operation.history is not None:
+        load, speed, along = np.hypot(acting.radial_load, acting.side_load), "", ""
+        forces = [load.min(), load.max()]
+        for of, speeds in zip(("", "outer ring "), acting.ring_speeds, strict=True):
+            low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
+            if not of or low or high:
+                speed += of + (f"{text(low)} to " if varies(speeds) else "") + f"{text(high)} rpm, "
+    load = section = " to ".join(cells(*forces)) + " N"
+    if not is_plain(bearing):
+        whole = " to ".join(cells(*(load_factor(bearing) * force for force in forces)))
+        load = f"{whole} N on the bearing ({section} on its plane section)"
+    return f"{speed}{load}{along}"
 
 
 def _cage(e: Evaluation) -> list[tuple[str, str]]:
@@ -481,10 +388,47 @@ def _missing(forces, record: Record) -> float:
 
 def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
     """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
-    found = f"{_sound(e)}; {_missed(e)}." if equations else f"{_sound(e)}."
+    left, (scale, _), noise, coarse = e.balance, e.reference, e.position_noise, e.too_coarse
+    size = "" if left is None else f"{text(left, 2, e.noise)} N rms{_share(e, left)}"
+    if left is None:
+        found = "without contact forces the trajectories themselves cannot be checked"
+    elif left <= max(SOUND * scale, e.noise):
+        found = f"the trajectories are sound (Newton's law holds to {size})"
+    elif noise is not None and e.balance_within_noise:
+        found = (
+            f"the trajectories cannot be checked: Newton's law leaves {size}, and the error of the positions, "
+            f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
+        )
+    elif coarse is not None:
+        by_own = coarse.slow > SOUND * scale
+        held = coarse.own if by_own else coarse.slow
+        what = "with the run's own accelerations" if by_own else f"below {hertz(coarse.below, 3)}"
+        found = (
+            f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, e.noise)} N rms"
+            f"{_share(e, held)}); with all vibration it leaves {size}, because {coarse.cause}"
+        )
+    else:
+        why = "or forces act for which there is no column"
+        found = f"the trajectories are not sound, {why} (Newton's law leaves {size})"
+    if equations:
+        part = "" if e.identification is None else ", on the part of the record not used for the fit"
+        x, y = cells(*(s.rms for s in e.judged), noise=e.noise)
+        worst, peak = max(s.rms for s in e.judged), max(s.max_abs for s in e.judged)
+        missed = (
+            f"with the contact law {e.law.name} the force balance is off by {x} N rms in x and {y} N in "
+            f"y{_share(e, worst)}, and at most by {text(peak)} N{_share(e, peak, named=False)}{part}"
+        )
+        if noise is not None and e.within_noise:
+            floor_x, floor_y = cells(*noise.error, digits=2)
+            missed = (
+                f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law {e.law.name}: "
+                f"the error of the positions, {noise.source}, alone makes about {floor_x} N rms in x and {floor_y} N "
+                f"in y{part}"
+            )
+        found = f"{found}; {missed}"
     if tolerance is None:
-        return found[0].upper() + found[1:]
-    return f"{str(e.outcome(tolerance)).capitalize()} the tolerance of {text(tolerance)} N: {found}"
+        return f"{found[0].upper()}{found[1:]}."
+    return f"{str(e.outcome(tolerance)).capitalize()} the tolerance of {text(tolerance)} N: {found}."
 
 
 def _share(e: Evaluation, force: float, named: bool = True) -> str:
@@ -492,48 +436,6 @@ def _share(e: Evaluation, force: float, named: bool = True) -> str:
     wholes = dict([("load", e.record.load), e.reference[::-1]])
     parts = {name: share(force, whole) for name, whole in wholes.items() if whole > 0.0}
     return "".join(f", {part}" + (f" of the {name}" if named or len(parts) > 1 else "") for name, part in parts.items())
-
-
-def _sound(e: Evaluation) -> str:
-    left, scale, noise, coarse = e.balance, e.reference[0], e.position_noise, e.too_coarse
-    if left is None:
-        return "without contact forces the trajectories themselves cannot be checked"
-    size = f"{text(left, 2, e.noise)} N rms{_share(e, left)}"
-    if left <= max(SOUND * scale, e.noise):
-        return f"the trajectories are sound (Newton's law holds to {size})"
-    if noise is not None and e.balance_within_noise:
-        return (
-            f"the trajectories cannot be checked: Newton's law leaves {size}, and the error of the positions, "
-            f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
-        )
-    if coarse is None:
-        why = "or forces act for which there is no column"
-        return f"the trajectories are not sound, {why} (Newton's law leaves {size})"
-    by_own = coarse.slow > SOUND * scale
-    held = coarse.own if by_own else coarse.slow
-    what = "with the run's own accelerations" if by_own else f"below {hertz(coarse.below, 3)}"
-    return (
-        f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, e.noise)} N rms"
-        f"{_share(e, held)}); with all vibration it leaves {size}, because {coarse.cause}"
-    )
-
-
-def _missed(e: Evaluation) -> str:
-    errors, noise = e.judged, e.position_noise
-    worst, peak = max(s.rms for s in errors), max(s.max_abs for s in errors)
-    part = "" if e.identification is None else ", on the part of the record not used for the fit"
-    x, y = cells(*(s.rms for s in errors), noise=e.noise)
-    if noise is not None and e.within_noise:
-        floor_x, floor_y = cells(*noise.error, digits=2)
-        return (
-            f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law "
-            f"{e.law.name}: the error of the positions, {noise.source}, alone makes about {floor_x} N rms in "
-            f"x and {floor_y} N in y{part}"
-        )
-    return (
-        f"with the contact law {e.law.name} the force balance is off by {x} N rms in x and {y} N in "
-        f"y{_share(e, worst)}, and at most by {text(peak)} N{_share(e, peak, named=False)}{part}"
-    )
 
 
 def honest_notes(e: Evaluation) -> list[str]:
@@ -606,12 +508,21 @@ def fit_sentences(e: Evaluation) -> list[str]:
 
 def vibration_sentences(e: Evaluation) -> list[str]:
     """Say what the scene's surfaces are, what check-vibration finds, which lines are high, and how they were found."""
-    faults, found = [f for f in e.record.bearing.faults if not isinstance(f, Film)], e.x.vibration.envelope
-    names, diagnosis = [_named(f) for f in faults], e.diagnosis
+    diagnosis, found, names, spalled = e.diagnosis, e.x.vibration.envelope, [], set()
+    for fault in e.record.bearing.faults:
+        place = body_name(fault)
+        if isinstance(fault, Spall):
+            names.append(f"a spall {text(1e3 * fault.width)} mm wide on {place}")
+            spalled.add(fault.body)
+        elif isinstance(fault, Waviness):
+            names.append(f"waviness of order {fault.order}, amplitude {text(1e6 * fault.amplitude)} µm, on {place}")
+        elif isinstance(fault, MeasuredSurface):
+            names.append(f"measured heights ({shown(fault.file)}) on {place}")
+        elif isinstance(fault, UnequalRoller):
+            names.append(f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm")
     listed = " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
-    scene = f"The scene has {listed}." if faults else "The scene's surfaces are perfect circles."
-    spalled = {fault.body for fault in faults if isinstance(fault, Spall)}
-    if expected := [family for body, family in EXPECTED.items() if body in spalled]:
+    scene = f"The scene has {listed}." if names else "The scene's surfaces are perfect circles."
+    if expected := [lines for body, lines in EXPECTED.items() if body in spalled]:
         scene += f" Expected of such faults: {', '.join(expected)}."
     if isinstance(diagnosis, str):
         scene += f" No verdict by check-vibration: {diagnosis}."
@@ -622,24 +533,8 @@ def vibration_sentences(e: Evaluation) -> list[str]:
         why = "the bearing stands still, or the record is too short or too coarse"
         why = "the speed changes, and lines are given in orders" if e.record.varies_speed else why
         return [f"{scene} No envelope: {why}."]
-    return [
-        scene,
-        _high_lines(e),
-        f"Envelope (Hilbert) of the {e.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} "
-        f"to {text(1e-3 * found.high, 3)} kHz (default without --band: {ENVELOPE_FROM:g} BPFI to 0.9 of the Nyquist "
-        "frequency, at most 50 kHz). Amplitudes, not rms. Ratio: line over floor, the median at multiples of FTF "
-        f"from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing also has a "
-        "line at BPFO, because passing rollers change its stiffness.",
-    ]
-
-
-def _high_lines(e: Evaluation) -> str:
-    """Lines that are high above their floors, each with what the record does not tell it from."""
-    highest: dict[str, tuple[float, str, FaultLine]] = {}
-    for d in e.directions:
-        for line in d.vibration.high_lines:
-            if line.name not in highest or line.ratio > highest[line.name][0]:
-                highest[line.name] = line.ratio, d.name, line
+    high = [(line.ratio, d.name, line) for d in e.directions for line in d.vibration.high_lines]
+    highest = {line.name: (ratio, axis, line) for ratio, axis, line in sorted(high, key=lambda each: each[0])}
     said: set[str] = set()
     words = []
     for ratio, axis, line in sorted(highest.values(), key=lambda each: -each[0]):
@@ -647,23 +542,19 @@ def _high_lines(e: Evaluation) -> str:
             continue  # it may be a line that is there already
         said |= {line.name} if line.resolved else {line.name, line.nearest}
         needed = f" (it may be {line.nearest}: a record of {text(1e3 * line.record_needed, 3)} ms separates them)"
-        found = f"{line.name} at {text(line.frequency)} Hz, {text(ratio, 2)} times in {axis}"
-        words.append(found + ("" if line.resolved else needed))
-    if not words:
-        return f"No line of the envelope is {STANDS_OUT:g} times as high as its floor."
-    return f"Lines of the envelope above their floors: {'; '.join(words)}."
-
-
-def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:
-    """Name a fault with its place and size."""
-    place = body_name(fault)
-    if isinstance(fault, Spall):
-        return f"a spall {text(1e3 * fault.width)} mm wide on {place}"
-    if isinstance(fault, Waviness):
-        return f"waviness of order {fault.order}, amplitude {text(1e6 * fault.amplitude)} µm, on {place}"
-    if isinstance(fault, MeasuredSurface):
-        return f"measured heights ({shown(fault.file)}) on {place}"
-    return f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm"
+        words.append(f"{line.name} at {text(line.frequency)} Hz, {text(ratio, 2)} times in {axis}")
+        words[-1] += "" if line.resolved else needed
+    return [
+        scene,
+        f"Lines of the envelope above their floors: {'; '.join(words)}."
+        if words
+        else f"No line of the envelope is {STANDS_OUT:g} times as high as its floor.",
+        f"Envelope (Hilbert) of the {e.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} "
+        f"to {text(1e-3 * found.high, 3)} kHz (default without --band: {ENVELOPE_FROM:g} BPFI to 0.9 of the Nyquist "
+        "frequency, at most 50 kHz). Amplitudes, not rms. Ratio: line over floor, the median at multiples of FTF "
+        f"from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing also has a "
+        "line at BPFO, because passing rollers change its stiffness.",
+    ]
 
 
 def search_sentences(search: FaultSearch) -> list[str]:
@@ -688,26 +579,22 @@ def search_sentences(search: FaultSearch) -> list[str]:
         else f"{nothing} found: {places} of any body is above {MAP_STANDS_OUT:g} times its background (at most "
         f"{times} times)."
     )
-    rings = [m for m in search.maps if _is_ring(m.place)]
+    rings = [m for m in search.maps if m.place.roller is None]
     seen = [f"{100 * m.seen:.0f} % of {body_name(m.place)}{unseen_in_words(m)}" for m in rings]
-    rollers = [100.0 * m.seen for m in search.maps if not _is_ring(m.place)]
+    rollers = [100.0 * m.seen for m in search.maps if m.place.roller is not None]
     low, high = min(rollers), max(rollers)
     span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
     return [*said, f"Examined by rollers in contact: {', '.join([*seen, span])}."]
 
 
-def _is_ring(place: Place | Fault) -> bool:
-    return place.roller is None
-
-
 def body_name(place: Place | Fault) -> str:
     """Name a body, or the one that a fault is on."""
-    return f"the {place.body.replace('_', ' ')}" if _is_ring(place) else f"roller {place.roller}"
+    return f"the {place.body.replace('_', ' ')}" if place.roller is None else f"roller {place.roller}"
 
 
 def reported_angle(place: Place, angle: float) -> float:
     """An angle as scenes give it, degrees: of rings from the load's direction, of rollers in their own frame."""
-    turned = angle + FROM_LOAD if _is_ring(place) else angle
+    turned = angle + FROM_LOAD if place.roller is None else angle
     return degrees((turned + pi) % (2.0 * pi) - pi)
 
 
@@ -723,7 +610,7 @@ def unseen_in_words(each: SinkageMap) -> str:
 def unseen(each: SinkageMap) -> list[tuple[float, float]]:
     """Arcs that no roller has touched, by ascending angle as scenes count it, degrees."""
     n = each.height.size
-    first = -pi - (FROM_LOAD if _is_ring(each.place) else 0.0)  # rad, counted as −180 degrees
+    first = -pi - (FROM_LOAD if each.place.roller is None else 0.0)  # rad, counted as −180 degrees
     shifted = np.roll(each.height, -round(n * (first % (2.0 * pi)) / (2.0 * pi)))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(shifted), [False]]).astype(int)))
     arcs = [(360.0 * low / n - 180.0, 360.0 * high / n - 180.0) for low, high in edges.reshape(-1, 2)]

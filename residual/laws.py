@@ -95,19 +95,12 @@ class DampedLaw:
 class SlicedLaw:
     """A contact's law in slices at a record's misalignments; of approaches of the record's shape."""
 
-    whole: PowerLaw | LogarithmicLaw  # of the whole length
+    name: str
+    source: str
     slices: Slices
     misalignment: np.ndarray  # (n_times, n_rollers), rad
     surface: SurfaceDeviation | None  # that the contacts meet
     dampers: tuple | None  # damping, closing speeds, m/s, growth of misalignments, rad/s, and the rollers' length, m
-
-    @property
-    def name(self) -> str:
-        return self.whole.name
-
-    @property
-    def source(self) -> str:
-        return f"{self.whole.source}, in {self.slices.count} slices"
 
     def slope(self, approach) -> np.ndarray:
         """dQ/dδ, N/m."""
@@ -155,7 +148,10 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
     if damping.acts:
         rates = (derivative(value, record.interval, 1) for value in (approach, misalignment))
         dampers = damping, *rates, bearing.roller_length
-    return SlicedLaw(whole=whole, slices=slices, misalignment=misalignment, surface=surface, dampers=dampers)
+    return SlicedLaw(
+        name=whole.name, source=f"{whole.source}, in {slices.count} slices", slices=slices, misalignment=misalignment,
+        surface=surface, dampers=dampers,
+    )  # fmt: skip
 
 
 def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:

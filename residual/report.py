@@ -21,7 +21,7 @@ from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.pages import as_it_is
 from lagrange.findings import print_section
 from lagrange.kinematics import turned
-from lagrange.messages import shown
+from lagrange.messages import G, engineering, shown
 from lagrange.section import load_factor
 from lagrange.version import VERSION
 from residual import findings
@@ -123,7 +123,8 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
 def page_of(e: Evaluation, options: ReportOptions) -> dict[str, Any]:
     """What the page's template shows beside figures; it asks for the findings itself."""
     return dict(
-        e=e, t=e.record, f=findings, options=options, text=text,
+        e=e, t=e.record, f=findings, options=options, text=text, hertz=hertz, engineering=engineering, g=G,
+        statistics=Statistics.of,
         picture=picture_of(e.record.source) if e.record.attributes else None,
         spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
         player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),
@@ -316,7 +317,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
             "verdict": None if isinstance(said, str) else said.verdict,
             "reasons": [said] if isinstance(said, str) else list(said.reasons),
         },
-        "orders": _orders(e),
+        "orders": None,
         "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in e.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": dict(zip("xy", e.floors, strict=True)),
@@ -329,7 +330,7 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         "contradictions": findings.contradictions(e),
         "notes": list(e.notes),
         "laws": numbers(e.laws),
-        "identification": _identification(e),
+        "identification": None,
     }  # fmt: skip
     if cage is not None:  # null where the shaft reverses, and slip within one turn
         speed, ideal = cage.speed(t.interval), 2.0 * np.pi * e.ideal_cage
@@ -346,6 +347,21 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         summary["faults_left_stand_out"] = max((m.deepest[1] for m in search.left), default=0.0)
     if e.tilt is not None:
         summary["tilt"] = tilt_summary(e.tilt)
+    if e.x.orders is not None:
+        tracking = e.x.orders.tracking
+        ends = {"start_s": float(tracking.time[0]), "end_s": float(tracking.time[-1])}
+        summary["orders"] = ends | {"resolution": e.x.orders.path.resolution, "lines": tracking.lines} | {
+            f"peaks_{d.name}": [
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved}
+                for p in (d.orders.peaks if d.orders is not None else ())
+            ]
+            for d in e.directions
+        }  # fmt: skip
+    if (fit := e.identification) is not None:  # in SI, and the errors on the part of the record it was not fitted to
+        held_back = {"start_s": float(t.time[fit.samples]), "samples": int(t.time.size - fit.samples)}
+        held_back |= {f"error_{axis}": numbers(error) for axis, error in zip("xy", e.judged, strict=True)}
+        until = {"fitted_until_s": float(t.time[fit.samples - 1]), "held_back": held_back}
+        summary["identification"] = numbers(fit) | until
     for d in e.directions:
         terms = {name: rms(v) for name, v in d.budget.terms.items()}
         balance = {} if d.balance is None else {"momentum": d.balance.rms}
@@ -356,32 +372,6 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
         }  # fmt: skip
         summary |= {f"{key}_{d.name}": numbers(value) for key, value in found.items()}
     return summary
-
-
-def _orders(e: Evaluation) -> dict | None:
-    """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
-    found = {d.name: d.orders for d in e.directions if d.orders is not None}
-    if not found:
-        return None
-    tracking = found["x"].tracking
-    lines = {
-        f"peaks_{name}": [
-            {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in orders.peaks
-        ]
-        for name, orders in found.items()
-    }
-    ends = {"start_s": float(tracking.time[0]), "end_s": float(tracking.time[-1])}
-    return ends | {"resolution": found["x"].path.resolution, "lines": tracking.lines} | lines
-
-
-def _identification(e: Evaluation) -> dict | None:
-    """The fit's numbers in SI, and the errors on the part of the record it was not fitted to."""
-    found, time = e.identification, e.record.time
-    if found is None:
-        return None
-    held_back = {"start_s": float(time[found.samples]), "samples": int(time.size - found.samples)}
-    held_back |= {f"error_{axis}": numbers(error) for axis, error in zip("xy", e.judged, strict=True)}
-    return numbers(found) | {"fitted_until_s": float(time[found.samples - 1]), "held_back": held_back}
 
 
 def _write_arrays(e: Evaluation, path: Path) -> None:

@@ -218,19 +218,6 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, unit: str
     return [Line2D([], [], color=colour, linestyle=DASHED, label=label) for colour, label in entries]
 
 
-def make_room(figure) -> None:
-    """Raise the upper edge of a figure above its legends, with every panel where it is."""
-    width, height = figure.get_size_inches()
-    renderer = FigureCanvasAgg(figure).get_renderer()
-    legends = [legend for axis in figure.axes if (legend := axis.get_legend()) is not None]
-    top = max((legend.get_window_extent(renderer).y1 / figure.dpi for legend in legends), default=0.0)
-    if top > height:
-        boxes = [axis.get_position(original=True) for axis in figure.axes]
-        figure.set_size_inches(width, top)
-        for axis, box in zip(figure.axes, boxes, strict=True):
-            axis.set_position((box.x0, box.y0 * height / top, box.width, box.height * height / top))
-
-
 def save(drawing: Drawing, folder: Path) -> Saved:
     """Write a figure as PNG and SVG, without a date, so that the same run gives the same files.
 
@@ -239,7 +226,15 @@ def save(drawing: Drawing, folder: Path) -> Saved:
     name, title, caption, figure = drawing
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
     make_plain(figure)
-    make_room(figure)
+    # room for legends above, with every panel where it is
+    (width, height), renderer = figure.get_size_inches(), FigureCanvasAgg(figure).get_renderer()
+    legends = [legend for axis in figure.axes if (legend := axis.get_legend()) is not None]
+    top = max((legend.get_window_extent(renderer).y1 / figure.dpi for legend in legends), default=0.0)
+    if top > height:
+        boxes = [axis.get_position(original=True) for axis in figure.axes]
+        figure.set_size_inches(width, top)
+        for axis, box in zip(figure.axes, boxes, strict=True):
+            axis.set_position((box.x0, box.y0 * height / top, box.width, box.height * height / top))
     figure.set_dpi(DPI)
     # a canvas' own drawing and printing draw once each, `savefig` twice
     canvas, about = FigureCanvasAgg(figure), PngInfo()

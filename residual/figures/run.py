@@ -35,7 +35,7 @@ from residual.figures import (
 from residual.findings import body_name, named, reported_angle
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, length, text
 from residual.load_zone import along_rollers, chosen_roller, load_zones
-from residual.record import Record, angle_from_load
+from residual.record import angle_from_load
 from residual.report import ReportOptions
 from residual.spectrum import power_spectrum
 from residual.vibration import SLOWEST
@@ -139,11 +139,11 @@ def orbit(e: Evaluation) -> Drawing:
 
 def load_distribution(e: Evaluation) -> Drawing:
     """The inner contact force around the bearing in polar coordinates, the load downwards."""
-    force, rows, statics = e.force, _some(e.force.size, MOST_POINTS), e.statics
+    force, statics = e.force, e.statics
     figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
     name = f"law {e.law.name}, approaches of the run" if e.record.inner_force is None else "run"
-    curves(axes, e.record.from_load[rows].ravel(), (force[rows].ravel(), BLUE, name, DOTS))
+    _dots(axes, e.record.from_load, (force, BLUE, name))
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:
         row = statics.force, ORANGE, f"Lagrangian statics, {statics.law}", 1.8
@@ -161,28 +161,28 @@ def load_distribution(e: Evaluation) -> Drawing:
     return Drawing("load_distribution", "Load distribution", caption + ".", figure)
 
 
-def _some(count: int, most: int) -> slice:
-    return slice(None, None, max(1, count // most))
+def _dots(axis, angle: np.ndarray, *rows, most: int = MOST_POINTS) -> None:
+    """Draw quantities of all rollers and times over their angles, so many points at most."""
+    some = slice(None, None, max(1, angle.size // most))
+    drawn = [(np.asarray(values)[some].ravel(), colour, label, DOTS) for values, colour, label in rows]
+    curves(axis, angle[some].ravel(), *drawn)
 
 
 def loads(e: Evaluation) -> Drawing:
     """The law's and the run's inner contact forces over the roller's angle from the load line."""
     own, budget, contacts = e.record.inner_force, e.budget, e.budget.contacts
-    rows = _some(budget.law_force.size, MOST_POINTS)
-    angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y[rows], -contacts.direction_x[rows])))
+    angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y, -contacts.direction_x)))
     names = ["inner contact force, N", "run − law, closed contacts, N"]
     figure, axes = panels(*((1, 3.8) if own is None else (2, 5.6)), x=FROM_LOAD, y=names)
-    drawn = [(budget.law_force[rows].ravel(), RED, f"law: {e.law.name}", DOTS)]
+    _dots(axes[0], angle, (budget.law_force, RED, f"law: {e.law.name}"))
     caption = (
         "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
         "the load line (counter-clockwise)."
     )
     if own is not None:
-        drawn.append((own[rows].ravel(), BLUE, "run's own contact force", DOTS))
-        closed = budget.loaded[rows]
-        curves(axes[1], angle[closed], ((own - budget.law_force)[rows][closed], PURPLE, None, DOTS))
+        _dots(axes[0], angle, (own, BLUE, "run's own contact force"))
+        _dots(axes[1], angle, (np.where(budget.loaded, own - budget.law_force, np.nan), PURPLE, None))
         caption += " Below: run minus law, closed contacts."
-    curves(axes[0], angle.ravel(), *drawn)
     by_angle(axes[0], ylim=(0.0, None))
     axes[0].legend(loc="upper left", markerscale=5)
     return Drawing("loads", "Loads of the rollers", caption, figure)
@@ -193,13 +193,11 @@ def tilt(e: Evaluation) -> Drawing | None:
     t = e.record
     if e.tilt is None:
         return None
-    some = _some(t.from_load.size, MOST_POINTS)
     figure, axes = panels(2, 5.0, x=FROM_LOAD, y=["tilt, mrad", "moment of a contact, N m"])
-    tilts, *moments = (np.asarray(each)[some].ravel() for each in (t.roller_tilt, t.inner_moment, t.outer_moment))
-    angle, sides = np.degrees(t.from_load[some]).ravel(), (("inner", BLUE), ("outer", ORANGE))
-    curves(axes[0], angle, (1e3 * tilts, BLUE, None, DOTS))
-    rows = [(moment, colour, f"{side} raceway", DOTS) for moment, (side, colour) in zip(moments, sides, strict=True)]
-    curves(axes[1], angle, *rows)
+    angle = np.degrees(t.from_load)
+    _dots(axes[0], angle, (1e3 * np.asarray(t.roller_tilt), BLUE, None))
+    inner, outer = (t.inner_moment, BLUE, "inner raceway"), (t.outer_moment, ORANGE, "outer raceway")
+    _dots(axes[1], angle, inner, outer)
     by_angle(axes[1])
     axes[1].legend(loc="upper left", markerscale=5)
     x, y = (text(1e3 * float(np.asarray(each).mean())) for each in (t.inner_slope_x, t.inner_slope_y))
@@ -325,8 +323,7 @@ def against(e: Evaluation, other: Evaluation) -> Drawing:
     for each, name, colour, width in zip((e, other), named(e, other), (BLUE, RED), (1.4, 0.8), strict=True):
         t, style = each.record, {"linewidth": width}
         force = each.budget.law_force if laws else each.force  # of two laws theirs, of two runs their own
-        rows = _some(force.size, MOST_COMPARED)
-        curves(axes[2], np.degrees(t.from_load)[rows].ravel(), (force[rows].ravel(), colour, name, DOTS))
+        _dots(axes[2], np.degrees(t.from_load), (force, colour, name), most=MOST_COMPARED)
         slowest = min(each.lines.values(), default=0.0)
         pairs = zip(each.directions, (t.inner_x, t.inner_y), each.hub_acceleration, strict=True)
         for i, (d, place, acceleration) in enumerate(pairs):
@@ -378,33 +375,29 @@ def cage(e: Evaluation) -> Drawing | None:
         f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
     )
     slips.set(xlabel="time, ms", ylabel="slip, %")
-    if t.operation.fastest:
-        caption += _slips(slips, t, t.cage)
+    if t.operation.fastest:  # slip against rolling at the shaft's speed of the same time
+        reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
+        seconds = reach * t.interval
+        orbits = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
+        ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
+        rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, orbits, t.cage.angle))
+        rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
+        rollers, cages = (100.0 * (1.0 - speed / rolling) for speed in speeds)
+        middle = 5e2 * (t.time[reach:] + t.time[:-reach])
+        curves(slips, middle, (rollers, ORANGE, "rollers"), (cages, BLUE, "cage"))
+        slips.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
+        mean = kinematics(t.bearing, *t.mean_speeds).cage
+        whole = "the cage turns less than once and has no mean slip"
+        if mean == 0.0:
+            whole = "the motion reverses and has no mean slip"
+        elif t.orbits >= 1.0:
+            slip = 100.0 * (1.0 - t.cage.speed(t.interval) / mean)
+            whole = f"of the cage over the whole record {text(slip, 2)} %"
+        caption += (
+            f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * seconds)} ms at a time, "
+            f"where the shaft turns with at least an eighth of its highest speed; {whole}."
+        )
     return Drawing("cage", "The cage", caption, figure)
-
-
-def _slips(axes, t: Record, cage) -> str:
-    """Slip of cage and rollers against rolling at the shaft's speed of the same time; gives the caption's sentence."""
-    reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
-    seconds = reach * t.interval
-    rollers = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
-    ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
-    rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, rollers, cage.angle))
-    rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
-    rollers, cages = (100.0 * (1.0 - speed / rolling) for speed in speeds)
-    middle = 1e3 * 0.5 * (t.time[reach:] + t.time[:-reach])
-    curves(axes, middle, (rollers, ORANGE, "rollers"), (cages, BLUE, "cage"))
-    axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
-    sentence = (
-        f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * seconds)} ms at a time, "
-        "where the shaft turns with at least an eighth of its highest speed"
-    )
-    mean = kinematics(t.bearing, *t.mean_speeds).cage
-    if mean == 0.0:
-        return f"{sentence}; the motion reverses and has no mean slip."
-    if t.orbits < 1.0:
-        return f"{sentence}; the cage turns less than once and has no mean slip."
-    return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."
 
 
 def passages(e: Evaluation) -> Iterator[Drawing]:

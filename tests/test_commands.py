@@ -1,19 +1,29 @@
-"""How the commands end, as processes: exit codes, sentences, never a traceback."""
+"""The commands as processes: exit codes, sentences, never a traceback; versions, what starts load, hostile files."""
 
 import importlib
+import os
 import pkgutil
+import re
 import shlex
+import signal
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
+import h5py
 import pytest
 from cyclopts.completion.detect import ShellDetectionError
 
 import fem
+import fem.kernels
 import lagrange
 import meshes
 import residual
 from fem.commands.run_fem import run_main
+from fem.commands.run_study import study_main
+from fem.result.store import ATTRIBUTES
+from lagrange import version
 from lagrange.commands import new_app, run_app_main
 from lagrange.errors import RunFailed
 from lagrange.version import VERSION
@@ -56,6 +66,7 @@ def own_exceptions():
 
 
 OWN = own_exceptions()
+assert {"lagrange.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(OWN)
 
 
 @pytest.mark.parametrize("name", OWN)
@@ -70,12 +81,6 @@ def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(
         assert run_app_main(app, []) == (1 if issubclass(kind, RunFailed) else 2)
         told = capsys.readouterr().err
         assert "some reason" in told and told.startswith("error: ") and "Traceback" not in told
-
-
-def test_the_programs_errors_are_found():
-    assert {"lagrange.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(
-        OWN
-    )
 
 
 def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_complete_run(tmp_path):
@@ -209,3 +214,146 @@ def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys
 def test_python_m_fem_is_run_fem():
     done = subprocess.run([sys.executable, "-m", "fem", "--version"], env=environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout.strip()) == (0, VERSION)
+
+
+# The version stands in one place, and a result names it and the code that made it
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def test_package_citation_and_changelog_have_the_programs_version():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert project["project"]["dynamic"] == ["version"]
+    assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "lagrange.version.VERSION"}
+    cited = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)
+    changes = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+    assert cited[1] == changes[1] == version.VERSION
+
+
+def test_a_result_names_version_and_source_and_every_attribute_is_described(coarse_run):
+    with h5py.File(coarse_run) as file:
+        assert file.attrs["program_version"] == version.VERSION
+        assert file.attrs["source"] == version.source_digest()
+        assert set(file.attrs) <= set(ATTRIBUTES)
+
+
+def test_the_digest_is_that_of_the_code(tmp_path, monkeypatch):
+    """Another text, or another name of a module, is another program; what is no module does not matter."""
+    (tmp_path / "lagrange").mkdir()
+    module = tmp_path / "lagrange" / "version.py"
+    monkeypatch.setattr(version, "__file__", str(module))
+    found = []
+    for text, other in (("a = 1", None), ("a = 2", None), ("a = 1", "new.py"), ("a = 1", "notes.txt")):
+        module.write_text(text, encoding="utf-8")
+        if other:
+            (module.parent / other).write_text("", encoding="utf-8")
+        found.append(version.source_digest.__wrapped__())
+        if other:
+            (module.parent / other).unlink()
+    assert len(set(found[:3])) == 3 and found[3] == found[0]
+
+
+# What starting a run loads: libraries that a scene does not need cost every start up to a second
+
+HEAVY = "scipy.interpolate scipy.optimize scipy.signal scipy.stats matplotlib websockets fem.live".split()
+
+
+@pytest.mark.parametrize(
+    ("model", "more"),
+    [("reduced", ["skfem", "scipy.sparse", "scipy.linalg", "scipy.special"]), ("lagrange", ["skfem"])],
+)
+def test_a_run_loads_nothing_that_its_scene_does_not_need(model, more, tmp_path):
+    """The second run: the first one compiles its loop and keeps what it has computed of its bearing."""
+    options = ["--quiet", "--force", "--model", model, "--output", str(tmp_path / "run.nc"), "--duration", "1"]
+    program = (
+        "import sys; from fem.commands.run_fem import run_main\n"
+        f"code = run_main({options!r})\n"
+        f"print(code, *(name for name in {HEAVY + more!r} if name in sys.modules))"
+    )
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.split() == ["0"], done.stderr
+
+
+@pytest.mark.parametrize("loop", ["time_loop", "rigid.loop"])
+def test_a_time_loop_loads_all_code_that_it_is_compiled_of(loop):
+    """Code of a verb for a type that is not loaded when the loop is compiled is left out of it without a word."""
+    names = {"cage", "housing_kernels", "shaft", "rigid.contacts"}
+    if loop == "time_loop":
+        kernels = Path(fem.kernels.__file__).parent
+        names = {path.stem for path in kernels.glob("*.py") if ".of(" in path.read_text()} - {"jit", "tilted_patches"}
+    needed = {f"fem.kernels.{name}" for name in names}
+    program = f"import sys, fem.kernels.{loop}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    assert needed and needed <= set(loaded)
+
+
+# Scenes and studies, and the files that they name: hostile ones are refused in a sentence, and soon
+
+QUOTE = '"' + ("x" * 900 + "\n") * 300  # a quotation mark that does not close, longer than csv takes
+NESTED = "[" * 5000
+GIANT = "9" * 400  # more than a float can hold
+THOUSANDS = "0x" + "f" * 9000  # whole numbers in hexadecimal have any number of digits
+CUT, NO_FILE = "line 2: 1 cells under 2 names", "a pipe or a device, not a plain file"
+STUDY = '[sampling]\nmethod = "{}"\n{}\n[fixed]\nmodel = "lagrange"\n[parameters]\n{}\n'
+SPEED = '"operation.speed_rpm" = '
+GRID = STUDY.format("grid", "", "{}")
+LISTED = STUDY.format("list", 'file = "table.csv"', "")
+MANY = "\n".join(f'"numerics.key_{i}" = [1]' for i in range(1001))
+WIDE = "\n".join(f'"numerics.key_{i}" = {{ from = 1, to = 2 }}' for i in range(11))
+
+SCENES = {  # the scene, the file it names, what must be told
+    "heights that are quoted": ('[[profile]]\nfile = "table.csv"\n', "angle_deg,height_um\n" + QUOTE, CUT),
+    "speeds that are quoted": ('[operation]\nspeed_table = "table.csv"\n', "time_ms,speed_rpm\n" + QUOTE, CUT),
+    "heights in a pipe": ('[[profile]]\nfile = "table.csv"\n', None, NO_FILE),
+    "loads in a pipe": ('[operation]\nload_table = "table.csv"\n', None, NO_FILE),
+    "heights that never end": ('[[profile]]\nfile = "/dev/zero"\n', None, NO_FILE),
+    "thousands of digits": (f"[bearing]\nrollers = {THOUSANDS}\n", None, "rollers = a number of thousands of digits"),
+    "10 000 keys": ("\n".join(f"key_{i} = 1" for i in range(10_000)), None, "and 9985 more"),
+}  # fmt: skip
+STUDIES = {  # the study, its table of points, what must be told
+    "a range without end": (GRID.format(f"{SPEED}{{ from = 1, to = {GIANT}, count = 3 }}"), "", ".to = 99"),
+    "a mean without end": (GRID.format(f"{SPEED}{{ normal = [{GIANT}, 1] }}"), "", "list of numbers"),
+    "a value without end": (GRID.format(f"{SPEED}[{THOUSANDS}]"), "", "thousands of digits is no value"),
+    "points of 1001 keys": (GRID.format(MANY), "", "at most 1000"),
+    "eleven million numbers": (STUDY.format("lhs", "samples = 1000000", WIDE), "", "points times parameters"),
+    "cells that nest": (LISTED, f"operation.speed_rpm\n{NESTED}\n", "operation.speed_rpm = '[[["),
+    "cells that are quoted": (LISTED, f"operation.speed_rpm\n{QUOTE}", "table.csv: a row can't be read"),
+    "cells without end": (LISTED, f"operation.speed_rpm\n{THOUSANDS}\n", "row 2, operation.speed_rpm = '0xff"),
+    "points in a pipe": (LISTED, None, "table.csv: can't be read: a pipe or a device"),
+    "a scene in a pipe": ('scene = "table.csv"\n' + GRID.format(f"{SPEED}[1]"), None, "a pipe or a device"),
+}  # fmt: skip
+
+
+@pytest.fixture
+def within_a_minute():
+    """Whoever waits for a pipe is woken."""
+
+    def wake(*_):
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, wake)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def write(path, text):
+    """A file, or a pipe that nobody writes to."""
+    if text is None:
+        os.mkfifo(path)
+    else:
+        path.write_text(text, encoding="utf-8")
+
+
+@pytest.mark.usefixtures("within_a_minute")
+@pytest.mark.parametrize("kind", [*SCENES, *STUDIES])
+def test_a_hostile_file_is_refused_in_a_sentence(kind, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    main, (text, table, words) = (run_main, SCENES[kind]) if kind in SCENES else (study_main, STUDIES[kind])
+    write(tmp_path / "given.toml", text)
+    write(tmp_path / "table.csv", table)
+    assert main(["given.toml", "--dry-run"]) == 2
+    out, error = capsys.readouterr()
+    assert words in error and len(error) < 20_000 and out == "", error

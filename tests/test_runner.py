@@ -262,7 +262,7 @@ def test_a_run_that_restarts_without_room_for_its_state_is_not_resumed_from_an_o
     indirect=["case"],
 )  # fmt: skip
 def test_a_failed_run_keeps_its_good_samples_and_says_why(case, setting, words, tmp_path, monkeypatch, capsys):
-    """Of the finite elements see test_failures."""
+    """Of the finite elements see test_run_fem."""
     monkeypatch.setattr("lagrange.step_size.LEAP", 100.0)
     path = tmp_path / "run.nc"
     options = ["--set", "numerics.start=rest", "--set", "numerics.output_interval_us=200"]

@@ -1,6 +1,6 @@
 """What tables of a scene can't be together, with the bearing that they describe, or in a model.
 
-What models and contact models take is one table, feature by kind of scene, from which the refusals follow: a new
+Features that models and contact models can't have follow from one table of features and kinds of scene: a new
 feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
 """
 

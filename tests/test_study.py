@@ -434,9 +434,16 @@ GOOD = '[sampling]\nmethod = "grid"' + TWO_SPEEDS
 SPEED = '"operation.speed_rpm" = [1500, 3000]'
 
 
-def change(old, new):
-    assert old in GOOD
-    return GOOD.replace(old, new)
+RANGE, MANY = "[1500, 3000]", "{ from = 1, to = 2, count = 9999 }"
+
+
+def change(old, new, *more):
+    """The study with some text in place of other; pairs of them."""
+    text = GOOD
+    for before, after in ((old, new), *zip(more[::2], more[1::2], strict=True)):
+        assert before in text
+        text = text.replace(before, after)
+    return text
 
 
 BAD = {  # what is wrong: the study and what must be told
@@ -466,32 +473,23 @@ BAD = {  # what is wrong: the study and what must be told
     "a list of lists": (change(SPEED, '"operation.speed_rpm" = [[1], [2]]'), "is no value of a scene"),
     "value out of the scene's range": (change("3000]", "3e9]"), "point 1 (operation.speed_rpm = 3e+09)"),
     "value of the wrong type": (change("3000]", '"fast"]'), "operation.speed_rpm = 'fast'"),
-    "range upside down": (change("[1500, 3000]", "{ from = 2, to = 1, count = 3 }"), "from = 2 must be below to = 1"),
-    "range without an end": (change("[1500, 3000]", "{ from = 2, count = 3 }"), '"operation.speed_rpm".to = None'),
-    "range without a count": (change("[1500, 3000]", "{ from = 1, to = 2 }"), "needs a list or a range with a count"),
-    "range of one value": (change("[1500, 3000]", "{ from = 1, to = 2, count = 1 }"), ".count = 1: must be"),
-    "range with a typo": (change("[1500, 3000]", "{ from = 1, to = 2, cuont = 5 }"), ".cuont: unknown key"),
-    "logarithm of nothing": (change("[1500, 3000]", '{ from = 0, to = 2, count = 3, scale = "log" }'), "above 0"),
-    "unknown scale": (change("[1500, 3000]", '{ from = 1, to = 2, count = 3, scale = "sqrt" }'), ".scale = 'sqrt'"),
-    "distribution of a grid": (change("[1500, 3000]", "{ normal = [1500, 5] }"), "needs a list or a range"),
-    "unknown distribution": (change("[1500, 3000]", "{ gauss = [1500, 5] }"), ".gauss: no range and no continuous"),
-    "uniform by location and scale": (change("[1500, 3000]", "{ uniform = [1, 2] }"), "write { from"),
-    "distribution of nothing": (change("[1500, 3000]", "{ normal = [1500, -5] }"), "outside the distribution"),
-    "arguments of a distribution": (change("[1500, 3000]", "{ normal = [1, 2, 3, 4] }"), "4 arguments"),
-    "two things at once": (change("[1500, 3000]", "{ normal = [1, 2], gamma = [1] }"), "must be a list"),
-    "count of a draw": (
-        change('"grid"', '"lhs"\nsamples = 4').replace("[1500, 3000]", "{ from = 1, to = 2, count = 3 }"),
-        "count is only for a grid",
-    ),
-    "lengths of a zip": (
-        change('"grid"', '"zip"').replace(SPEED, SPEED + '\n"operation.radial_load_N" = [1, 2, 3]'),
-        "needs as many values of each",
-    ),
+    "range upside down": (change(RANGE, "{ from = 2, to = 1, count = 3 }"), "from = 2 must be below to = 1"),
+    "range without an end": (change(RANGE, "{ from = 2, count = 3 }"), '"operation.speed_rpm".to = None'),
+    "range without a count": (change(RANGE, "{ from = 1, to = 2 }"), "needs a list or a range with a count"),
+    "range of one value": (change(RANGE, "{ from = 1, to = 2, count = 1 }"), ".count = 1: must be"),
+    "range with a typo": (change(RANGE, "{ from = 1, to = 2, cuont = 5 }"), ".cuont: unknown key"),
+    "logarithm of nothing": (change(RANGE, '{ from = 0, to = 2, count = 3, scale = "log" }'), "above 0"),
+    "unknown scale": (change(RANGE, '{ from = 1, to = 2, count = 3, scale = "sqrt" }'), ".scale = 'sqrt'"),
+    "distribution of a grid": (change(RANGE, "{ normal = [1500, 5] }"), "needs a list or a range"),
+    "unknown distribution": (change(RANGE, "{ gauss = [1500, 5] }"), ".gauss: no range and no continuous"),
+    "uniform by location and scale": (change(RANGE, "{ uniform = [1, 2] }"), "write { from"),
+    "distribution of nothing": (change(RANGE, "{ normal = [1500, -5] }"), "outside the distribution"),
+    "arguments of a distribution": (change(RANGE, "{ normal = [1, 2, 3, 4] }"), "4 arguments"),
+    "two things at once": (change(RANGE, "{ normal = [1, 2], gamma = [1] }"), "must be a list"),
+    "count of a draw": (change('"grid"', '"lhs"\nsamples = 4', RANGE, MANY), "count is only"),
+    "lengths of a zip": (change('"grid"', '"zip"', SPEED, SPEED + '\n"operation.radial_load_N" = [1]'), "as many"),
     "too many points": (
-        change("[1500, 3000]", "{ from = 1, to = 2, count = 9999 }").replace(
-            "[keep]", '"operation.radial_load_N" = { from = 1, to = 2, count = 9999 }\n[keep]'
-        ),
-        "99,980,001 points; at most",
+        change(RANGE, MANY, "[keep]", f'"operation.radial_load_N" = {MANY}\n[keep]'), "99,980,001 points; at most"
     ),
     "unknown quantity": (change("hub_mean_y", "hub_mean_z"), "'hub_mean_z' is unknown; did you mean hub_mean_"),
     "quantities that are no names": (change('["hub_mean_y"]', "[1, 2]"), "keep.quantities.1 = 2: "),

@@ -71,7 +71,7 @@ from tests.reference.contact_states import (
 from tests.reference.line_contact import impact_on_rigid_flat
 from tests.reference.rubbing import rub, rubbing_state, stretched_state
 from tests.reference.whole_run import whole_run
-from tests.verification.collision import WIDE, collide
+from tests.verification.runs import WIDE, collide
 
 
 def potential(state):

@@ -3,8 +3,7 @@
 import numpy as np
 
 from tests.verification.case import CONSERVATION, Case, Check
-from tests.verification.collision import WIDE, collide
-from tests.verification.runs import every_step, plan_of, record, without_spin
+from tests.verification.runs import WIDE, collide, every_step, plan_of, record, without_spin
 
 OBLIQUE = ([1.0, 0.2], [-0.4, -0.1])  # m/s
 SPINS = (800.0, 500.0)  # rad/s, both the same way: they rub

@@ -23,7 +23,7 @@ from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.forward_motion import Motion
 from tests.reference.line_contact import impact_on_rigid_flat
 from tests.verification.case import ANALYTIC, CONSERVATION, MODEL, Case, Check
-from tests.verification.collision import WIDE, collide
+from tests.verification.runs import WIDE, collide
 
 # Doyen, Ern and Piperno 2011, section 5: a unit cross-section, any consistent units
 LENGTH, MODULUS, DENSITY, GRAVITY, DROP = 10.0, 900.0, 1.0, 10.0, 5.0

@@ -11,10 +11,9 @@ from scipy.integrate import quad
 
 from fem.commands.run_fem import run_main
 from fem.rating.answers import Case, Options
-from lagrange import contact_laws as contact_laws_own_law
 from lagrange import static_equilibrium
 from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, raceway_curvature
-from lagrange.contact.laws import ROLLER_LAWS, STEEL_LAWS, PowerLaw, ball_law, contact_laws, law_names, steel_law
+from lagrange.contact.laws import ROLLER_LAWS, PowerLaw, ball_law, contact_laws, law_names, steel_law
 from lagrange.equations import overlaps, touching_distances
 from lagrange.scene.faults import SceneError
 from lagrange.scene.run import fitted_law
@@ -22,83 +21,17 @@ from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from residual.cli import main as check_main
 from tests.reference.ideal import DGBB_209, STEEL_207
 
-LOADS = [100.0, 200.0, 400.0, 628.0, 800.0, 1000.0]  # N, on a roller of 10 mm
-# µm, approach of one contact, evaluated by hand from each published formula
-PUBLISHED = {
-    "harris": [0.393, 0.733, 1.368, 2.053, 2.552, 3.120],  # Harris, Q = 7.86e4 L^(8/9) δ^(10/9), N and mm
-    "palmgren": [
-        0.384,
-        0.717,
-        1.337,
-        2.007,
-        2.495,
-        3.050,
-    ],  # Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8, N and mm
-    "iso16281": [
-        0.397,
-        0.741,
-        1.383,
-        2.075,
-        2.580,
-        3.154,
-    ],  # ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9), half of δ
-}
-
-
-@pytest.mark.parametrize("name", PUBLISHED)
-def test_approach_agrees_with_the_published_formula(name):
-    law = steel_law(name, 0.010)
-    np.testing.assert_allclose(1e6 * law.approach(LOADS), PUBLISHED[name], atol=6e-4)
-
-
-def test_formulas_with_another_length():
-    # the published expressions typed in again, N and mm, L = 14 mm
-    assert steel_law("harris", 0.014).force(2e-6) == pytest.approx(
-        7.86e4 * 14 ** (8 / 9) * 0.002 ** (10 / 9), rel=1e-12
-    )
-    assert steel_law("palmgren", 0.014).approach(500.0) == pytest.approx(1e-3 * 3.84e-5 * 500**0.9 / 14**0.8, rel=1e-12)
-    assert steel_law("iso16281", 0.014).force(2e-6) == pytest.approx(
-        35948 * 14 ** (8 / 9) * 0.004 ** (10 / 9), rel=1e-12
-    )
-
-
-@pytest.mark.parametrize("name", STEEL_LAWS)
-def test_approach_inverts_force(name):
-    law = steel_law(name, 0.012)
-    depth = np.geomspace(1e-9, 1e-4, 30)
-    np.testing.assert_allclose(law.approach(law.force(depth)), depth, rtol=1e-12)
-
-
-@pytest.mark.parametrize("name", STEEL_LAWS)
-def test_force_is_the_derivative_of_the_potential(name):
-    law = steel_law(name, 0.010)
-    depth = np.geomspace(1e-8, 1e-5, 20)
-    step = 1e-4 * depth
-    slope = (law.potential(depth + step) - law.potential(depth - step)) / (2 * step)
-    np.testing.assert_allclose(slope, law.force(depth), rtol=1e-7)
-
-
-@pytest.mark.parametrize("name", STEEL_LAWS)
-def test_open_contact_never_pulls(name):
-    law = steel_law(name, 0.010)
-    gap = np.array([-1e-3, -1e-9, 0.0])
-    assert np.all(law.force(gap) == 0.0) and np.all(law.potential(gap) == 0.0)
-
-
-def test_an_open_contact_has_no_stiffness_whatever_the_exponent():
-    law = PowerLaw(name="soft", stiffness=2.0, exponent=0.9, source="none")
-    np.testing.assert_array_equal(law.slope(np.array([-1.0, 0.0])), 0.0)
-    assert law.slope(0.5) == pytest.approx(0.9 * 2.0 * 0.5**-0.1)
-
-
-# Laws that know the bearing, against the literature
-
-
 PAPER = Scene().ideal_bearing()
 THICK = replace(PAPER, outside_radius=0.038)  # 10 mm behind the outer raceway
-LOADS_RACEWAY = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])  # N
-# µm, from the published formulas, rollers of 10 x 10 mm, raceways of 36 and 56 mm, E = 210 GPa, ν = 0.3
-PUBLISHED_RACEWAY = {
+LOADS = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])  # N
+# µm, approach of one contact, evaluated by hand from each published formula: rollers of 10 x 10 mm, raceways of 36 and
+# 56 mm, E = 210 GPa, ν = 0.3
+PUBLISHED = {
+    # Harris, Q = 7.86e4 L^(8/9) δ^(10/9), N and mm; Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8
+    ("harris", "inner"): [0.393, 0.733, 1.368, 2.053, 2.552, 3.120],
+    ("palmgren", "inner"): [0.384, 0.717, 1.337, 2.007, 2.495, 3.050],
+    # ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9), half of δ
+    ("iso16281", "outer"): [0.397, 0.741, 1.383, 2.075, 2.580, 3.154],
     # Johnson, Contact Mechanics 1985, 5.6; Tripp 1985
     ("johnson", "inner"): [0.387, 0.735, 1.394, 2.111, 2.635, 3.232],
     ("johnson", "outer"): [0.347, 0.656, 1.236, 1.862, 2.318, 2.836],
@@ -109,16 +42,27 @@ PUBLISHED_RACEWAY = {
 }
 
 
-@pytest.mark.parametrize(("name", "side"), PUBLISHED_RACEWAY)
-def test_approach_agrees_with_the_published_formula_raceway(name, side):
+@pytest.mark.parametrize(("name", "side"), PUBLISHED)
+def test_approach_agrees_with_the_published_formula(name, side):
     law = getattr(contact_laws(name, THICK), side)
-    np.testing.assert_allclose(1e6 * law.approach(LOADS_RACEWAY), PUBLISHED_RACEWAY[name, side], atol=6e-4)
+    np.testing.assert_allclose(1e6 * law.approach(LOADS), PUBLISHED[name, side], atol=6e-4)
 
 
-def test_braendlein_is_half_of_both_contacts():
-    law = contact_laws("braendlein", PAPER).outer
-    both = 1e-3 * (628.0 / (26200.0 * 10.0**0.92)) ** (1 / 1.08)  # N, mm
-    assert law.approach(628.0) == pytest.approx(both / 2, rel=1e-12)
+def test_formulas_with_another_length():
+    """The published expressions typed in again, N and mm, L = 14 mm; Brändlein's is half of both contacts."""
+    forces = [steel_law(name, 0.014).force(2e-6) for name in ("harris", "iso16281")]
+    assert forces == pytest.approx(
+        [7.86e4 * 14 ** (8 / 9) * 0.002 ** (10 / 9), 35948 * 14 ** (8 / 9) * 0.004 ** (10 / 9)], rel=1e-12
+    )
+    assert steel_law("palmgren", 0.014).approach(500.0) == pytest.approx(1e-3 * 3.84e-5 * 500**0.9 / 14**0.8, rel=1e-12)
+    both = 1e-3 * (628.0 / (26200.0 * 14.0**0.92)) ** (1 / 1.08)
+    assert steel_law("braendlein", 0.014).approach(628.0) == pytest.approx(both / 2, rel=1e-12)
+
+
+def test_an_open_contact_has_no_stiffness_whatever_the_exponent():
+    law = PowerLaw(name="soft", stiffness=2.0, exponent=0.9, source="none")
+    np.testing.assert_array_equal(law.slope(np.array([-1.0, 0.0])), 0.0)
+    assert law.slope(0.5) == pytest.approx(0.9 * 2.0 * 0.5**-0.1)
 
 
 def test_johnson_of_two_materials_weighs_each_body():
@@ -157,13 +101,6 @@ def test_johnson_is_smooth_where_its_tangent_takes_over():
     assert law.largest_force > 1e5  # N, far above any load of this bearing
 
 
-def test_tripp_is_johnson_and_unknown_names_list_the_known():
-    assert contact_laws("tripp", PAPER) == contact_laws("johnson", PAPER)
-    known = "braendlein, harris, houpert, iso16281, johnson, palmgren, teutsch_sauer"
-    with pytest.raises(ValueError, match=f"'hooke' for rollers; known: {known}"):
-        contact_laws("hooke", PAPER)
-
-
 # Hertz point contact against Harris' table and constants
 
 
@@ -176,15 +113,11 @@ HARRIS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("difference", "published"), HARRIS)
-def test_delta_star_agrees_with_harris_table(difference, published):
-    assert delta_star(difference) == pytest.approx(published, abs=3e-4)
-
-
-def test_delta_star_of_arrays_falls_from_circle_to_line():
+def test_delta_star_agrees_with_harris_table_and_falls_from_circle_to_line():
+    difference, published = np.transpose(HARRIS)
+    np.testing.assert_allclose(delta_star(difference), published, rtol=0.0, atol=3e-4)
     differences = np.concatenate([[0.0, 1e-7, 0.99e-5, 1.01e-5, 1e-4], np.linspace(0.01, 0.999999, 50)])
     values = delta_star(differences)
-    assert values.shape == differences.shape
     assert np.all(np.diff(values) < 1e-14) and values[0] == pytest.approx(1.0, abs=1e-15)
 
 
@@ -215,48 +148,46 @@ def approach_constant(bearing, side="inner"):
     return (ball_law(bearing, side).stiffness * curvature.sum**0.5) ** (-2 / 3) / delta_star(curvature.difference)
 
 
-def test_printed_constants_belong_to_207_gpa():
-    # equation (8): δ = 2.79e-4 δ* Q^(2/3) Σρ^(1/3), mm and N; (11): K = 2.15e5 Σρ^(-1/2) δ*^(-3/2)
+def test_constants_and_curvatures_of_the_209_bearing_are_harris():
+    """Σρ = 0.202 and 0.138 mm⁻¹, F = 0.940 and 0.912; the printed constants belong to 207 GPa.
+
+    Equation (8): δ = 2.79e-4 δ* Q^(2/3) Σρ^(1/3), mm and N; (11): K = 2.15e5 Σρ^(-1/2) δ*^(-3/2).
+    """
     assert 1e4 * approach_constant(DGBB_209) == pytest.approx(2.79e-4, rel=1e-3)
-    for side in ("inner", "outer"):
-        curvature = raceway_curvature(DGBB_209, side)
-        printed = 2.15e5 * (1e-3 * curvature.sum) ** -0.5 * delta_star(curvature.difference) ** -1.5
+    for side, total, difference in (("inner", 0.202, 0.940), ("outer", 0.138, 0.912)):
+        found = raceway_curvature(DGBB_209, side)
+        assert (1e-3 * found.sum, found.difference) == pytest.approx((total, difference), abs=5e-4)
+        printed = 2.15e5 * (1e-3 * found.sum) ** -0.5 * delta_star(found.difference) ** -1.5
         assert 1e-3**1.5 * ball_law(DGBB_209, side).stiffness == pytest.approx(printed, rel=4e-3)
 
 
-def test_curvatures_of_the_209_bearing():
-    """Harris: Σρ = 0.202 and 0.138 mm⁻¹, F = 0.940 and 0.912."""
-    inner, outer = raceway_curvature(DGBB_209, "inner"), raceway_curvature(DGBB_209, "outer")
-    assert (1e-3 * inner.sum, 1e-3 * outer.sum) == pytest.approx((0.202, 0.138), abs=5e-4)
-    assert (inner.difference, outer.difference) == pytest.approx((0.940, 0.912), abs=5e-4)
-
-
 def test_stiffness_scales_with_the_contact_modulus():
-    soft = replace(STEEL_207, youngs_modulus=103.5e9)
-    both = replace(DGBB_209, roller=soft, inner_ring=soft)
-    one = replace(DGBB_209, roller=soft)
-    hard = ball_law(DGBB_209, "inner").stiffness
-    assert ball_law(both, "inner").stiffness == pytest.approx(hard / 2, rel=1e-12)
-    assert ball_law(one, "inner").stiffness == pytest.approx(hard / 1.5, rel=1e-12)
+    soft, hard = replace(STEEL_207, youngs_modulus=103.5e9), ball_law(DGBB_209, "inner").stiffness
+    for bodies, times in ((("roller", "inner_ring"), 2.0), (("roller",), 1.5)):
+        softer = replace(DGBB_209, **dict.fromkeys(bodies, soft))
+        assert ball_law(softer, "inner").stiffness == pytest.approx(hard / times, rel=1e-12)
 
 
 def test_sphere_on_sphere_is_hertz_closed_form():
     """Q = 4/3 E* sqrt(R) δ^1.5 in the limit of a raceway that is a ball: F = 0."""
-    radius = DGBB_209.roller_radius
-    constant = approach_constant(DGBB_209)
-    stiffness = constant**-1.5 * (4.0 / radius) ** -0.5
-    e_star = 0.5 * STEEL_207.plane_strain_modulus
+    radius, e_star = DGBB_209.roller_radius, 0.5 * STEEL_207.plane_strain_modulus
+    stiffness = approach_constant(DGBB_209) ** -1.5 * (4.0 / radius) ** -0.5
     assert stiffness == pytest.approx(4 / 3 * e_star * (radius / 2) ** 0.5, rel=1e-12)
 
 
-def test_balls_and_rollers_keep_their_own_laws():
+def test_balls_and_rollers_keep_their_own_laws_and_unknown_names_list_the_known():
+    assert contact_laws("tripp", PAPER) == contact_laws("johnson", PAPER)
     laws = contact_laws("hertz", DGBB_209)
     assert laws.inner.exponent == laws.outer.exponent == 1.5
     assert DGBB_209.roller_mass == pytest.approx(7850 * np.pi / 6 * 12.7e-3**3)
-    with pytest.raises(ValueError, match="'harris' for balls; known: hertz"):
-        contact_laws("harris", DGBB_209)
-    with pytest.raises(ValueError, match="'hertz' for rollers; known: braendlein, harris"):
-        contact_laws("hertz", Scene().ideal_bearing())
+    known = "braendlein, harris, houpert, iso16281, johnson, palmgren, teutsch_sauer"
+    for name, bearing, told in (
+        ("hooke", PAPER, f"'hooke' for rollers; known: {known}"),
+        ("hertz", PAPER, f"'hertz' for rollers; known: {known}"),
+        ("harris", DGBB_209, "'harris' for balls; known: hertz"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=told):
+            contact_laws(name, bearing)
     with pytest.raises(ValueError, match="outer groove radius"):
         replace(DGBB_209, outer_groove_radius=6.3e-3)
 
@@ -342,9 +273,7 @@ def test_harris_209_bearing_by_its_own_law():
     """
     scene = Scene(bearing=SIZES, lagrange=OWN, operation=STILL)
     bearing = scene.ideal_bearing()
-    found = static_equilibrium(
-        bearing, scene.ideal_operation(), contact_laws_own_law("power", bearing), roller_mass=0.0
-    )
+    found = static_equilibrium(bearing, scene.ideal_operation(), contact_laws("power", bearing), roller_mass=0.0)
     assert -1e6 * found.y == pytest.approx(32.11, rel=1e-3)
     loads = np.sort(found.inner_force)[::-1][:5]
     np.testing.assert_allclose(loads, [1959.0, 1382.0, 1382.0, 0.0, 0.0], rtol=1e-3)
@@ -355,7 +284,7 @@ def test_raceways_may_differ_and_balls_may_have_it():
     scene = Scene(
         bearing={"type": "ball"}, lagrange={"contact_stiffness_N_per_m_n": [1e10, 2e10], "contact_exponent": 1.5}
     )
-    laws = contact_laws_own_law(scene.lagrange.law, scene.ideal_bearing())
+    laws = contact_laws(scene.lagrange.law, scene.ideal_bearing())
     assert scene.lagrange.law == "power" and law_names(scene.ideal_bearing()) == ("hertz", "power")
     np.testing.assert_allclose([law.force(1e-6) for law in laws], [10.0, 20.0])
     assert laws.inner.exponent == 1.5
@@ -396,7 +325,7 @@ def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypat
 def test_a_law_that_is_not_at_hand_is_no_bearing_s():
     scene = parse_scene_text('lagrange.law_table = "law.csv"', "scene")
     with pytest.raises(ValueError, match="not at hand"):
-        contact_laws_own_law("power", scene.ideal_bearing())
+        contact_laws("power", scene.ideal_bearing())
 
 
 REFUSED = {

@@ -17,7 +17,7 @@ from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import standing
 from fem.contacts.points import disc_patch_traction, points, ring_patch_force, ring_patch_traction
 from fem.contacts.resolved import SpreadModel
-from fem.contacts.subgrid import disc_surface_compliance, rigid_surface, ring_surface_compliance, shear_level
+from fem.contacts.subgrid import rigid_surface, shear_level, surface_compliance
 from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import hertz_approach, stick_approach
 from fem.elastic.reciprocal_mass import LUMPED, THIRD
@@ -762,7 +762,7 @@ MODULUS = 210e9 / (1.0 - 0.3**2)
 @pytest.mark.parametrize("layers", [3, 5, 10])
 def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
     body = disc(RADIUS, layers)
-    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(body, LENGTH, CALIBRATED_AT)
     law = law_on_rigid(surface, RADIUS)
     positions = np.array(POSITIONS) * layers / 5.0
     grid = np.array([squeezed(body, surface, position) for position in positions])
@@ -781,9 +781,7 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
 
 def test_the_calibration_holds_for_other_half_widths():
     body = disc(RADIUS, 5)
-    laws = [
-        law_on_rigid(disc_surface_compliance(body, LENGTH, b), RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)
-    ]
+    laws = [law_on_rigid(surface_compliance(body, LENGTH, b), RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)]
     # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
     assert laws[0].B == pytest.approx(laws[1].B, abs=0.01)
     assert laws[0].A == laws[1].A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
@@ -797,7 +795,7 @@ def test_a_held_ring_has_the_exact_approach_at_every_position(held_inside, scale
         if held_inside
         else ring(0.028, 0.0325, 88 * scale, 2 * scale, False)
     )
-    surface = ring_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(body, LENGTH, CALIBRATED_AT)
     law = law_on_rigid(surface, body.raceway_radius)
     force = 500.0
     for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
@@ -817,7 +815,7 @@ def missing_shear(surface, radius, force):
 @pytest.mark.parametrize("layers", [3, 5, 10])
 def test_a_disc_that_sticks_has_the_exact_tangential_compliance_at_every_position(layers):
     body = disc(RADIUS, layers)
-    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(body, LENGTH, CALIBRATED_AT)
     for force in (30.0, 628.0):
         below, b = missing_shear(surface, RADIUS, force)
         exact = stick_approach(body.section, b) / LENGTH
@@ -833,7 +831,7 @@ def test_a_disc_that_sticks_has_the_exact_tangential_compliance_at_every_positio
 @pytest.mark.parametrize("held_inside", [True, False])
 def test_a_ring_that_sticks_has_the_exact_tangential_compliance_at_every_position(held_inside):
     body = ring(0.0125, 0.018, 56, 3, True) if held_inside else ring(0.028, 0.0325, 88, 2, False)
-    below, b = missing_shear(ring_surface_compliance(body, LENGTH, CALIBRATED_AT), body.raceway_radius, 500.0)
+    below, b = missing_shear(surface_compliance(body, LENGTH, CALIBRATED_AT), body.raceway_radius, 500.0)
     exact = stick_approach(body.section, b) / LENGTH
     for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
         load = ring_patch_traction(body, 2.0 * np.pi * position / body.n_sectors)
@@ -856,11 +854,9 @@ def test_a_patchs_traction_has_the_force_and_the_moment_of_one_on_the_circle(ang
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_the_law_scales_with_modulus_and_length(factor):
     body = disc(RADIUS, 3)
-    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(body, LENGTH, CALIBRATED_AT)
     soft = replace(STEEL, youngs_modulus=factor * 210e9)
-    other = disc_surface_compliance(
-        replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT
-    )
+    other = surface_compliance(replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT)
     assert other.missing == pytest.approx(surface.missing / factor, rel=1e-9)
     assert other.unit == pytest.approx(surface.unit / factor, rel=1e-14)
     assert law_on_rigid(other, RADIUS, soft).pair.half_width_factor * factor == pytest.approx(
@@ -872,7 +868,7 @@ def test_similar_rollers_have_similar_laws():
     """Twice the size at the same length: the same compliance, half-widths larger by the square root of two."""
     small, large = disc(RADIUS, 4), disc_body(Disc(radius=2.0 * RADIUS, layers=4), STEEL, LENGTH)
     laws = [
-        law_on_rigid(disc_surface_compliance(body, LENGTH, 0.01 * body.shape.radius), body.shape.radius)
+        law_on_rigid(surface_compliance(body, LENGTH, 0.01 * body.shape.radius), body.shape.radius)
         for body in (small, large)
     ]
     assert laws[1].A == laws[0].A
@@ -883,7 +879,7 @@ def test_similar_rollers_have_similar_laws():
 def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnsons_formula():
     material = Material(youngs_modulus=100e9, poisson_ratio=0.2, density=3000.0)
     body = disc(RADIUS, 5, material)
-    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(body, LENGTH, CALIBRATED_AT)
     law, force = law_on_rigid(surface, RADIUS, material), 300.0
     modulus = 100e9 / (1.0 - 0.04)
     b = half_width(force / LENGTH, RADIUS, modulus)
@@ -892,7 +888,7 @@ def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnson
 
 
 def test_the_ripple_goes_through_its_samples_and_is_smooth():
-    surface = disc_surface_compliance(disc(RADIUS, 3), LENGTH, CALIBRATED_AT)
+    surface = surface_compliance(disc(RADIUS, 3), LENGTH, CALIBRATED_AT)
     period = surface.ripple.size / 8.0
     assert period == 3.0
     value = np.array([ripple_at(x, surface.ripple) for x in np.linspace(0.0, 18.0, 18 * 40 + 1)])

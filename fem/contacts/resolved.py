@@ -170,13 +170,10 @@ def spread_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody], larges
 def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
     """G of one body at distances `apart`, m/N."""
     unit = line_compliance(body.material, thickness)
-    if isinstance(body, DiscBody):
-        section, found = body.section.squeezed, _disc_answer(body, apart)
-    else:
-        section, found = body.section, _ring_answer(body, apart)
+    section = body.section.squeezed if isinstance(body, DiscBody) else body.section
     width = 0.01 * section.loaded  # any narrow one
     constant = hertz_approach(section, width) / thickness + unit * (log(width) + HERTZ_LOG_MOMENT - MEAN_BELOW_CENTRE)
-    return constant - unit * _cells_log(apart) - found
+    return constant - unit * _cells_log(apart) - _answer(body, apart)
 
 
 def _cells_log(apart: np.ndarray) -> np.ndarray:
@@ -190,31 +187,26 @@ def _cells_log(apart: np.ndarray) -> np.ndarray:
     return (twice(apart + width) - 2.0 * twice(apart) + twice(apart - width)) / width**2
 
 
-def _disc_answer(disc: DiscBody, apart: np.ndarray) -> np.ndarray:
-    """Mean motion of a patch at distances from one of two opposite unit forces, m/N; mean over places."""
-    nodes = disc.shape.surface_nodes
-    first = np.unique(np.arange(PLACES) * (nodes // disc.shape.repeats) // PLACES)
+def _answer(body: DiscBody | RingBody, apart: np.ndarray) -> np.ndarray:
+    """Mean motion of a patch at distances from a unit force, of a disc one of two opposite ones, m/N; over places."""
+    if isinstance(body, DiscBody):
+        nodes, radius = body.shape.surface_nodes, body.shape.radius
+        first = np.unique(np.arange(PLACES) * (nodes // body.shape.repeats) // PLACES)
+    else:
+        nodes, radius, first = body.n_sectors, body.raceway_radius, np.zeros(1)
     angles = 2.0 * pi / nodes * (first[:, None] + np.arange(PLACES_PER_NODE) / PLACES_PER_NODE).ravel()
-    loads = np.stack([disc_patch_force(disc, a) + disc_patch_force(disc, a + pi) for a in angles], axis=-1)
-    motion = disc.relaxed(loads)
-    surface = motion.reshape(disc.n_nodes, 2, -1)[disc.first_surface_node :]
+    if isinstance(body, DiscBody):
+        loads = [disc_patch_force(body, angle) + disc_patch_force(body, angle + pi) for angle in angles]
+        motion = body.relaxed(np.stack(loads, axis=-1)).reshape(body.n_nodes, 2, -1)[body.first_surface_node :]
+    else:
+        loads = [ring_patch_force(body, angle) for angle in angles]
+        motion = body.held(np.stack(loads, axis=-1))[body.raceway_row].swapaxes(0, 1)
     found = np.zeros(apart.size)
     for k, angle in enumerate(angles):
-        for i, there in enumerate(angle + apart / disc.shape.radius):
-            on, weight, _ = patch(nodes, there)
-            found[i] += weight @ (surface[on, 0, k] * np.cos(there) + surface[on, 1, k] * np.sin(there))
-    return found / angles.size
-
-
-def _ring_answer(ring: RingBody, apart: np.ndarray) -> np.ndarray:
-    """Mean motion of a patch at distances from a unit force, m/N; mean over places."""
-    angles = 2.0 * pi / ring.n_sectors * np.arange(PLACES_PER_NODE) / PLACES_PER_NODE
-    motion = ring.held(np.stack([ring_patch_force(ring, a) for a in angles], axis=-1))[ring.raceway_row]
-    found = np.zeros(apart.size)
-    for k, angle in enumerate(angles):
-        for i, there in enumerate(angle + apart / ring.raceway_radius):
-            nodes, weight, offset = patch(ring.n_sectors, there)
-            found[i] += weight @ (motion[0, nodes, k] * np.cos(offset) + motion[1, nodes, k] * np.sin(offset))
+        for i, there in enumerate(angle + apart / radius):
+            on, weight, offset = patch(nodes, there)
+            turn = there if isinstance(body, DiscBody) else offset
+            found[i] += weight @ (motion[on, 0, k] * np.cos(turn) + motion[on, 1, k] * np.sin(turn))
     return found / angles.size
 
 

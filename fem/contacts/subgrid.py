@@ -82,9 +82,8 @@ class SubgridModel(Model):
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-        roller, inner, outer = (
-            _kept_surface(calibrate, bodies[name], thickness, half_width) for name, calibrate in CALIBRATIONS.items()
-        )
+        names = "roller", "inner_ring", "outer_ring"
+        roller, inner, outer = (_kept_surface(bodies[name], thickness, half_width) for name in names)
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
             between = unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
@@ -125,8 +124,8 @@ class SubgridModel(Model):
         on_roller = [size * on_disc(self.roller, a) for size, a in zip(sizes, angles, strict=True)]
         return {
             "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
-            "inner_ring": _column(sizes[INNER] * on_ring(self.inner_ring, 0.0)),
-            "outer_ring": _column(sizes[OUTER] * on_ring(self.outer_ring, 0.0)),
+            "inner_ring": sparse.csc_matrix(sizes[INNER] * on_ring(self.inner_ring, 0.0).reshape(-1, 1)),
+            "outer_ring": sparse.csc_matrix(sizes[OUTER] * on_ring(self.outer_ring, 0.0).reshape(-1, 1)),
         }
 
     def stiffnesses(self, force: float) -> list[float]:
@@ -157,8 +156,8 @@ class SubgridModel(Model):
 
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
     """Law of two calibrated surfaces, ripples apart."""
-    missing = first.missing + second.missing
-    return ContactLaw.of_level(first.unit + second.unit, _level(first, second, pair, missing), pair)
+    level = _level(first, second, pair, first.missing + second.missing)
+    return ContactLaw.of_level(first.unit + second.unit, level, pair)
 
 
 def shear_level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> float:
@@ -173,68 +172,46 @@ def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, miss
     return AB / (first.unit + second.unit)
 
 
-def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
-    """Calibrate a held ring against the exact annulus under one Hertz pressure."""
-    if ring.material.rigid:
+def surface_compliance(body: DiscBody | RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
+    """Calibrate a body: a free disc against the exact one squeezed by two opposite Hertz pressures, a held ring against
+    the exact annulus under one."""
+    if body.material.rigid:
         return rigid_surface(half_width)
-    angles = np.arange(KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / ring.n_sectors)
-    loads = np.stack([ring_patch_force(ring, angle) for angle in angles], axis=-1)
-    found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
-    exact = hertz_approach(ring.section, half_width) / thickness
-    sticking = stick_approach(ring.section, half_width) / thickness
-    loads = np.stack([ring_patch_traction(ring, angle) for angle in angles], axis=-1)
-    sticking -= np.einsum("rcsp,rcsp->p", loads, ring.held(loads)).mean()
-    return _missing(exact, found, sticking, half_width, line_compliance(ring.material, thickness))
+    if isinstance(body, DiscBody):
+        nodes, respond, section = body.shape.surface_nodes, body.relaxed, body.section.squeezed
+        push, pull, period = disc_patch_force, disc_patch_traction, nodes // body.shape.repeats
+    else:
+        nodes, respond, section = body.n_sectors, body.held, body.section
+        push, pull, period = ring_patch_force, ring_patch_traction, 1
+    angles = np.arange(period * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
+
+    def approaches(load: Callable, angles: np.ndarray, opposite: bool = False) -> np.ndarray:
+        """Of the mesh's surface at unit loads, (n_angles,), m/N, each alone, or with one on the other side."""
+        found = []
+        for some in np.array_split(angles, 1 + angles.size // 512):
+            near = np.stack([load(body, angle) for angle in some], axis=-1)
+            far = np.stack([load(body, angle + pi) for angle in some], axis=-1) if opposite else 0.0
+            found.append(np.sum(near * respond(near + far), axis=tuple(range(near.ndim - 1))))
+        return np.concatenate(found)
+
+    places = angles[:: KNOTS_PER_NODE // PLACES_PER_NODE] if period > 1 else angles
+    sticking = stick_approach(body.section, half_width) / thickness - float(approaches(pull, places).mean())
+    exact = hertz_approach(section, half_width) / thickness
+    found, unit = approaches(push, angles, section.loads == 2), line_compliance(body.material, thickness)
+    return _missing(exact, found, sticking, half_width, unit)
 
 
-def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
-    """Calibrate a free disc against the exact disc squeezed by two opposite Hertz pressures."""
-    if disc.material.rigid:
-        return rigid_surface(half_width)
-    nodes = disc.shape.surface_nodes
-    angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
-    found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
-    exact = hertz_approach(disc.section.squeezed, half_width) / thickness
-    sticking = stick_approach(disc.section, half_width) / thickness
-    sticking -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
-    return _missing(exact, found, sticking, half_width, line_compliance(disc.material, thickness))
-
-
-CALIBRATIONS = {
-    "roller": disc_surface_compliance,
-    "inner_ring": ring_surface_compliance,
-    "outer_ring": ring_surface_compliance,
-}
-
-
-def _kept_surface(
-    calibrate: Callable, body: DiscBody | RingBody, thickness: float, half_width: float
-) -> SurfaceCompliance:
+def _kept_surface(body: DiscBody | RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
     if body.material.rigid:
         return rigid_surface(half_width)
     key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
 
     def make():
-        return {name: np.asarray(value) for name, value in vars(calibrate(body, thickness, half_width)).items()}
+        found = surface_compliance(body, thickness, half_width)
+        return {name: np.asarray(value) for name, value in vars(found).items()}
 
     found = kept("surface", key, make)
     return SurfaceCompliance(**{name: value if value.ndim else float(value) for name, value in found.items()})
-
-
-def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
-    """Approach of the mesh's surface at one of two opposite unit forces, (n_angles,), m/N."""
-    near = np.stack([disc_patch_force(disc, angle) for angle in angles], axis=-1)
-    far = np.stack([disc_patch_force(disc, angle + pi) for angle in angles], axis=-1)
-    return np.einsum("np,np->p", near, disc.relaxed(near + far))
-
-
-def _sheared(disc: DiscBody, angles: np.ndarray) -> float:
-    """How far the mesh's surface goes along with one unit traction, mean over its places, m/N."""
-    found = 0.0
-    for some in np.array_split(angles, 1 + angles.size // 512):
-        loads = np.stack([disc_patch_traction(disc, angle) for angle in some], axis=-1)
-        found += float(np.vdot(loads, disc.relaxed(loads)))
-    return found / angles.size
 
 
 def rigid_surface(half_width: float) -> SurfaceCompliance:
@@ -250,22 +227,15 @@ def unmeshed_disc(disc: Section, thickness: float, half_width: float) -> Surface
 
 
 def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:
+    rise = found.mean() - found
+    wave = 2.0 * np.pi * np.fft.rfftfreq(rise.size)  # coefficients of the spline through the samples
+    ripple = np.fft.irfft(np.fft.rfft(rise) * 3.0 / (2.0 + np.cos(wave)), n=rise.size)
     return SurfaceCompliance(
-        whole=float(exact), missing=float(exact - found.mean()), half_width=half_width, unit=unit,
-        ripple=_spline_coefficients(found.mean() - found), spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0,
-        missing_shear=float(sticking),
+        whole=float(exact), missing=float(exact - found.mean()), half_width=half_width, unit=unit, ripple=ripple,
+        spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0, missing_shear=float(sticking),
     )  # fmt: skip
-
-
-def _spline_coefficients(samples: np.ndarray) -> np.ndarray:
-    wave = 2.0 * np.pi * np.fft.rfftfreq(samples.size)
-    return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=samples.size)
 
 
 def _ripples(surface: SurfaceCompliance, angles, nodes: int) -> np.ndarray:
     positions = np.mod(angles * nodes / (2.0 * pi), nodes)
     return np.array([ripple_at(position, surface.ripple)[0] for position in positions])
-
-
-def _column(load: np.ndarray) -> sparse.csc_matrix:
-    return sparse.csc_matrix(load.reshape(-1, 1))

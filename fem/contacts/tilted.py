@@ -46,45 +46,35 @@ def tilted_tables(
 
     def make() -> dict[str, np.ndarray]:
         widths = coupled_width(bearing, axial)
-        curved = tuple(slice_law(law, widths) for law in laws)
+        curved = slice_law(laws[0], widths), slice_law(laws[1], widths)
         tables = contact_tables(sound, axial, curved, force, slope, _below(couplings(bearing, axial), meshed))
-        found = {}
-        for side, table in zip(SIDES, tables, strict=True):
-            grid = table.first_approach, table.approach_step, table.first_slope, table.slope_step
-            found |= {f"{side}_grid": np.array(grid), side: table.coefficients}
-        return found
+        found = {side: table.coefficients for side, table in zip(SIDES, tables, strict=True)}
+        grids = {f"{side}_grid": np.array([getattr(table, name) for name in GRID])
+                 for side, table in zip(SIDES, tables, strict=True)}  # fmt: skip
+        return found | grids
 
     key = repr((sound, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)))
-    arrays = kept("tilted", key, make)
-    inner, outer = found = tuple(
-        ContactTable(
-            **dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True)),
-            coefficients=np.ascontiguousarray(arrays[side]),
-        )
-        for side in SIDES
-    )
-    parts = axial.parts(bearing)
-    if all(part is None for part in parts):
-        return inner, outer
+    arrays, parts = kept("tilted", key, make), axial.parts(bearing)
+
+    def whole(side: str) -> ContactTable:
+        grid = dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True))
+        return ContactTable(**grid, coefficients=np.ascontiguousarray(arrays[side]))
 
     def make_rest() -> dict[str, np.ndarray]:
-        slices = tilted_slices(bearing, axial, laws, meshed)
-        return {
-            side: without_part(each, table).coefficients
-            for side, each, table in zip(SIDES, slices, found, strict=True)
-            if each.part is not None
-        }
+        slices = zip(SIDES, tilted_slices(bearing, axial, laws, meshed), strict=True)
+        return {side: without_part(own, whole(side)).coefficients for side, own in slices if own.part is not None}
 
-    rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
-    inner, outer = (
-        SpalledTable(
-            whole=table, rest=replace(table, coefficients=np.ascontiguousarray(rests[side])), share=float(part.mean())
-        )
-        if part is not None
-        else table
-        for side, table, part in zip(SIDES, found, parts, strict=True)
-    )
-    return inner, outer
+    rests = {}
+    if any(part is not None for part in parts):
+        rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
+
+    def table(side: str, part: np.ndarray | None) -> ContactTable | SpalledTable:
+        if part is None:
+            return whole(side)
+        rest = replace(whole(side), coefficients=np.ascontiguousarray(rests[side]))
+        return SpalledTable(whole=whole(side), rest=rest, share=float(part.mean()))
+
+    return table("inner", parts[0]), table("outer", parts[1])
 
 
 def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, float]:
@@ -128,8 +118,8 @@ def tilted_slices(
 ) -> tuple[Slices, Slices]:
     """The slices that the tables stand for: forces along a roller by its approach and slope; `meshed` as there."""
     width = coupled_width(bearing, axial)
-    inner, outer = (slice_law(law, width) for law in laws)
-    return contact_slices(bearing, axial, (inner, outer), _below(couplings(bearing, axial), meshed))
+    curved = slice_law(laws[0], width), slice_law(laws[1], width)
+    return contact_slices(bearing, axial, curved, _below(couplings(bearing, axial), meshed))
 
 
 def _below(coupled: tuple[np.ndarray, np.ndarray], meshed: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -75,8 +75,6 @@ def disc_momenta(disc: "DiscBody", velocity: np.ndarray, slowing: Slowing) -> np
 
 def ring_momenta(ring: "RingBody", velocity: np.ndarray, slowing: Slowing) -> np.ndarray:
     """Momenta over lumped masses of a ring's free nodes; both (n_rows, 2, n_sectors), polar, m/s."""
-    if slowing.waves == 0.0:
-        return velocity
     return _momenta(ring.matrix, _lightness(ring), velocity.reshape(-1, 1), slowing).reshape(velocity.shape)
 
 
@@ -87,12 +85,11 @@ def held_velocity(ring: "RingBody", momenta: np.ndarray, slowing: Slowing, mass:
     """
     if slowing.waves == 0.0:
         return np.zeros(2)
-    lightness, flat = _lightness(ring), momenta.ravel()
-    calmed = flat - slowing.velocities * lightness * (ring.matrix @ flat)
-    radial, around = (ring.matrix @ calmed).reshape(momenta.shape)[ring.held_row]
-    cosine, sine = np.cos(ring.angles), np.sin(ring.angles)
-    force = np.array([radial @ cosine - around @ sine, radial @ sine + around @ cosine])
-    return -slowing.waves / mass * force
+    flat = momenta.ravel()
+    calmed = flat - slowing.velocities * _lightness(ring) * (ring.matrix @ flat)
+    held = np.zeros(momenta.shape)
+    held[ring.held_row] = (ring.matrix @ calmed).reshape(momenta.shape)[ring.held_row]
+    return -slowing.waves / mass * ring.cartesian(held).sum(axis=0)
 
 
 def _lightness(ring: "RingBody") -> np.ndarray:
@@ -106,10 +103,6 @@ def _momenta(stiffness, lightness: np.ndarray, velocity: np.ndarray, slowing: Sl
     """v/q; a column a body."""
     if slowing.waves == 0.0:
         return velocity
-    waves = diags_array(lightness) @ csr_array(stiffness)
-    whole = eye_array(len(lightness))
-    return splu(
-        csc_array(whole - slowing.waves * waves @ (whole - slowing.velocities * waves)),
-        permc_spec="MMD_AT_PLUS_A",
-        options={"SymmetricMode": True},
-    ).solve(velocity)
+    waves, whole = diags_array(lightness) @ csr_array(stiffness), eye_array(len(lightness))
+    matrix = csc_array(whole - slowing.waves * waves @ (whole - slowing.velocities * waves))
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(velocity)

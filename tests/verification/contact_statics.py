@@ -13,8 +13,8 @@ from fem.contacts.subgrid import (
     REFERENCE_HALF_WIDTH,
     SurfaceCompliance,
     contact_law,
-    disc_surface_compliance,
     rigid_surface,
+    surface_compliance,
 )
 from fem.elastic.bodies import DiscBody
 from fem.kernels.law import ripple_at
@@ -93,7 +93,7 @@ def compared(what: str, pairs: list, tolerance: float, source: str):
 def squeezed_disc():
     """A roller of 10 mm squeezed by two line loads, mesh 1 mm: mesh, patches and sub-grid law together."""
     body = disc(0.005, 5)
-    surface = disc_surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005)
+    surface = surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005)
     law = law_on_rigid(surface, 0.005)
     grid = np.array([squeezed(body, surface, position) for position in POSITIONS])
     modulus = STEEL.plane_strain_modulus
@@ -114,7 +114,7 @@ def squeezed_disc():
 def roller_on_disc():
     """A roller of 10 mm on a solid disc of 36 mm, mesh 1 mm: the contact law of two calibrated bodies."""
     bodies = (disc(0.005, 5), disc(0.018, 19))
-    surfaces = [disc_surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005) for body in bodies]
+    surfaces = [surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005) for body in bodies]
     pair = Pair(kind="inner", radii=(0.018, 0.005), materials=(STEEL, STEEL), length=LENGTH)
     radius = 1.0 / (1.0 / 0.005 + 1.0 / 0.018)
     law = contact_law(*surfaces, pair)

@@ -16,6 +16,7 @@ Estimates, because makers do not publish them:
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
 
+# fmt: off  # rows of tables go on below where they are long
 import csv
 import re
 from dataclasses import dataclass
@@ -58,8 +59,7 @@ SHAFT_WIDTHS = 3.0  # of the ring, length of its shaft
 # a maker's letters behind the number: design, cage, seals, clearance, tolerance
 _SUFFIX = re.compile(
     r"(?:EC|E|CV|V[HJ]?)?(?:M[ABLPRH]?|ML|J[AP]?|PH?A?|TN9|TVP2|T|W)?(?:2?RS[HLR]?1?|2?RZ|2?Z|ZZ|DDU?|LL[BU]|VV)?"
-    r"(?:C(?P<group>[2-5N]))?(?:P[56])?"
-)
+    r"(?:C(?P<group>[2-5N]))?(?:P[56])?")
 _PREFIX = re.compile(  # a maker's name, and letters before the number: material, lubrication, accuracy
     r"(?:SKF|FAG|INA|NSK|NTN|SNR|NACHI|KOYO|JTEKT|TIMKEN|IKO|NKE|ZKL|RHP)*(?:(?:W|SS?|E2|HR|4T|ET|ICOS)(?=\d{4}))?"
 )
@@ -173,28 +173,21 @@ def _advice(written: str, of_scene: bool) -> str:
 _NO_SUCH = r"N2[23]\d\d"  # nobody makes them
 _NOT_HERE = (  # kinds of which sizes would say nothing (ISO 15, 104; makers' catalogues)
     (r"5[1-4][1-4]\d\d", "a thrust ball bearing: it carries axial loads only and is not supported"),
-    (
-        r"(?:K|WS|GS)?8(?:11|12|74|9[34])\d\d|AX[KW]",
-        "a thrust roller bearing: it carries axial loads only and is not supported",
-    ),
+    (r"(?:K|WS|GS)?8(?:11|12|74|9[34])\d\d|AX[KW]", "a thrust roller bearing: it carries axial loads only and is not "
+        "supported"),
     (r"29[2-4]\d\d", "a spherical thrust roller bearing: it carries mainly axial loads and is not supported"),
     (r"(?:RB|RA|RU|CRBH?|XR|XSU|SX|NRX?)\d", "a crossed roller bearing, not supported"),
     (r"QJF?\d", "a four-point contact ball bearing, not supported"),
-    (
-        r"(?:NAT[RVD]|NUTR?|NAST|NART|R?STO|KRV?|NUKR|PWKR|CF|LR)\d",
-        "a track roller, whose outer ring bends on its track; not supported",
-    ),
-    (
-        r"(?:UCP?F?L?|UK|YAR|YAT|YEL|YET|SB|UEL|GYE|ES)([23])(\d\d)(?!\d)",
-        r"an insert bearing: inside it is the ball bearing 6\1\2; designation = '6\1\2' with its clearance",
-    ),
+    (r"(?:NAT[RVD]|NUTR?|NAST|NART|R?STO|KRV?|NUKR|PWKR|CF|LR)\d", "a track roller, whose outer ring bends on its "
+        "track; not supported"),
+    (r"(?:UCP?F?L?|UK|YAR|YAT|YEL|YET|SB|UEL|GYE|ES)([23])(\d\d)(?!\d)", r"an insert bearing: inside it is the ball "
+        r"bearing 6\1\2; designation = '6\1\2' with its clearance"),
     (r"(?:[12][23]|10)\d\d(?!\d)", "a self-aligning ball bearing, not supported"),
     (r"2[0-4]\d{3}|C[23]\d{3}", "spherical roller bearings are not supported"),
     (r"GE[GHK]?\d", "a spherical plain bearing: it slides, not supported"),
 )
-_ON_THE_SHAFT = (
-    "the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, outside_diameter_mm,"
-)
+_ON_THE_SHAFT = ("the shaft is its raceway: give inner_raceway_diameter_mm = {}, bore_diameter_mm = 0, "
+    "outside_diameter_mm,")
 _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL19 are SKF's NCF, NJG
     (_NO_SUCH, "NU of the same number has that section"),
     (r"SL18(29|30)(\d\d)", r"NCF\1\2 is that size of another maker"),
@@ -206,20 +199,13 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
     (r"3[23]\d\d(?!\d)", 'two rows of balls: give its sizes with type = "ball", rows = 2 and contact_angle_deg'),
     (r"4[23]\d\d(?!\d)", 'two rows of balls: give its sizes with type = "ball" and rows = 2'),
     (r"160\d\d|61[89]\d|6[89]\d\d", 'a deep-groove ball bearing: give its sizes with type = "ball"'),
-    (
-        r"B?7\d{3}",
-        'an angular-contact ball bearing: give its sizes with type = "ball", pitch_diameter_mm and contact_angle_deg',
-    ),
+    (r"B?7\d{3}", 'an angular-contact ball bearing: give its sizes with type = "ball", pitch_diameter_mm and '
+        'contact_angle_deg'),
     (r"RNA49(\d\d)", r"it is NA49\1 without inner ring: designation = 'NA49\1' with bore_diameter_mm = 0"),
-    (
-        r"(?:NK|HK|BK)0?(\d{1,3})(\d\d)(?!\d)",
-        _ON_THE_SHAFT.format(r"\1") + r" and number, diameter and length (below the width, \2 mm) of its needles",
-    ),
-    (
-        r"K(\d+)X(\d+)X(\d+)",
-        _ON_THE_SHAFT.format(r"\1")
-        + r" outer_raceway_diameter_mm = \2, and number and length (below \3 mm) of its needles",
-    ),
+    (r"(?:NK|HK|BK)0?(\d{1,3})(\d\d)(?!\d)", _ON_THE_SHAFT.format(r"\1") + r" and number, diameter and length (below "
+        r"the width, \2 mm) of its needles"),
+    (r"K(\d+)X(\d+)X(\d+)", _ON_THE_SHAFT.format(r"\1") + r" outer_raceway_diameter_mm = \2, and number and length "
+        r"(below \3 mm) of its needles"),
     (r"NKIS?\d|NKS|K\d", "give its sizes, and number, diameter and length of its needles"),
 )
 
@@ -270,9 +256,8 @@ def _balls(entry: Entry) -> Elements:
     _, number, diameter = min(tried)
     step = _FINE if diameter < _SMALL_BALL else _COARSE
     diameter = round(step * round(diameter / step), 3)
-    return Elements(
-        number=number, diameter=diameter, length=entry.width, inner=pitch - diameter, outer=pitch + diameter
-    )
+    return Elements(number=number, diameter=diameter, length=entry.width, inner=pitch - diameter,
+        outer=pitch + diameter)
 
 
 def ratings(name: str) -> tuple[float, float]:
@@ -289,15 +274,12 @@ def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     entry, found = entries()[_row_of(name)], elements(name)
     table = (_BALL_CLEARANCE if has_balls(name) else _ROLLER_CLEARANCE)[group]
     lowest, highest = next(limits for largest, limits in zip(_BORES, table, strict=True) if entry.bore <= largest)
-    return ({"type": "ball"} if has_balls(name) else {}) | {
-        "rollers": found.number,
-        "roller_diameter_mm": found.diameter,
-        "roller_length_mm": found.length,
-        "inner_raceway_diameter_mm": round(found.inner, 9),
-        "clearance_um": 0.5 * (lowest + highest),
-        "bore_diameter_mm": entry.bore,
-        "outside_diameter_mm": entry.outside,
+    sizes = {
+        "rollers": found.number, "roller_diameter_mm": found.diameter, "roller_length_mm": found.length,
+        "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * (lowest + highest),
+        "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside,
     }
+    return {"type": "ball", **sizes} if has_balls(name) else sizes
 
 
 def width_of(name: str) -> float:

@@ -22,17 +22,8 @@ from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting
-from lagrange.scene.bearing import (
-    AxialTable,
-    BearingTable,
-    BodiesTable,
-    CageTable,
-    FitTable,
-    LubricantTable,
-    MaterialTable,
-    default_cage,
-    heavy_inner_ring_and_shaft,
-)
+from lagrange.scene import bearing as bearings
+from lagrange.scene import run
 from lagrange.scene.checks import COMBINATIONS
 from lagrange.scene.faults import (
     File,
@@ -49,18 +40,6 @@ from lagrange.scene.faults import (
     without_gone,
 )
 from lagrange.scene.files import LONGEST_TEXT, apply_override, load, set_key
-from lagrange.scene.run import (
-    IN_PLACE_OF,
-    Columns,
-    ContactTable,
-    DampingTable,
-    LagrangeTable,
-    NumericsTable,
-    OperationTable,
-    OutputTable,
-    SensorTable,
-    SupportTable,
-)
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.section import section_mounting, section_operation
 from lagrange.step_size import fitting_interval, wave_interval
@@ -85,26 +64,26 @@ class Scene(Table):
         r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
     model: Literal["fem", "reduced", "lagrange"] = key("fem", "finite elements; elastic bodies without inertia of "
         "their own; rigid bodies on contact springs")
-    bearing: BearingTable = BearingTable()
-    material: MaterialTable = MaterialTable()
-    fit: FitTable | None = None
-    bodies: BodiesTable = BodiesTable()
-    operation: OperationTable = OperationTable()
-    contact: ContactTable = ContactTable()
-    damping: DampingTable = DampingTable()
-    lagrange: LagrangeTable = LagrangeTable()
-    numerics: NumericsTable = NumericsTable()
-    output: OutputTable = OutputTable()
-    support: SupportTable | None = None
-    sensor: SensorTable | None = None
-    cage: CageTable | None = None
-    lubricant: LubricantTable | None = None
-    axial: AxialTable | None = None
+    bearing: bearings.BearingTable = bearings.BearingTable()
+    material: bearings.MaterialTable = bearings.MaterialTable()
+    fit: bearings.FitTable | None = None
+    bodies: bearings.BodiesTable = bearings.BodiesTable()
+    operation: run.OperationTable = run.OperationTable()
+    contact: run.ContactTable = run.ContactTable()
+    damping: run.DampingTable = run.DampingTable()
+    lagrange: run.LagrangeTable = run.LagrangeTable()
+    numerics: run.NumericsTable = run.NumericsTable()
+    output: run.OutputTable = run.OutputTable()
+    support: run.SupportTable | None = None
+    sensor: run.SensorTable | None = None
+    cage: bearings.CageTable | None = None
+    lubricant: bearings.LubricantTable | None = None
+    axial: bearings.AxialTable | None = None
     spall: list[SpallTable] = key([], "", max_length=MOST_TABLES)
     waviness: list[WavinessTable] = key([], "", max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = key([], "", max_length=MOST_TABLES)
     profile: list[ProfileTable] = key([], "", max_length=MOST_TABLES)
-    table: Columns = Columns()
+    table: run.Columns = run.Columns()
 
     RULES: ClassVar[tuple[Rule, ...]] = COMBINATIONS
     _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
@@ -129,8 +108,8 @@ class Scene(Table):
 
     def _choose_cage(self) -> None:
         """Write out the cage that the bearing has: the table's, what it leaves out by default, or no table."""
-        found = self.cage or ("" if self.model == "lagrange" else default_cage(self))
-        if isinstance(found, CageTable) and found.kind != "none":
+        found = self.cage or ("" if self.model == "lagrange" else bearings.default_cage(self))
+        if isinstance(found, bearings.CageTable) and found.kind != "none":
             moves = self.operation.turns_outer_ring is not None or self.mounting().bore is not None
             self.__dict__["cage"] = found.filled(self.unmounted_bearing(), moves)
         else:
@@ -160,13 +139,14 @@ class Scene(Table):
         if bearing.get("type", known.get("type")) == "ball":
             data = {"model": "lagrange"} | data  # the one that has balls
             if isinstance(options, dict):
-                data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}
+                data = data | {"lagrange": {"law": "hertz"} | run.LagrangeTable.completed(options)}
         elif type(diameter) in (float, int) and 0.5 <= diameter <= 500.0 and isinstance(numerics, dict):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
         if isinstance(operation, dict):
             if standard is not None:
                 data = {"name": standard[0]} | data
-            mass = heavy_inner_ring_and_shaft(bearing) if standard is None else inner_ring_and_shaft(standard[0])
+            heavy = bearings.heavy_inner_ring_and_shaft
+            mass = heavy(bearing) if standard is None else inner_ring_and_shaft(standard[0])
             if mass is not None:
                 data = data | {"operation": {"inner_ring_and_shaft_kg": mass} | operation}
         return data
@@ -461,7 +441,7 @@ def read_scene(
 def _refuse_beside_tables(data: dict[str, Any], changed: Iterable[str]) -> None:
     """Refuse a change of a value in whose place a table is. SceneError."""
     operation = data.get("operation")
-    for table, name in IN_PLACE_OF.items():
+    for table, name in run.IN_PLACE_OF.items():
         if f"operation.{name}" in changed and isinstance(operation, dict) and operation.get(table) is not None:
             raise SceneError(f"operation.{name} = {quoted(operation.get(name))}: operation.{table} = "
                 f"{quoted(operation[table])} is in its place; leave one of them out")

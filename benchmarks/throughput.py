@@ -27,11 +27,11 @@ from rich.table import Table
 from benchmarks import median_seconds, new_table, paper_plan, processor_seconds, timed
 from benchmarks.table_costs import skip_table
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
-from fem.kernels.contact_kernels import press_patches
-from fem.kernels.friction_solution import friction_contacts, slips_after, slips_before
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import fma, splat
+from fem.kernels import columns
+from fem.kernels.elements import discs, loop, rings, samples
+from fem.kernels.elements.contacts import press_patches
+from fem.kernels.elements.friction import friction_contacts, slips_after, slips_before
+from fem.kernels.lanes import fma, load, splat, store
 from fem.solver.elements.arrays import Arrays
 from fem.solver.elements.plan import ElementPlan
 from tests.measurements import publish
@@ -159,40 +159,39 @@ def _slip_and_friction(groups, rollers, surface, contacts, drive, still):
     """Normal forces' impulses on nodes, too: friction gives both at once."""
     lumped = drive.slowing == 0.0
     slips_before(groups, rollers, surface, contacts, still, lumped)
-    friction = contacts.friction
-    friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, True)
+    friction_contacts(groups, rollers, surface, contacts, drive, True)
     slips_after(groups, rollers, surface, contacts, drive.dt, lumped)
 
 
 @njit
 def _rings_kick(inner, outer):
-    ring_kernels.kick(*inner)
-    ring_kernels.kick(*outer)
+    rings.kick(*inner)
+    rings.kick(*outer)
 
 
 @njit
 def _rings_slow_waves(inner, outer, calming, dt):
     for ring in (inner, outer):
         if calming > 0.0:
-            ring_kernels.calm(ring.calming, ring.w, ring.calmed, ring.grown, 0.0, ring.first_row, ring.last_row)
-        ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, dt, ring.raceway)
-        ring_kernels.slow_waves(ring.slowed, ring.u, ring.calmed, ring.first_row, ring.last_row, ring.raceway)
+            rings.calm(ring.calming, ring.w, ring.calmed, ring.grown, 0.0, ring.first_row, ring.last_row)
+        rings.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, dt, ring.raceway)
+        rings.slow_waves(ring.slowed, ring.u, ring.calmed, ring.first_row, ring.last_row, ring.raceway)
 
 
 @njit
 def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
     for k, ring in enumerate((inner, outer)):
-        ring_kernels.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
+        rings.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
         table, u, w, first, last = ring
-        ring_kernels.kick_and_add(table, u, w, weight[k], first, last)
+        rings.kick_and_add(table, u, w, weight[k], first, last)
 
 
 @njit
 def _rings_drift(inner, outer, radii, grown):
     _, u, w, first, last = inner
-    ring_kernels.drift((u, w, w), radii, grown, 1e-12, (1.0, 1e-12), (first, last, -1))
+    rings.drift((u, w, w), radii, grown, 1e-12, (1.0, 1e-12), (first, last, -1))
     _, u, w, first, last = outer
-    ring_kernels.drift_still(u, w, 1e-12, first, last)
+    rings.drift_still(u, w, 1e-12, first, last)
 
 
 def _rows(ring) -> tuple:
@@ -202,16 +201,16 @@ def _rows(ring) -> tuple:
 
 @njit
 def _hub(inner, scratch):
-    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
-    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
+    rings.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = rings.resultant(scratch.bore, inner.cosines, inner.sines)
     held = 2 * inner.held * inner.cosines.size
-    ring_kernels.set_rigid(inner.u, held, inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
+    rings.set_rigid(inner.u, held, inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
 
 
 @njit
 def _sampled(bodies, groups, contacts, drive, scratch, row):
-    sample_kernels.remember(bodies, drive, scratch)
-    sample_kernels.write_sample(bodies, groups, contacts, drive, scratch, row, 0.0, 0.0)
+    samples.remember(bodies, drive, scratch)
+    samples.write_sample(bodies, groups, contacts, drive, scratch, row, 0.0, 0.0)
 
 
 def _seconds(function: Callable, *arguments) -> float:
@@ -230,7 +229,7 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     """Time that a step spends in each phase, s, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
     r = a.bodies.rollers
-    row = np.zeros(sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * r.n)
+    row = np.zeros(columns.N_SCALARS + len(columns.BLOCKS) * r.n)
     contacts = (a.groups, r, a.bodies.surface, a.contacts, a.drive)
     out = {
         "contacts": _seconds(_normal, *contacts),
@@ -239,16 +238,16 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
-    out["rollers' forces"] = _seconds(disc_kernels.kick, d, d.w, r.columns, x.torque)
+    out["rollers' forces"] = _seconds(discs.kick, d, d.w, r.columns, x.torque)
     out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
     slowing, calming, dt = a.drive.slowing, a.drive.calming, a.drive.dt
     waves = (d, np.ones(r.columns), r.columns, slowing, calming, dt, x.torque)
-    out["rollers' waves"] = _seconds(disc_kernels.slow_waves, *waves) if slowing else 0.0
+    out["rollers' waves"] = _seconds(discs.slow_waves, *waves) if slowing else 0.0
     out["rings' waves"] = _seconds(_rings_slow_waves, i, o, calming, dt) if slowing else 0.0
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
-    turns = disc_kernels.Turns(still, np.ones(r.columns), turn, still, still)
-    out["rollers' motion"] = _seconds(disc_kernels.drift, d, turns, r.columns, 1e-12, x.torque)
+    turns = discs.Turns(still, np.ones(r.columns), turn, still, still)
+    out["rollers' motion"] = _seconds(discs.drift, d, turns, r.columns, 1e-12, x.torque)
     inner, outer = _rows(i), _rows(o)
     out["rings' motion"] = _seconds(_rings_drift, inner, outer, i.radii, i.grown)
     lines = (i.cosines, o.cosines), (i.sines, o.sines), (x.bore, x.line)
@@ -263,11 +262,11 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
 def step_seconds(plan: ElementPlan, repeats: int = 3) -> float:
     """Time of one whole step of the running bearing, s, samples included."""
     a = plan.arrays()
-    width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.bodies.rollers.n
+    width = columns.N_SCALARS + len(columns.BLOCKS) * a.bodies.rollers.n
 
     def advance(samples, at=[0]):  # noqa: B006 the state runs on from call to call
         rows = np.zeros((samples, width))
-        time_loop.advance(a.bodies, a.groups, a.contacts, a.drive, a.scratch, at[0], plan.stride, rows)
+        loop.advance(a.bodies, a.groups, a.contacts, a.drive, a.scratch, at[0], plan.stride, rows)
         at[0] += samples * plan.stride
 
     advance(1)

@@ -9,8 +9,8 @@ from scipy.sparse.linalg import eigsh, spsolve
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.bodies import assemble, rigid_modes
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.elements import discs, rings
+from fem.kernels.elements.rings import HALO
 from fem.solver.elements.arrays import disc_nodes
 from lagrange import Bearing
 from meshes import Mesh
@@ -187,7 +187,7 @@ def test_ring_kernels_apply_the_stencil(make_ring):
     body = make_ring()
     u = np.random.default_rng(3).standard_normal((body.n_rows, 2, body.n_sectors))
     wanted = body.force(u)
-    table = ring_kernels.coefficients(body.stencil)
+    table = rings.coefficients(body.stencil)
     for row in range(body.n_rows):
         found = np.full((2, body.n_sectors + 2 * HALO), np.nan)
         compiled.row_force(table, halo(u), row, found)
@@ -213,7 +213,7 @@ def column_blocks(body, columns, seed):
 
 
 def kick_disc(body, u, w, dt):
-    """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
+    """discs.kick on (n_nodes, 2, columns); returns new w and the torque."""
     nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     compiled.kick_disc(nodes, nodes.w, u.shape[2], torque)
@@ -241,7 +241,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     nodes, moment = disc_nodes(body, dt, columns), np.zeros(columns)
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
-    turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])
+    turns = discs.Turns(turn_kick, cosine, sine, shift[0], shift[1])
     compiled.drift_disc(nodes, turns, columns, dt, moment)
     flat_u, flat_w = nodes.u, nodes.w
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
@@ -439,7 +439,7 @@ def ring_up_disc(body, shape, omega, dt, n_steps, mass):
     weight /= weight @ shape * 1e-6
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     still, torque, found = np.zeros(columns), np.zeros(columns), []
-    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
+    turns = discs.Turns(still, np.ones(columns), still, still, still)
     for _ in range(n_steps):
         found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
         compiled.kick_disc(nodes, nodes.w, columns, torque)
@@ -482,7 +482,7 @@ def test_a_vibrating_held_ring_is_followed_with_order_two(mass):
     end, counts, error = 3.3 * 2.0 * np.pi / omega, np.array([100, 200, 400]), []
     for count in counts:
         dt = end / count
-        table = -dt * ring_kernels.coefficients(body.stencil) / body.row_mass[:, None]
+        table = -dt * rings.coefficients(body.stencil) / body.row_mass[:, None]
         u, w, found = 1e-6 * shape, 0.5e-6 * dt * omega**2 * shape, []
         for _ in range(count + 1):
             found.append(u[at] / (1e-6 * shape[at]))
@@ -524,7 +524,7 @@ def step(state):
     drift(state.bodies, state.groups, state.contacts, state.drive, state.scratch)
 
 
-def discs(state, name):
+def disc_field(state, name):
     """(n_nodes, 2, 3) of a field."""
     return getattr(state.bodies.disc, name).reshape(-1, 2, state.bodies.rollers.columns)[:, :, :3]
 
@@ -539,7 +539,7 @@ def test_a_disc_spins_up_to_its_centrifugal_growth_in_the_mean():
     growth = []
     for _ in range(int(40 * period / dt)):
         step(state)
-        growth.append(np.einsum("na,naj->j", outward, discs(state, "u")[surface]) / len(outward))
+        growth.append(np.einsum("na,naj->j", outward, disc_field(state, "u")[surface]) / len(outward))
     growth = np.array(growth)
     static = model(FREE, 3e-3).roller.relaxed(SPIN**2 * (disc.mass[:, None] * disc.points.reshape(-1, 2)).ravel())
     static = np.einsum("na,na->", outward, static.reshape(-1, 2)[surface]) / len(outward)
@@ -557,26 +557,26 @@ def vibrate(courant, smooth, n_steps, masses=SECOND):
     if smooth:
         u = 1e-6 * disc_mode(model(FREE, 6e-3).roller)[1].reshape(-1, 2, 1) * np.array([1.0, 0.5, -1.0])
     else:
-        u = 1e-6 * rng.standard_normal(discs(state, "u").shape)
+        u = 1e-6 * rng.standard_normal(disc_field(state, "u").shape)
     u -= np.sum(mass * u, axis=0) / rollers.total_mass
     turned = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None]
     u -= turned * np.sum(mass * turned * u, axis=(0, 1)) / rollers.inertia
-    discs(state, "u")[:] = u
+    disc_field(state, "u")[:] = u
     moving, stiffness = (state.bodies, state.drive, state.scratch), model(FREE, 6e-3).roller.stiffness
     energy, angular, mean, lead = [], [], [], []
     for _ in range(n_steps):
         remember(*moving)
-        before = discs(state, "w").copy()
+        before = disc_field(state, "w").copy()
         kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
-        after = discs(state, "w") + turned * rollers.turn_kick[:3]
-        position = points[:, :, None] + discs(state, "u")
+        after = disc_field(state, "w") + turned * rollers.turn_kick[:3]
+        position = points[:, :, None] + disc_field(state, "u")
         calmed = after - masses.at(dt).velocities * (stiffness @ after.reshape(-1, 3)).reshape(after.shape) / mass
         stiffness_after = (stiffness @ calmed.reshape(-1, 3)).reshape(after.shape)
         kinetic = np.sum(mass * before * after) - state.drive.slowing * np.sum(before * stiffness_after)
         energy.append(0.5 * kinetic + elastic_energy(*moving))
         angular.append(np.sum(mass[:, 0] * (position[:, 0] * after[:, 1] - position[:, 1] * after[:, 0]), axis=0))
         drift(state.bodies, state.groups, state.contacts, state.drive, state.scratch)
-        mean.append(np.abs(np.sum(mass * discs(state, "u"), axis=0)).max() / rollers.total_mass)
+        mean.append(np.abs(np.sum(mass * disc_field(state, "u"), axis=0)).max() / rollers.total_mass)
         lead.append(np.abs(rollers.lead[:3]).max())
     energy, angular = np.array(energy), np.array(angular)
     vibration = energy[0] - 1.5 * rollers.inertia * SPIN**2

@@ -5,10 +5,10 @@ import pytest
 from numba import njit
 
 from fem.interface import simulate as run_scene
-from fem.kernels.body_damping import damp_bodies
-from fem.kernels.housing_kernels import Housing
+from fem.kernels.elements.damping import damp_bodies
+from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import OPTIONS
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.mounts import Housing
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
 from tests.reference.budgets import balance_of

@@ -10,21 +10,13 @@ from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.points import ring_patch_force
 from fem.elastic.outer_support import LooseRing, bored_ring
 from fem.elastic.reciprocal_mass import SECOND
-from fem.kernels import ring_kernels
-from fem.kernels.bodies import add_motion, drift_body, kick_body, slow_body
-from fem.kernels.bore import ARC, AX, PLACE_X, PLACE_Y
-from fem.kernels.housing_kernels import Housing as HousingBody
+from fem.kernels.columns import CONTACT, ELASTIC, KINETIC
+from fem.kernels.elements import rings
+from fem.kernels.elements.bodies import ARC, AX, PLACE_X, PLACE_Y, drift_body, kick_body, slow_body, write_body
+from fem.kernels.elements.rings import HALO
+from fem.kernels.elements.samples import _copy, _ring_elastic, _ring_kinetic, _ring_strain_power
 from fem.kernels.jit import OPTIONS
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.sample_kernels import (
-    CONTACT,
-    ELASTIC,
-    KINETIC,
-    _copy,
-    _ring_elastic,
-    _ring_kinetic,
-    _ring_strain_power,
-)
+from fem.kernels.mounts import Housing as HousingBody
 from fem.solver.elements.arrays import bore_body, ring_nodes
 from fem.solver.elements.plan import model_of
 from fem.solver.elements.start import equilibrium_start, rolling_motion
@@ -179,20 +171,20 @@ def live(ring, bore, housing, drive, room, line, rows, stride):
         row = rows[i // stride]
         if i % stride == 0:
             _copy(ring.w, room)
-        ring_kernels.kick(ring.table, ring.u, ring.w, ring.first_row, ring.last_row)
+        rings.kick(ring.table, ring.u, ring.w, ring.first_row, ring.last_row)
         kick_body(bore, drive)
         kick_body(housing, drive)
-        ring_kernels.wrap_all(ring.w)
+        rings.wrap_all(ring.w)
         slow_body(bore, drive)
         if i % stride == 0:
             slowed = drive.slowing / drive.dt * _ring_strain_power(ring, room, line)
             row[KINETIC] = 0.5 * (_ring_kinetic(ring, room) + slowed)
-            add_motion(bore, drive, row, KINETIC)
-            add_motion(housing, drive, row, KINETIC)
+            write_body(bore, drive, row)
+            write_body(housing, drive, row)
             row[ELASTIC] = 0.5 * _ring_elastic(ring, room, drive.dt)
-        ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
+        rings.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
         motion, places = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
-        ring_kernels.drift_slowed(ring.slowed, motion, ring.calmed, drive.dt, places)
+        rings.drift_slowed(ring.slowed, motion, ring.calmed, drive.dt, places)
         drift_body(housing, drive)
 
 

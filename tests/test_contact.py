@@ -16,14 +16,13 @@ from fem.contacts.model import Model, standing
 from fem.contacts.points import disc_patch_force, disc_patch_traction, patch, ring_patch_force, ring_patch_traction
 from fem.contacts.resolved import FacetedModel, PenaltyModel, ResolvedModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
+from fem.kernels.columns import INNER, OUTER, ROLLER
+from fem.kernels.elements.rings import HALO
+from fem.kernels.elements.state import DiscSurface, Patches, RingSurface
+from fem.kernels.elements.surfaces import CORNER, N_NODES, ONE, chord, interpolate_displacement, locate_patch, weights
 from fem.kernels.jit import OPTIONS
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, count_from
+from fem.kernels.lanes import WIDTH, count_from, load, store
 from fem.kernels.law import STEEPEST, contact_force, ripple_at, with_seam
-from fem.kernels.patches import CORNER, N_NODES, ONE, chord, weights
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.state import INNER, OUTER, ROLLER, DiscSurface, Patches, RingSurface
-from fem.kernels.surfaces import interpolate_displacement, locate_patch
 from fem.solver.elements.plan import model_of
 from fem.solver.simulate import make_plan
 from fem.statics import exact_statics as expected_forces

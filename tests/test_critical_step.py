@@ -11,8 +11,8 @@ from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critic
 from fem.contacts.points import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
 from fem.elastic.bodies import assemble
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.elements import discs, rings
+from fem.kernels.elements.rings import HALO
 from fem.solver.elements.arrays import disc_nodes
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
@@ -194,7 +194,7 @@ def leapfrog_disc(body, dt, n_steps, mass):
     u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))
     nodes.u[:] = u.ravel()
     still, torque = np.zeros(columns), np.zeros(columns)
-    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
+    turns = discs.Turns(still, np.ones(columns), still, still, still)
     first = np.abs(u).max()
     for _ in range(n_steps):
         compiled.kick_disc(nodes, nodes.w, columns, torque)
@@ -204,7 +204,7 @@ def leapfrog_disc(body, dt, n_steps, mass):
 
 
 def leapfrog_ring(body, dt, n_steps, mass):
-    table = -dt * ring_kernels.coefficients(body.stencil) / body.row_mass[:, None]
+    table = -dt * rings.coefficients(body.stencil) / body.row_mass[:, None]
     first, last = (1, body.n_rows) if body.held_row == 0 else (0, body.n_rows - 1)
     u = np.zeros((body.n_rows, 2, body.n_sectors + 2 * HALO))
     u[first:last, :, HALO:-HALO] = np.random.default_rng(2).standard_normal((last - first, 2, body.n_sectors))

@@ -10,7 +10,7 @@ import xarray
 
 from fem.commands.run_fem import run_main
 from fem.contacts.model import Motion, unloaded
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.elements.rings import HALO
 from fem.quantities import Quantity, moving_quantities
 from fem.solver.errors import SAFETY, Choice, coarser_scene, estimates, mesh_table, model_choices, suggestion
 from fem.solver.simulate import make_plan

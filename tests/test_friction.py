@@ -6,20 +6,15 @@ from numba import njit
 
 from fem.elastic.continuum import Section, shear_compliance
 from fem.interface import simulate
-from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.columns import INNER, OUTER, ROLLER
+from fem.kernels.elements.friction import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import OPTIONS
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.shaft import Shaft, conclude, give_way, late_mass, mobility, pull, settle
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.mounts import Shaft, conclude, kick_shaft, late_mass, push_mounted, settle
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.rocking import standing_plan, vibration
 from tests.reference.bearings import STEEL, copies, model, paper
-from tests.reference.compiled import (
-    creep_traction,
-    find_slips,
-    push_surfaces,
-    rub_contacts,
-)
+from tests.reference.compiled import creep_traction, find_slips, push_surfaces, rub_contacts
 from tests.reference.contact_states import (
     DT,
     cartesian_resultant,
@@ -297,13 +292,11 @@ def shake(shaft, first, later, how):
     """A kick by forces, the shaft's, and forces found later."""
     for k in range(2):
         shaft.velocity[k] += DT_GROUND_DASHPOTS / MASS * first[k]
-    pull(shaft, DT_GROUND_DASHPOTS, shaft.place[0], shaft.place[1])
-    for k in range(2):
-        if how == ASKING:
-            gained = mobility(shaft, MASS, DT_GROUND_DASHPOTS) * later[k]
-            shaft.velocity[k] += gained
-            give_way(shaft, k, gained)
-        else:
+    kick_shaft(shaft, DT_GROUND_DASHPOTS, shaft.place[0], shaft.place[1])
+    if how == ASKING:
+        push_mounted(shaft, shaft.velocity, MASS, later[0], later[1], DT_GROUND_DASHPOTS)
+    else:
+        for k in range(2):
             shaft.velocity[k] += DT_GROUND_DASHPOTS / (MASS if how == UNKNOWING else LATE_MASS) * later[k]
     if how == UNKNOWING:
         settle(shaft, DT_GROUND_DASHPOTS)

@@ -5,11 +5,10 @@ import pytest
 from numba import njit
 from scipy.linalg import expm
 
-from fem.kernels.bodies import add_motion, drift_body, kick_body
-from fem.kernels.housing_kernels import Housing, Resonator
+from fem.kernels.columns import DISSIPATED, KINETIC, WORK_GRAVITY
+from fem.kernels.elements.bodies import drift_body, kick_body, write_body
 from fem.kernels.jit import OPTIONS
-from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
-from fem.kernels.shaft import late_mass
+from fem.kernels.mounts import Housing, Resonator, late_mass
 from fem.solver.simulate import make_plan
 from lagrange.mounting import Sensor, from_outer_ring
 from lagrange.scene.scene import parse_scene, parse_scene_text
@@ -41,7 +40,7 @@ def swing(body, drive, rows):
     """The housing alone: a row a step, as samples have them."""
     for i in range(rows.shape[0]):
         kick_body(body, drive)
-        add_motion(body, drive, rows[i], 0)
+        write_body(body, drive, rows[i])
         drift_body(body, drive)
 
 
@@ -63,7 +62,7 @@ def test_its_energy_balances_as_its_dashpots_take_it_and_its_weight_gives_it():
     body, rows = housing(dt, damping=2e4), np.zeros((4000, 26))
     body.place[:] = 1e-5, 2e-5
     swing(body, drive(dt, 9.81), rows)
-    stored = rows[:, 0] + rows[:, 24]
+    stored = rows[:, KINETIC] + rows[:, 24]
     left = stored - rows[:, WORK_GRAVITY] + rows[:, DISSIPATED]
     assert np.ptp(stored) > 0.5 * stored[0]
     np.testing.assert_allclose(left, left[0], rtol=0.0, atol=1e-9 * stored[0])

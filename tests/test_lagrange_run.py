@@ -213,7 +213,7 @@ def test_meshes_are_not_loaded_nor_a_compiler_where_no_step_is_taken(tmp_path):
     code = (
         "import sys; from fem.commands.run_fem import run_main; "
         f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
-        "names = 'numba gmsh skfem meshes matplotlib fem.contacts.model fem.kernels.time_loop'.split(); "
+        "names = 'numba gmsh skfem meshes matplotlib fem.contacts.model fem.kernels.elements.loop'.split(); "
         "print([m for m in names if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},

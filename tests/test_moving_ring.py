@@ -32,11 +32,7 @@ SENSOR = Sensor(frequency=15e3, damping_ratio=0.05)
 SHAFT = Shaft(stiffness=1e8, damping=300.0)
 PRELOADED = ("bearing.outer_raceway_diameter_mm=55.98", "operation.gravity_m_s2=0")
 HIT = {"start": "rest", "load_ramp": 2e-4}
-WAYS = {
-    "held": {},
-    "free": {"angles": "free"},
-    "damped": {"damping": ContactDamping(constant=200.0)},
-}
+WAYS = {"held": {}, "free": {"angles": "free"}, "damped": {"damping": ContactDamping(constant=200.0)}}
 
 
 def mounted(operation, housing=LIGHT, shaft=None):

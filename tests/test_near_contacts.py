@@ -12,8 +12,8 @@ from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import standing
 from fem.contacts.resolved import SpreadModel
 from fem.elastic.bodies import max_shear, stress_operator, turned, von_mises
-from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
-from fem.kernels.time_loop import advance
+from fem.kernels.columns import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
+from fem.kernels.elements.loop import advance
 from fem.pictures.bodies import drawn_bearing
 from fem.pictures.recover import read_instant
 from fem.pictures.stress_below import (
@@ -189,8 +189,7 @@ STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 
 
 @pytest.mark.parametrize(
-    "shape",
-    [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)],
+    "shape", [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)]
 )
 @pytest.mark.parametrize(
     "gradient, mises, shear",

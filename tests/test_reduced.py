@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 
 from fem.elastic.continuum import Section, plane_compliance, ring_sections, roller_section, stick_approach
 from fem.elastic.vibration import inertia, shift_vibrations
-from fem.kernels.rigid.state import INNER, OUTER
+from fem.kernels.columns import INNER, OUTER
 from fem.kernels.rigid.strikes import given
 from fem.solver import guards, simulate
 from fem.solver.guards import BY_PRESSURE, add_samples, frequency_error, law_warning, vibration_warning

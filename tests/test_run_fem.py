@@ -14,7 +14,7 @@ from scipy.special import elliprd
 from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.interface import simulate
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.elements.rings import HALO
 from fem.quantities import labels, run_summary
 from fem.result.store import ResultFile
 from fem.runner import result_megabytes, size_warning

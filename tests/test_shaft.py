@@ -7,10 +7,10 @@ import pytest
 from numba import njit
 
 from fem.interface import simulate as run_scene
-from fem.kernels.bodies import add_motion, drift_body, kick_body
+from fem.kernels.columns import DISSIPATED
+from fem.kernels.elements.bodies import drift_body, kick_body, write_body
 from fem.kernels.jit import OPTIONS
-from fem.kernels.sample_kernels import DISSIPATED
-from fem.kernels.shaft import Shaft
+from fem.kernels.mounts import Shaft
 from fem.solver.simulate import make_plan
 from fem.solver.start import equilibrium_start
 from fem.statics.exact_statics import reduced_bearing
@@ -193,7 +193,7 @@ def swing_alone(body, drive, rows):
     """A mass on the springs: a row a step, the last entry its place."""
     for i in range(rows.shape[0]):
         kick_body(body, drive)
-        add_motion(body, drive, rows[i], 0)
+        write_body(body, drive, rows[i])
         rows[i, -1] = body.place[0]
         drift_body(body, drive)
         for k in range(2):

@@ -164,7 +164,7 @@ def test_a_damaged_kernel_is_compiled_anew_and_replaced(damage, tmp_path):
 def test_a_run_with_a_damaged_time_loop_compiles_it_once_more(damage, coarse_run, tmp_path):
     folder = tmp_path / "kernels" / version()
     shutil.copytree(cache_folder(), folder)
-    files = list(folder.glob("fem.kernels.time_loop.advance-*.nbc"))
+    files = list(folder.glob("fem.kernels.elements.loop.advance-*.nbc"))
     for file in files:
         file.write_bytes(DAMAGES[damage](file.read_bytes()))
     arguments = [*COARSE, "--output", tmp_path / "run.nc"]

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fem.kernels.state import STEEPEST, Law
+from fem.kernels.law import STEEPEST, Law
 from lagrange.contact.hertz import Pair
 
 LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force

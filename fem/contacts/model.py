@@ -9,8 +9,10 @@ from scipy import sparse
 
 from fem.contacts.points import POINTS_PER_NODE, PointLaw, Shares, disc_push, hertz_patch, points, ring_push
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, rigid_body, ring_body
-from fem.kernels.patches import N_NODES, chord
-from fem.kernels.state import INNER, OUTER, Law, Points
+from fem.kernels.columns import INNER, OUTER
+from fem.kernels.elements.state import Points
+from fem.kernels.elements.surfaces import N_NODES, chord
+from fem.kernels.law import Law
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import Turns
@@ -145,12 +147,12 @@ class KernelData(NamedTuple):
 
     laws: tuple[Law, ...]
     ripples: tuple[np.ndarray, ...]  # of the raceways and the rollers; empty without a law below the grid
-    units: tuple[int, ...]  # of `fem.kernels.state.Patches`
+    units: tuple[int, ...]  # of `Patches`
     points: Points | None
-    shear_levels: tuple[float, ...] | None  # of `fem.kernels.state.Shear`, by kind; None: no tangential springs
+    shear_levels: tuple[float, ...] | None  # of `Shear`, by kind; None: no tangential springs
     neighbourly: float  # surface nodes; contacts as near as that push nodes of each other's
     facet_depth: float  # m, by which both surfaces of a contact may lie below their circles
-    whole_levels: tuple[float, ...] | None = None  # by kind, of `fem.kernels.state.Dampers`; None: there can't be any
+    whole_levels: tuple[float, ...] | None = None  # by kind, of `Dampers`; None: there can't be any
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,9 +13,10 @@ import numpy as np
 
 from fem.contacts.contact_law import NoLaw
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.kernels.columns import INNER, OUTER
+from fem.kernels.elements.state import Points, Spread
+from fem.kernels.elements.surfaces import N_NODES, first_node, weights
 from fem.kernels.fields import filled
-from fem.kernels.patches import N_NODES, first_node, weights
-from fem.kernels.state import INNER, OUTER, Points, Spread
 from lagrange.contact.hertz import Pair
 
 HERTZ_POINTS = 64
@@ -51,7 +52,7 @@ def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
 def _tangential(weight: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """Shares of a unit traction that the nodes of a patch carry, radial and counter-clockwise, (2, 6).
 
-    See `fem.kernels.surfaces`: exact for the force and for its moment.
+    See `fem.kernels.elements.surfaces`: exact for the force and for its moment.
     """
     c, s = np.cos(offset), np.sin(offset)
     slope, scale = -weight @ s, 1.0 / (1.0 + weight @ c)

@@ -38,9 +38,9 @@ from fem.contacts.points import (
 )
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import hertz_approach
+from fem.kernels.elements.state import Spread
+from fem.kernels.elements.surfaces import N_NODES
 from fem.kernels.fields import filled
-from fem.kernels.patches import N_NODES
-from fem.kernels.state import Spread
 from lagrange import Bearing
 from lagrange.contact.hertz import contact_pairs, line_compliance
 from meshes import bearing_shapes, graded_shapes

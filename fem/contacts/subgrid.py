@@ -38,9 +38,9 @@ from fem.contacts.points import (
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
 from fem.elastic.continuum import Section, hertz_approach, roller_section, stick_approach
+from fem.kernels.columns import INNER, OUTER
+from fem.kernels.elements.surfaces import ONE
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
-from fem.kernels.patches import ONE
-from fem.kernels.state import INNER, OUTER
 from lagrange import Bearing
 from lagrange.contact.hertz import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes

@@ -1,17 +1,16 @@
-"""The hub: its kick and its motion; speed and load as a run goes on.
+"""Speed and load as a run goes on. Where they stay the history is None: then nothing of this is compiled.
 
-Speed and load as a run goes on. Where they stay the history is None: then nothing of this is compiled.
-
-`follow` looks a time up; all else reads what it has found: what belongs to the step in hand.
+`follow` looks a time up; all else reads what it has found: what belongs to the step in hand. `drive` is that of either
+loop, or whatever else has a `history` and the `speed` without one.
 """
 
 from math import cos, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels import ring_kernels
+from fem.kernels.fields import given, state
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import cosine_and_sine
 
 # entries of `LoadHistory.now`; the first ones of `OuterTurn.now` too
 TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
@@ -19,19 +18,53 @@ N_NOW = 9
 N_OUTER_NOW = 5
 
 
+class OuterTurn(NamedTuple):
+    """An outer ring that turns about its fixed centre: how, as `LoadHistory` has it of the shaft, and what turns it."""
+
+    turn_knots: given("n + 1")  # s
+    turn: given("n, powers")  # rad
+    now: state("n_outer_now")  # what `follow` found last
+    frame: state("3")  # its turn, cosine and sine
+    moment: state("2")  # of this step, by contacts: on the frame, N m; on nodes about the origin, N m s
+    sums: state("4")  # N m s so far: of contacts, of gravity; that of gravity, N m, and at which time, s
+    drive_work: state("3")  # as `LoadHistory` has it
+    radius: float  # m, of the raceway
+    speed: float  # rad/s, at t = 0
+    growth: float  # m s², of the raceway's radius by the square of its speed; see `LoadHistory`
+    carries_load: bool  # the load that turns turns with it
+
+
+class LoadHistory(NamedTuple):
+    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
+
+    turn_knots: given("n + 1")  # s
+    turn: given("n, powers")  # rad, of the shaft
+    load_knots: given("m + 1")  # s
+    load: given("m, powers, 2")  # N, along x and y
+    now: state("n_now")  # what `follow` found last
+    drive_work: state("3")  # J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
+    unbalance: float  # kg m
+    unbalance_angle: float  # rad from +x at t = 0
+    rotating_load: float  # N
+    rotating_load_angle: float  # rad
+    growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
+    roller_growth: float  # m s², of a roller's
+    outer: OuterTurn | None = None  # None: the outer ring stands still
+
+
 @part
-def follow(history, time, dt):
-    """Look a time up, s, and how far the shaft turns in the step from there."""
+def follow(drive, time):
+    """Look a time up, s, and how far rings turn in the step from there."""
+    history = drive.history
     if history is not None:
-        _follow_turn(history.now, history.turn_knots, history.turn, time, dt)
+        _follow_turn(history.now, history.turn_knots, history.turn, time, drive.dt)
         if history.outer is not None:
-            _follow_turn(history.outer.now, history.outer.turn_knots, history.outer.turn, time, dt)
+            _follow_turn(history.outer.now, history.outer.turn_knots, history.outer.turn, time, drive.dt)
         _find_force(history, time)
 
 
 @part
 def _follow_turn(now, knots, c, time, dt):
-    """How far a ring has turned, how fast, and how far it turns in the step from there."""
     k, t = _piece(knots, time)
     turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
     for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
@@ -62,9 +95,12 @@ def _find_force(history, time):
     """`lagrange.load_history.LoadHistory.force` and its rate."""
     now, c = history.now, history.load
     k, t = _piece(history.load_knots, time)
-    speed, gain = now[SPEED], now[GAIN]
-    heavy, (with_ring, at_speed) = now[TURN] + history.unbalance_angle, _carrying_load(history.outer, now)
-    hc, hs, turning = cos(heavy), sin(heavy), with_ring + history.rotating_load_angle
+    speed, gain, heavy = now[SPEED], now[GAIN], now[TURN] + history.unbalance_angle
+    turned, at_speed = now[TURN], now[SPEED]  # of the ring with which a load turns
+    if history.outer is not None:
+        if history.outer.carries_load:
+            turned, at_speed = history.outer.now[TURN], history.outer.now[SPEED]
+    hc, hs, turning = cos(heavy), sin(heavy), turned + history.rotating_load_angle
     rx, ry = history.rotating_load * cos(turning), history.rotating_load * sin(turning)
     for axis in range(2):
         force, rate = 0.0, 0.0
@@ -81,166 +117,65 @@ def _find_force(history, time):
 
 
 @part
-def _carrying_load(outer, now):
-    """How far the ring has turned with which a load turns, rad, and how fast it turns, rad/s."""
-    if outer is None:
-        return now[TURN], now[SPEED]
-    if outer.carries_load:
-        return outer.now[TURN], outer.now[SPEED]
-    return now[TURN], now[SPEED]
-
-
-@part
-def radial_load_at(drive, time):
-    """Radial load that stays, N, ramped up by half a cosine."""
-    return drive.radial_load * share_at(drive, time)
-
-
-@part
-def load_at(history, drive, time):
-    """Load along +x and along −y, N; without a history the first means nothing and is not to be used."""
-    if history is None:
-        return 0.0, radial_load_at(drive, time)
-    share = share_at(drive, time)
-    return share * history.now[FORCE_X], -share * history.now[FORCE_Y]
-
-
-@part
 def share_at(drive, time):
-    """Share of the load that acts: `lagrange.load_history.load_share`."""
+    """Share of the load that acts, ramped up by half a cosine: `lagrange.load_history.load_share`."""
     if time >= drive.ramp:
         return 1.0
     return 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
 @part
-def with_side_load(history, value, more):
-    """A value with what the load along x adds to it, where there can be one."""
+def load_at(drive, time):
+    """Load along +x and along −y, N."""
+    share, history = share_at(drive, time), drive.history
     if history is None:
-        return value
-    return value + more
+        return 0.0, drive.radial_load * share
+    return share * history.now[FORCE_X], -share * history.now[FORCE_Y]
 
 
 @part
-def speed_of(history, drive):
+def speed_of(drive):
     """Of the shaft, rad/s."""
-    if history is None:
-        return drive.speed
-    return history.now[SPEED]
+    return drive.speed if drive.history is None else drive.history.now[SPEED]
 
 
 @part
-def turn_at(history, drive, time):
+def turn_at(drive, time):
     """How far the shaft has turned, rad."""
-    if history is None:
-        return drive.speed * time
-    return history.now[TURN]
+    return drive.speed * time if drive.history is None else drive.history.now[TURN]
 
 
 @part
-def step_of(history, drive):
+def step_of(drive):
     """How far it turns in this step, rad."""
-    if history is None:
-        return drive.speed * drive.dt
-    return history.now[STEP]
+    return drive.speed * drive.dt if drive.history is None else drive.history.now[STEP]
 
 
 @part
-def is_turning(history, drive):
+def is_turning(drive):
     """Whether it turns at all."""
-    if history is None:
-        return drive.speed != 0.0
-    return True
+    return drive.speed != 0.0 if drive.history is None else True
 
 
 @part
-def outer_of(history):
+def outer_of(drive):
     """The outer ring's turning; None where it stands still."""
-    if history is None:
-        return None
-    return history.outer
+    return None if drive.history is None else drive.history.outer
 
 
 @part
-def with_outer(outer, value, share, entry):
+def with_outer(drive, value, share, entry):
     """A turn or speed with what the outer ring's adds, a share of an entry of `OuterTurn.now`."""
-    if outer is None:
-        return value
-    return value + share * outer.now[entry]
+    if drive.history is not None:
+        if drive.history.outer is not None:
+            return value + share * drive.history.outer.now[entry]
+    return value
 
 
 @part
-def outer_speed_of(outer):
-    """Of the outer ring, rad/s."""
-    if outer is None:
-        return 0.0
-    return outer.now[SPEED]
-
-
-@part
-def outer_axes(outer):
+def outer_axes(drive):
     """Cosine and sine of the outer ring's turn."""
-    if outer is None:
-        return 1.0, 0.0
-    return outer.frame[1], outer.frame[2]
-
-
-@part
-def turn_outer(outer):
-    """Turn the outer ring's frame by a step."""
-    if outer is not None:
-        outer.frame[0] += outer.now[STEP]
-        outer.frame[1], outer.frame[2] = cosine_and_sine(outer.frame[0])
-
-
-@part
-def clear_outer(outer):
-    """Forget the last step's moments on the outer ring."""
-    if outer is not None:
-        outer.moment[0] = outer.moment[1] = 0.0
-
-
-@part
-def note_outer(outer, dt):
-    """Count a step's moments on the outer ring."""
-    if outer is not None:
-        outer.sums[0] += moment_on(outer, dt)
-
-
-@part
-def moment_on(outer, dt):
-    """Of contacts on the outer ring in a step, N m s: those on its nodes, and that on its frame."""
-    return outer.moment[1] - outer.moment[0] * dt
-
-
-@part
-def kick_hub(inner, drive, side_load, radial_load, scratch):
-    """The hub's kick by contacts, the reaction of the ring's held row, load along x and against y, and weight.
-
-    Returns the moment about the origin of contacts and load on the hub, N m s.
-    """
-    dt, hub, velocity, impulse = drive.dt, drive.hub, drive.velocity, drive.impulse
-    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
-    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
-    c, s = drive.frame[1], drive.frame[2]
-    node_mass = inner.row_mass[inner.held]
-    moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
-    moment = with_side_load(drive.history, moment, -hub[1] * side_load * dt)
-    pushed = with_side_load(drive.history, node_mass * (c * x - s * y) + impulse[0], side_load * dt)
-    velocity[0] += pushed / drive.mass
-    velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
-    return moment
-
-
-@part
-def move_hub(inner, drive, step):
-    """Move the hub and turn it by `step`, rad, and the inner ring's held row with it."""
-    hub, frame = drive.hub, drive.frame
-    hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
-    hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]
-    if is_turning(drive.history, drive):
-        frame[0] += step
-        frame[1], frame[2] = cosine_and_sine(frame[0])
-    c, s = frame[1], frame[2]
-    x, y = c * hub[0] + s * hub[1], c * hub[1] - s * hub[0]
-    ring_kernels.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)
+    if drive.history is not None:
+        if drive.history.outer is not None:
+            return drive.history.outer.frame[1], drive.history.outer.frame[2]
+    return 1.0, 0.0

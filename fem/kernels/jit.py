@@ -1,4 +1,4 @@
-"""How functions of the time loop are compiled: `@kernel`, `@part`, `@verb`, `every`; once per version of the code.
+"""How functions of the time loop are compiled: `@kernel`, `@part`, `every`; once per version of the code.
 
 A `@kernel` is called from Python. A `@part` stands in the code of the kernels that call it and nowhere else: a function
 that Python may call has code that takes apart every array of its arguments, which for those of the time loop takes
@@ -25,11 +25,9 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 from numba.core.types import BaseNamedTuple, BaseTuple, Float
 
-from fem.kernels.fields_used import forget, shifted
 from fem.kernels.kernel_folder import cache_folder, notices
-from fem.kernels.known_none import KernelCompiler
 from fem.kernels.lanes import LanesType
-from fem.kernels.part_compiler import Code, rebuilt, reduced, register
+from fem.kernels.part_compiler import Code, KernelCompiler, rebuilt, reduced, register, shifted
 from lagrange.files.output import read_sealed, write_sealed
 
 GENERATED = "<every>"  # file of functions that `every` writes
@@ -146,46 +144,21 @@ def part(function=None, *, inlined: bool = True):
     if function is None:
         return lambda wrapped: part(wrapped, inlined=inlined)
     code = Code(function, INLINED if inlined else OPTIONS, _keep_part)
-    register(function, lambda *_: code, lambda: [function])
+    register(function, lambda *_: code, function)
     return function
 
 
 def lanes_call(function, code) -> None:
     """Let kernels call one of numpy's functions on lanes, and on scalars what numba can't: `code` does the same."""
     chosen = Code(code, INLINED, _keep_part)
-    register(function, lambda *_: chosen, lambda: [code], LanesType | Float)
-
-
-def verb(function):
-    """A part whose code depends on the type of its first argument, a named tuple; `functools.singledispatch` for parts.
-
-    `@function.of(Type)` gives the code for one type. The function itself says what all of them do, and is the code for
-    types that have none of their own.
-    """
-    known, codes = {}, {function: Code(function, INLINED, _keep_part)}
-
-    def of(*kinds):
-        def register_code(code):
-            known.update(dict.fromkeys(kinds, code))
-            codes[code] = Code(code, INLINED, _keep_part)
-            forget()
-            return code
-
-        return register_code
-
-    def choose(first, *_):
-        return codes[known.get(getattr(first, "instance_class", None), function)]
-
-    register(function, choose, lambda: list(codes))
-    function.of, function.known = of, known
-    return function
+    register(function, lambda *_: chosen, code, LanesType | Float)
 
 
 def every(one, *kinds):
-    """The part that calls `one(body, *arguments)` for every body of a tuple whose type has code of its own, in order.
+    """The part that calls `one(body, *arguments)` for every body of a tuple, or for those of some kinds, in order.
 
-    Of groups of pairs in place of bodies it is every pair of them, of some kinds alone. The pairs of a group are of one
-    type and share their code: two copies would crowd the instruction cache.
+    Of groups of pairs in place of bodies it is every pair of them. The pairs of a group are of one type and share their
+    code: two copies would crowd the instruction cache.
     """
     codes = {}
 
@@ -208,14 +181,17 @@ def every(one, *kinds):
         return codes[text]
 
     shifted[on_every] = one
-    register(on_every, choose, lambda: [on_every])
+    register(on_every, choose, on_every)
     return on_every
 
 
 def _calls(one, kinds: tuple, body, i: int, names: str) -> str:
     """Lines that call `one` for entry i of a tuple: a body, nothing, or a group of pairs."""
-    if isinstance(body, BaseTuple) and not isinstance(body, BaseNamedTuple):
-        if kinds and body.dtype.instance_class not in kinds:
-            return ""
-        return f"    for pair in bodies[{i}]:\n        one(pair, {names})\n"
-    return f"    one(bodies[{i}], {names})\n" if getattr(body, "instance_class", None) in one.known else ""
+    is_group = isinstance(body, BaseTuple) and not isinstance(body, BaseNamedTuple)
+    if kinds and (body.dtype if is_group else body).instance_class not in kinds:
+        return ""
+    return (
+        f"    for pair in bodies[{i}]:\n        one(pair, {names})\n"
+        if is_group
+        else f"    one(bodies[{i}], {names})\n"
+    )

@@ -22,7 +22,7 @@ notices: list[str] = []  # sentences on what was wrong with folders and files so
 @cache
 def version() -> str:
     """Of all kernels: two programs of one version compute the same bits on one machine."""
-    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # `lane_memory`
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # `lanes`
     return digest(Path(__file__).parent) + ("-checked" if checked else "")
 
 

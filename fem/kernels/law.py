@@ -1,4 +1,4 @@
-"""The contact law below the grid in the time loop: force, energy, the force of a kick, the ripple along a surface.
+"""THE CONTACT LAW below the grid, and that of FRICTION: force, energy, the force of a kick, the ripple along a surface.
 
 All but the energy take scalars or eight lanes (contacts).
 
@@ -6,17 +6,31 @@ Equation (3) of docs/method.md.
 """
 
 from math import log
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import logarithm, maximum, minimum
-from fem.kernels.lane_memory import gather, gather_quads
-from fem.kernels.lanes import absolute, any_lane, select, square_root, to_float, to_int, with_sign
-from fem.kernels.state import STEEPEST as STEEPEST
+from fem.kernels.lanes import absolute, any_lane, gather, gather_quads, select, square_root, to_float, to_int, with_sign
 from lagrange.contact.damping import ContactDamping
 
+STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
+KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
+STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
+NEAR = 1e-5  # relative: a step of third order from so near leaves less than round-off
+REPAID, MOST_REPAID = 0.25, 0.01  # of a contact's residual energy, in a step; of its force, at most
+
+
+class Law(NamedTuple):
+    """What contacts of a pair add to what the nodes carry; with pressure points only the last two count."""
+
+    A: float
+    B: float
+    Q_line: float
+    half_width_factor: float  # b²/Q
+    curvature: float  # 1/R, 1/m
 
 
 @part
@@ -41,12 +55,6 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     traction = select(sliding, limit, limit * x * (2.0 - x))
     left = select(sliding, v - mobility_dt * limit, x * full_slip)
     return with_sign(traction, slip), with_sign(left, slip)
-
-
-KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
-STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
-NEAR = 1e-5  # relative: a step of third order from so near leaves less than round-off
-REPAID, MOST_REPAID = 0.25, 0.01  # of a contact's residual energy, in a step; of its force, at most
 
 
 @kernel(forceinline=True)

@@ -11,8 +11,7 @@ import numpy as np
 
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum, minimum
-from fem.kernels.lane_memory import gather_quads, load, store
-from fem.kernels.lanes import absolute, any_lane, select, splat, to_float, to_int
+from fem.kernels.lanes import absolute, any_lane, gather_quads, load, select, splat, store, to_float, to_int
 from fem.kernels.law import MOST_REPAID, REPAID, STANDING, spline
 from lagrange.axial.table import FAINT, SPAN, ContactTable
 

@@ -9,16 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.bodies import TWELFTH, rescale_kick
-from fem.kernels.drive import SPEED, outer_of, speed_of, with_outer
+from fem.kernels.columns import CONTACT, INNER, KINETIC, OUTER, WORK_DRIVE
+from fem.kernels.drive import SPEED, speed_of, with_outer
 from fem.kernels.fields import room, state
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import maximum
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, count_from, select, splat, total
-from fem.kernels.sample_kernels import CONTACT, KINETIC, WORK_DRIVE
-
-INNER, OUTER = 0, 1
+from fem.kernels.lanes import WIDTH, count_from, load, select, splat, store, total
+from fem.kernels.mounts import TWELFTH, rescale_kick
 
 
 class Tilts(NamedTuple):
@@ -66,7 +63,7 @@ def turn_axes(tilts, drive):
     for group in range(0, tilts.tilt.size, WIDTH):
         store(tilts.tilt, group, load(tilts.tilt, group) + dt * load(tilts.rate, group))
     if tilts.hub_over > 0.0:
-        angle = tilts.hub_spin * tilts.hub_over * speed_of(drive.history, drive) * dt
+        angle = tilts.hub_spin * tilts.hub_over * speed_of(drive) * dt
         c, s, half = cos(angle), sin(angle), 0.5 * dt
         x, y = tilts.slope_rate[0], tilts.slope_rate[1]
         u, v = c * x - s * y, c * y + s * x
@@ -78,7 +75,7 @@ def turn_axes(tilts, drive):
 @part
 def push_axes(tilts, drive, moments):
     """Keep the hub's angular acceleration by moments on it, N m, x and y."""
-    spin = tilts.hub_spin * speed_of(drive.history, drive)
+    spin = tilts.hub_spin * speed_of(drive)
     x = moments[0] - tilts.hub_stiffness * (tilts.slope[0] - tilts.rest[0]) - spin * tilts.slope_rate[1]
     y = moments[1] - tilts.hub_stiffness * (tilts.slope[1] - tilts.rest[1]) + spin * tilts.slope_rate[0]
     tilts.slope_pushed[0], tilts.slope_pushed[1] = tilts.hub_over * x, tilts.hub_over * y
@@ -97,10 +94,10 @@ def kick_hub_axis(tilts, drive, moments):
 @part
 def _going_round(tilts, drive):
     """Stiffness against tilt of rollers that go round, I_a w Ω − I_t Ω², N m/rad, and I_t Ω²."""
-    speed, outer = speed_of(drive.history, drive), outer_of(drive.history)
-    cage = with_outer(outer, tilts.cage[0] * speed, tilts.cage[1], SPEED)
+    speed = speed_of(drive)
+    cage = with_outer(drive, tilts.cage[0] * speed, tilts.cage[1], SPEED)
     whirl = tilts.inertia * cage * cage
-    return tilts.along * with_outer(outer, tilts.spin[0] * speed, tilts.spin[1], SPEED) * cage - whirl, whirl
+    return tilts.along * with_outer(drive, tilts.spin[0] * speed, tilts.spin[1], SPEED) * cage - whirl, whirl
 
 
 @part
@@ -122,13 +119,12 @@ def note_furthest(tilts, row, approach, slope):
 def unrest_of_tilts(tilts, forces, n):
     """Σ I (τ̈² − τ̇ d³τ/dt³), J/s², of rollers and hub: see `rigid.paces`."""
     found = 0.0
-    if tilts is not None:
-        for j in range(n):
-            stiffness = forces.tilted.stiffness[INNER, j] + forces.tilted.stiffness[OUTER, j]
-            found += tilts.inertia * tilts.pushed[j] * tilts.pushed[j] + stiffness * tilts.rate[j] * tilts.rate[j]
-        if tilts.hub_over > 0.0:
-            pushed = tilts.slope_pushed[0] * tilts.slope_pushed[0] + tilts.slope_pushed[1] * tilts.slope_pushed[1]
-            found += pushed / tilts.hub_over
+    for j in range(n):
+        stiffness = forces.tilted.stiffness[INNER, j] + forces.tilted.stiffness[OUTER, j]
+        found += tilts.inertia * tilts.pushed[j] * tilts.pushed[j] + stiffness * tilts.rate[j] * tilts.rate[j]
+    if tilts.hub_over > 0.0:
+        pushed = tilts.slope_pushed[0] * tilts.slope_pushed[0] + tilts.slope_pushed[1] * tilts.slope_pushed[1]
+        found += pushed / tilts.hub_over
     return found
 
 

@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 
 from fem.contacts.points import patch
 from fem.elastic.bodies import RingBody, max_shear, von_mises
-from fem.kernels.state import INNER, OUTER
+from fem.kernels.columns import INNER, OUTER
 from fem.pictures.recover import Instant
 from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, smooth_stress
 from fem.solver.elements.arrays import rotated

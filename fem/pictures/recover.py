@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from fem.contacts.model import Model
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
 from fem.solver.elements.arrays import Frame
 from fem.solver.elements.plan import model_of

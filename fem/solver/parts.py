@@ -9,12 +9,12 @@ import numpy as np
 import fem.kernels.cage as kernels
 from fem.kernels import fields
 from fem.kernels.cage import CageContacts, CagePair, GuidingRing, Riders
-from fem.kernels.drive import N_NOW, N_OUTER_NOW
+from fem.kernels.drive import N_NOW, N_OUTER_NOW, LoadHistory, OuterTurn
+from fem.kernels.elements.state import Ring
 from fem.kernels.fields import at_line, lined_up
-from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
-from fem.kernels.shaft import Shaft, late_mass
-from fem.kernels.state import LoadHistory, OuterTurn, Ring, RingProfile, RollerProfiles
+from fem.kernels.mounts import Housing, Resonator, Shaft, late_mass
+from fem.kernels.profiles import RingProfile, RollerProfiles
 from fem.kernels.tilted_contact import PartProfiles, SpalledRest, TiltedLaw
 from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.row_state import row_places, row_width

@@ -6,9 +6,9 @@ from collections.abc import Collection
 
 import numpy as np
 
-from fem.kernels import sample_kernels as row
-from fem.kernels.bodies import DONE
+from fem.kernels import columns as row
 from fem.kernels.fields import kind_of
+from fem.kernels.mounts import DONE
 from fem.solver import guards
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples
@@ -22,7 +22,7 @@ TURN = 2.0 * np.pi
 
 
 def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | slice]:
-    """Where a row of the time loops holds each column: those of `sample_kernels`, then those of a scene's parts."""
+    """Where a row of the time loops holds each column: those of `columns`, then those of a scene's parts."""
     further = columns_of(*parts)
     places: dict[str, int | slice] = {name: i for i, name in enumerate(row.SCALARS)}
     at = row.N_SCALARS

@@ -12,8 +12,8 @@ from fem.contacts.resolved import ResolvedModel
 from fem.contacts.subgrid import SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
-from fem.kernels.time_loop import advance
+from fem.kernels.columns import BLOCKS, N_SCALARS
+from fem.kernels.elements.loop import advance
 from fem.solver.elements.arrays import Arrays, make_arrays
 from fem.solver.elements.start import Start, equilibrium_start, rest_start
 from lagrange import Bearing, Material, Operation

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.elements.rings import HALO
 from tests.reference.bearings import arrays, copies, model, operation, paper, resolved_model, soft
 from tests.reference.compiled import press_contacts, push_surfaces
 

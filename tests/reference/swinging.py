@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from fem.elastic.reciprocal_mass import SECOND
-from fem.kernels.state import Drive
+from fem.kernels.elements.state import Drive
 
 PEDESTAL = {"kind": "housing"}  # its defaults: 12.638 kg, 15.1e6 N/m, 2210.7 N s/m
 

@@ -10,9 +10,9 @@ from scipy.sparse.linalg import eigsh
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.bodies import assemble
-from fem.kernels import disc_kernels
+from fem.kernels.elements import discs
+from fem.kernels.elements.state import Disc
 from fem.kernels.law import contact_force
-from fem.kernels.state import Disc
 from lagrange import BallBearing, Material, Operation, contact_laws
 from lagrange.contact.hertz import Pair
 from lagrange.first_state import Problem
@@ -71,7 +71,7 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     mass = bar.mass
     rows = np.repeat(np.arange(mass.size), np.diff(blocks.indptr))
     scaled = np.ascontiguousarray(-dt * blocks.data / mass[rows][:, None, None]).ravel()
-    columns = disc_kernels.COLUMNS
+    columns = discs.COLUMNS
     u, w = np.zeros((mass.size, 2, columns)), np.zeros((mass.size, 2, columns))
     still, torque = np.zeros(columns), np.zeros(columns)
     nodes = Disc(
@@ -79,7 +79,7 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
         points=np.ascontiguousarray(mesh.points).ravel(), grown=np.zeros(2 * mass.size),
         mass=mass, first=0, u=u.reshape(-1), w=w.reshape(-1), v=w.reshape(-1), calmed=w.reshape(-1),
     )  # fmt: skip
-    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
+    turns = discs.Turns(still, np.ones(columns), still, still, still)
     floor = slice(0, 2)  # the nodes that touch it
     share = mass / mass.sum()
     history = []

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.kernels.state import INNER
+from fem.kernels.columns import INNER
 from fem.solver.elements.plan import ElementPlan
 from lagrange.kinematics import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
-from fem.kernels.state import ROLLER
+from fem.kernels.columns import ROLLER
 from fem.solver.elements.arrays import Arrays, make_arrays
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.elements.start import rest_start

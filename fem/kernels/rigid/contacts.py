@@ -19,14 +19,14 @@ order from one look at the table, whose derivatives are exact.
 Equation (1) of docs/reduced.md.
 """
 
+from fem.kernels.columns import INNER, OUTER
 from fem.kernels.drive import SPEED, turn_at
-from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import arc_tangent, exponential, logarithm, maximum, minimum
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
+from fem.kernels.jit import part
+from fem.kernels.lane_functions import arc_tangent, exponential, load_pair, logarithm, maximum, minimum, store_pair
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, square_root, store, total
 from fem.kernels.law import STEEPEST, distant_force, next_force, stored_energy
-from fem.kernels.rigid.mounts import ring_place
-from fem.kernels.rigid.state import CROSS, ENERGY, INNER, MOMENT, OUTER, SLOPE, PowerConstants
+from fem.kernels.mounts import ring_place
+from fem.kernels.rigid.state import CROSS, ENERGY, MOMENT, SLOPE, PowerConstants, normals
 from fem.kernels.rigid.surfaces import keep_edges, keep_slopes, surfaces_met
 from fem.kernels.tilted_contact import table_at
 from fem.kernels.tilts import push_axes
@@ -46,7 +46,7 @@ def find_forces(step, inside):
             follow_angles(bodies, coupling, forces)
     reach, track = touching(contacts, drive)
     ring_x, ring_y = ring_place(bodies.housing)
-    turn = turn_at(drive.history, drive, step.time)
+    turn = turn_at(drive, step.time)
     for group in range(0, bodies.n, WIDTH):
         there = count_from(group) < bodies.n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
@@ -131,17 +131,6 @@ def direction(x, y, there):
 
 
 @part
-def load_pair(array, at, apart):
-    return load(array, at), load(array, at + apart)
-
-
-@part
-def store_pair(array, at, apart, one, other):
-    store(array, at, one)
-    store(array, at + apart, other)
-
-
-@part
 def place_of(row, what, columns, group):
     """Of eight contacts in `TiltedForces.met`."""
     return (4 * row + what) * columns + group
@@ -167,7 +156,7 @@ def _look(step, law, row, group, deep, guess):
     return Q
 
 
-@verb
+@part
 def law_force(law, depth, soft, last):
     """Forces of eight contacts, N, and their stiffness, N/m, 0 of open ones.
 
@@ -175,6 +164,8 @@ def law_force(law, depth, soft, last):
     ----------
     depth : m; soft : m/N, compliance of edges, or None; last : force, depth and compliance of the last step
     """
+    if isinstance(law, PowerConstants):
+        return _power_force(law, depth, soft)
     Q_before, before, soft_before = last
     Q = next_force(depth, law.A, _level(law, soft), law.Q_line, Q_before, before, _level(law, soft_before))
     closed = Q > 0.0
@@ -185,24 +176,7 @@ def law_force(law, depth, soft, last):
 @part
 def _level(law, soft):
     """B of eight contacts with a compliance of edges, m/N, or None."""
-    if soft is None:
-        return splat(law.B)
-    return law.B + soft * (1.0 / law.A)
-
-
-@law_force.of(PowerConstants)
-def _power_force(law, depth, soft, last):
-    closed = depth > 0.0
-    own = select(closed, depth, 1.0)
-    if soft is not None:
-        yielding = select(closed, soft, 0.0)
-        if any_lane(yielding != 0.0):
-            own = _less_yielding(law, own, yielding)
-    Q = select(closed, _power(law, own), depth - depth)  # what is not a number stays so
-    stiffness = law.exponent * Q / own
-    if soft is not None:
-        stiffness = stiffness / (1.0 + soft * stiffness)
-    return Q, stiffness
+    return splat(law.B) if soft is None else law.B + soft * (1.0 / law.A)
 
 
 @part
@@ -211,29 +185,33 @@ def _power(law, depth):
 
 
 @part
-def _less_yielding(law, depth, soft):
-    """Depths of eight closed contacts, m, less what a compliance in series takes of them: Newton's method."""
-    own = depth
-    for _ in range(MOST_STEPS):
-        force = _power(law, own)
-        step = (own + soft * force - depth) / (1.0 + soft * law.exponent * force / own)
-        own = maximum(own - step, 0.1 * own)
-        if not any_lane(absolute(step) > SETTLED * own):
-            break
-    return own
+def _power_force(law, depth, soft):
+    closed = depth > 0.0
+    own = select(closed, depth, 1.0)
+    if soft is not None:  # depths less what a compliance in series takes of them: Newton's method
+        deep, yielding = own, select(closed, soft, 0.0)
+        if any_lane(yielding != 0.0):
+            for _ in range(MOST_STEPS):
+                force = _power(law, own)
+                step = (own + yielding * force - deep) / (1.0 + yielding * law.exponent * force / own)
+                own = maximum(own - step, 0.1 * own)
+                if not any_lane(absolute(step) > SETTLED * own):
+                    break
+    Q = select(closed, _power(law, own), depth - depth)  # what is not a number stays so
+    stiffness = law.exponent * Q / own
+    if soft is not None:
+        stiffness = stiffness / (1.0 + soft * stiffness)
+    return Q, stiffness
 
 
-@verb
+@part
 def law_energy(law, Q, depth, soft):
     """Energy of eight contacts under forces, N, that their depths, m, go with, J: ∫ Q dδ."""
+    if isinstance(law, PowerConstants):
+        if soft is None:
+            return Q * depth * (1.0 / (law.exponent + 1.0))
+        return Q * (depth - soft * Q) * (1.0 / (law.exponent + 1.0)) + 0.5 * soft * Q * Q
     return stored_energy(Q, depth, law.A, law.Q_line)
-
-
-@law_energy.of(PowerConstants)
-def _power_energy(law, Q, depth, soft):
-    if soft is None:
-        return Q * depth * (1.0 / (law.exponent + 1.0))
-    return Q * (depth - soft * Q) * (1.0 / (law.exponent + 1.0)) + 0.5 * soft * Q * Q
 
 
 @part
@@ -423,8 +401,7 @@ def _sums(bodies, forces, drive):
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     on_x, on_y = splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
-        ix, iy = load_pair(forces.normal, group, columns)
-        ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+        ix, iy, ox, oy = normals(forces, group, columns)
         Q_i, Q_o = load_pair(forces.estimate, group, columns)
         hub_x -= Q_i * ix
         hub_y -= Q_i * iy

@@ -9,20 +9,18 @@ g = c/K (−∂M/∂ψ − z² K) on ψ̇ alone. The rollers' tilts are implicit
 whose inertia is so much larger. Equation (6) of docs/tilted_motion.md.
 """
 
-from fem.kernels.contact_kernels import next_rollers
+from fem.kernels import columns
+from fem.kernels.columns import INNER, N_SCALARS, OUTER, ROLLER
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import maximum, minimum
-from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
+from fem.kernels.lane_functions import load_pair, maximum, minimum, next_rollers, store_pair
+from fem.kernels.lanes import WIDTH, any_lane, count_from, gather, load, select, splat, square_root, store, total
 from fem.kernels.law import damping_coefficient
-from fem.kernels.rigid.contacts import load_pair, place_of, store_pair
+from fem.kernels.mounts import mobility, push_mounted, ring_rates
+from fem.kernels.rigid.contacts import place_of
 from fem.kernels.rigid.friction import coefficient
-from fem.kernels.rigid.mounts import push_hub, push_ring, ring_rates
 from fem.kernels.rigid.rays import hold
-from fem.kernels.rigid.state import CROSS, INNER, NEXT, OUTER
+from fem.kernels.rigid.state import CROSS, normals
 from fem.kernels.rigid.surfaces import passing_rates, push_along
-from fem.kernels.sample_kernels import DAMPED_BY_CONTACTS, DAMPER_FORCE, DISSIPATED, FORCE, N_SCALARS
-from fem.kernels.shaft import mobility
 
 
 @part
@@ -53,8 +51,7 @@ def _closing(step, group, motion):
     """Rates at which eight rollers' contacts close, m/s, inner and outer; `motion` : see `passing_rates`."""
     columns, forces, (hub, velocity, _, ring) = step.bodies.columns, step.forces, motion
     vx, vy = load_pair(velocity, group, columns)
-    ix, iy = load_pair(forces.normal, group, columns)
-    ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+    ix, iy, ox, oy = normals(forces, group, columns)
     inner, outer = passing_rates(step, group, motion)
     inner -= (vx - hub[0]) * ix + (vy - hub[1]) * iy
     return inner, outer + (vx - ring[0]) * ox + (vy - ring[1]) * oy
@@ -77,8 +74,7 @@ def _find(dampers, step):
     push_x, push_y, xx, xy, yy = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         there = count_from(group) < bodies.n
-        ix, iy = load_pair(forces.normal, group, columns)
-        ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+        ix, iy, ox, oy = normals(forces, group, columns)
         c_i, c_o = _coefficients(dampers, step, group, there)
         if dampers.tilted is not None:
             _find_lever(dampers.tilted, forces, INNER, columns, group, c_i)
@@ -120,8 +116,7 @@ def _give(dampers, step, hub_x, hub_y):
     on_x, on_y = splat(0.0), splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         there, at = count_from(group) < bodies.n, columns + group
-        ix, iy = load_pair(forces.normal, group, columns)
-        ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+        ix, iy, ox, oy = normals(forces, group, columns)
         facing, c_o = ix * ox + iy * oy, load(dampers.coefficient, at)
         F_i = load(dampers.force, group) + load(dampers.gain, group) * (hub_x * ix + hub_y * iy)
         F_i = select(there & (load(forces.force, group) > 0.0), maximum(F_i, -load(forces.kick, group)), 0.0)
@@ -150,8 +145,10 @@ def _give(dampers, step, hub_x, hub_y):
         ring_y += by_ring_y
         store(bodies.velocity, group, load(bodies.velocity, group) + over * (by_hub_x - by_ring_x))
         store(bodies.velocity, at, load(bodies.velocity, at) + over * (by_hub_y - by_ring_y))
-    push_hub(bodies, total(push_x), total(push_y), drive.dt)
-    push_ring(bodies.housing, total(ring_x), total(ring_y), drive.dt)
+    housing = bodies.housing
+    push_mounted(bodies.shaft, bodies.hub_velocity, bodies.hub_mass, total(push_x), total(push_y), drive.dt)
+    if housing is not None:
+        push_mounted(housing, housing.velocity, housing.mass, total(ring_x), total(ring_y), drive.dt)
     if tilted is not None:
         bodies.tilts.slope_rate[0] += drive.dt * bodies.tilts.hub_over * total(on_x)
         bodies.tilts.slope_rate[1] += drive.dt * bodies.tilts.hub_over * total(on_y)
@@ -180,13 +177,12 @@ def _work(dampers, step, motion, after, dt):
         inner, outer = _closing(step, group, motion)
         F_i, F_o = load_pair(dampers.force, group, columns)
         power = F_i * inner + F_o * outer
-        F = load(dampers.force, NEXT * columns + group)
+        F = load(dampers.force, ROLLER * columns + group)
         if any_lane(F != 0.0):
             power += select(F != 0.0, F * _closing_on_next(bodies, group, motion[1]), 0.0)
         if tilted is not None:
             rates, slope_rate = (tilts.rate, tilts.slope_rate) if after else (tilts.before, tilts.slope_before)
-            ix, iy = load_pair(forces.normal, group, columns)
-            ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+            ix, iy, ox, oy = normals(forces, group, columns)
             rate, gone = load(rates, group), _gone(tilted, bodies, forces, group, motion, slope_rate)
             M_i, M_o = load_pair(tilted.moment, group, columns)
             more = M_o * rate - M_i * (rate * (ix * ox + iy * oy) - gone)
@@ -208,16 +204,16 @@ def _closing_on_next(bodies, group, velocity):
 
 @part
 def write_damped(dampers, step, out):
-    """What contacts have damped, J, and the dampers' forces, N: see `sample_kernels.add_damper_forces`."""
+    """What contacts have damped, J, and the dampers' forces, N: kicks never pull."""
     n, tilted = step.bodies.n, dampers.tilted
-    out[DAMPED_BY_CONTACTS] = dampers.work[0]
-    out[DISSIPATED] += dampers.work[0]
+    out[columns.DAMPED_BY_CONTACTS] = dampers.work[0]
+    out[columns.DISSIPATED] += dampers.work[0]
     for j in range(n):
         at = N_SCALARS + j
         for row in range(3):
-            out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
+            out[at + (columns.FORCE + row) * n] = max(out[at + (columns.FORCE + row) * n] + dampers.force[row, j], 0.0)
         for row in (INNER, OUTER):
-            out[at + (DAMPER_FORCE + row) * n] = dampers.force[row, j]
+            out[at + (columns.DAMPER_FORCE + row) * n] = dampers.force[row, j]
     if tilted is not None:  # moments of the dampers, by themselves and in those of the contacts, N m
         at = step.bodies.tilts.column + 2 * n
         for row in range(2):

@@ -5,15 +5,27 @@ A contact's tangential compliance takes what its bodies slip in a step but for C
 
 import numpy as np
 
-from fem.kernels.contact_kernels import next_rollers
+from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.kernels.drive import SPEED, speed_of
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import logarithm, maximum, minimum
-from fem.kernels.lane_memory import gather, load, scatter_add, store
-from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
+from fem.kernels.lane_functions import logarithm, maximum, minimum, next_rollers
+from fem.kernels.lanes import (
+    WIDTH,
+    absolute,
+    any_lane,
+    count_from,
+    gather,
+    load,
+    scatter_add,
+    select,
+    splat,
+    square_root,
+    store,
+    total,
+)
 from fem.kernels.law import SLIP_FLOOR, STEEPEST, contact_force, creep_traction, damping_coefficient, kick_force
-from fem.kernels.rigid.mounts import ring_rates
-from fem.kernels.rigid.state import INNER, NEXT, OUTER
+from fem.kernels.mounts import ring_rates
+from fem.kernels.rigid.state import normals
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 
@@ -29,11 +41,10 @@ def tractions(step, group, Q_i, Q_o):
     columns, hub_x, hub_y = bodies.columns, before.hub_velocity[0], before.hub_velocity[1]
     vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
     spin, soft = load(before.spin, group), contacts.coupling.tangential
-    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
-    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    ix, iy, ox, oy = normals(forces, group, columns)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
-    slip -= spin * bodies.radius + speed_of(drive.history, drive) * drive.inner_radius
+    slip -= spin * bodies.radius + speed_of(drive) * drive.inner_radius
     rolling = absolute(spin - along * (1.0 / contacts.reach)) * bodies.radius
     T_i = _creep(contacts.inner, soft[INNER], forces, drive, columns * INNER + group, Q_i, slip, rolling)
     ring_x, ring_y = ring_rates(bodies.housing)[1]  # its kick is yet to come
@@ -43,7 +54,7 @@ def tractions(step, group, Q_i, Q_o):
     if outer is not None:
         slip = slip - outer.now[SPEED] * outer.radius
     T_o = _creep(contacts.outer, soft[OUTER], forces, drive, columns * OUTER + group, Q_o, slip, rolling)
-    drive.sums[1] += speed_of(drive.history, drive) * drive.inner_radius * drive.dt * total(T_i)
+    drive.sums[1] += speed_of(drive) * drive.inner_radius * drive.dt * total(T_i)
     if outer is not None:
         drive.sums[1] += outer.now[SPEED] * outer.radius * drive.dt * total(T_o)
     return T_i, T_o
@@ -77,7 +88,7 @@ def press_neighbours(step):
     columns, n, law, reach = bodies.columns, bodies.n, coupling.between, 2.0 * bodies.radius * TOUCHING
     over, centre, velocity = drive.dt / bodies.mass, bodies.centre, bodies.velocity
     for group in range(0, n, WIDTH):
-        i, at = next_rollers(group, n), NEXT * columns + group
+        i, at = next_rollers(group, n), ROLLER * columns + group
         x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
         square = x * x + y * y
         near = (square <= reach * reach) & (count_from(group) < n)
@@ -107,7 +118,7 @@ def press_neighbours(step):
             slip = (gather(before.velocity, i + columns) - load(before.velocity, columns + group)) * nx
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
-            T = _creep(law, coupling.tangential[NEXT], forces, drive, at, Q, slip, splat(0.0))
+            T = _creep(law, coupling.tangential[ROLLER], forces, drive, at, Q, slip, splat(0.0))
         store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - load(forces.force, at))))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))

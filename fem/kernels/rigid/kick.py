@@ -2,28 +2,17 @@
 
 import numpy as np
 
-from fem.kernels.bodies import TWELFTH
+from fem.kernels.columns import INNER, OUTER
 from fem.kernels.drive import GAIN, SPEED
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import maximum, minimum
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, total
+from fem.kernels.lane_functions import load_pair, maximum, minimum, store_pair
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, store, total
 from fem.kernels.law import kick_by_energy, released
-from fem.kernels.rigid.contacts import (
-    along_ring,
-    both_forces,
-    law_energy,
-    load_pair,
-    move,
-    place_of,
-    store_pair,
-    take_more,
-    wrap,
-)
+from fem.kernels.mounts import TWELFTH
+from fem.kernels.rigid.contacts import along_ring, both_forces, law_energy, move, place_of, take_more, wrap
 from fem.kernels.rigid.friction import press_neighbours, tractions
-from fem.kernels.rigid.mounts import ring_acceleration
 from fem.kernels.rigid.rays import along_ray
-from fem.kernels.rigid.state import CROSS, ENERGY, INNER, MOMENT, OUTER, SLOPE
+from fem.kernels.rigid.state import CROSS, ENERGY, MOMENT, SLOPE, normals
 from fem.kernels.rigid.strikes import note_strikes
 from fem.kernels.rigid.surfaces import push_along
 from fem.kernels.tilted_contact import SHORTEST, fallen, kick_by_work, own_approach
@@ -50,8 +39,7 @@ def kick_contacts(step):
             _tell_neighbours(step)
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, columns + group
-        ix, iy = load_pair(forces.normal, group, columns)
-        ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+        ix, iy, ox, oy = normals(forces, group, columns)
         further_i, further_o = _further(step, group)
         ahead_i, ahead_o, turn_i, turn_o = further_i, further_o, None, None
         if tilts is not None:
@@ -164,10 +152,11 @@ def _further(step, group):
     bodies, forces, drive, before = step.bodies, step.forces, step.drive, step.before
     columns, share = bodies.columns, TWELFTH * drive.dt * drive.dt
     there = count_from(group) < bodies.n
-    ix, iy = load_pair(forces.normal, group, columns)
-    ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+    ix, iy, ox, oy = normals(forces, group, columns)
     Q_i, Q_o = load_pair(forces.estimate, group, columns)
-    hub, ring = before.hub_acceleration, ring_acceleration(bodies.housing, before)
+    hub, ring = before.hub_acceleration, (0.0, 0.0)
+    if bodies.housing is not None:
+        ring = before.ring_acceleration[0], before.ring_acceleration[1]
     ax = (Q_i * ix - Q_o * ox) * (1.0 / bodies.mass)
     ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
     ax, ay = along_ray(bodies.prescribed, ox, oy, ax, ay)

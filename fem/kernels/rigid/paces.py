@@ -15,15 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.bodies import TWELFTH, rescale_kick
-from fem.kernels.drive import TURN, outer_of, turn_at, with_outer, with_side_load
+from fem.kernels.columns import INNER, OUTER
+from fem.kernels.drive import TURN, turn_at, with_outer
 from fem.kernels.jit import part
 from fem.kernels.lanes import WIDTH
+from fem.kernels.mounts import TWELFTH, rescale_kick, ring_rates
 from fem.kernels.rigid.contacts import wrap
 from fem.kernels.rigid.dampers import change_damped
-from fem.kernels.rigid.mounts import change_cage, change_ring, change_shaft, ring_rates
 from fem.kernels.rigid.rays import change_rays
-from fem.kernels.rigid.state import INNER, OUTER, Change
+from fem.kernels.rigid.state import Change
 from fem.kernels.rigid.strikes import QUIET, change_radiated
 from fem.kernels.tilts import change_axes, unrest_of_tilts
 
@@ -51,36 +51,28 @@ class Paces(NamedTuple):
 @part
 def take_pace(paces, step, drives):
     """Choose the pace of a section whose first kick has just been made, and change to it."""
-    if paces is not None:
-        if step.time > 0.0:
-            paces.made[paces.now[0]] += paces.counts[paces.now[0]]
-        _take(paces, step, drives)
+    if step.time > 0.0:
+        paces.made[paces.now[0]] += paces.counts[paces.now[0]]
+    _take(paces, step, drives)
 
 
 @part(inlined=False)
 def _take(paces, step, drives):
     bodies, forces, drive = step.bodies, step.forces, step.drive
     now, pace = paces.now[0], FAR
-    outer_turn = with_outer(outer_of(drive.history), 0.0, 1.0, TURN)
-    if _near_edges(paces, bodies, forces, turn_at(drive.history, drive, step.time), outer_turn):
-        pace = NEAR
-    elif now == NEAR and _struck(forces.radiation):
+    outer_turn = with_outer(drive, 0.0, 1.0, TURN)
+    if _near_edges(paces, bodies, forces, turn_at(drive, step.time), outer_turn):
         pace = NEAR
     elif now == NEAR and not _unrest(paces, step) < paces.calm:
         pace = NEAR
+    elif forces.radiation is not None:
+        if now == NEAR and forces.radiation.state[0] != QUIET:  # a contact has just closed
+            pace = NEAR
     if pace != now:
         new, dt = drives[pace], drives[pace].dt
         shift, back = TWELFTH * (drive.dt * drive.dt - dt * dt), 0.5 * (1.0 - dt / drive.dt)
         _change(step, Change(new, shift, back, paces.step[pace], paces.half_step[pace]))
         paces.now[0] = pace
-
-
-@part
-def _struck(radiation):
-    """Whether a contact has just closed; without waves that is not noted."""
-    if radiation is None:
-        return False
-    return radiation.state[0] != QUIET
 
 
 @part
@@ -132,7 +124,9 @@ def _unrest(paces, step):
                 else:
                     rate = (forces.guess[row, forces.halo + j] - forces.force[row, j]) / step.drive.dt
                 found += rate * rate / stiffness
-    return found + unrest_of_tilts(bodies.tilts, forces, bodies.n)
+    if bodies.tilts is not None:
+        found += unrest_of_tilts(bodies.tilts, forces, bodies.n)
+    return found
 
 
 @part
@@ -146,7 +140,7 @@ def _change(step, change):
         rescale_kick(before.hub_velocity, bodies.hub_velocity, k, change.back)
         moved -= 0.5 * new.dt * before.hub_velocity[k]  # what the new step's half will count beside
         if k == 0:
-            sums[0] = with_side_load(old.history, sums[0], before.load[0] * moved)
+            sums[0] += before.load[0] * moved
         else:
             sums[0] -= before.load[1] * moved
     for k in range(2):
@@ -172,12 +166,19 @@ def _change(step, change):
         for row in range(2):
             for j in range(bodies.n):
                 forces.ahead[0, row, j] *= ratio * ratio
-    if bodies.shaft is not None:
-        change_shaft(bodies.shaft, step, change)
+    shaft = bodies.shaft
+    if shaft is not None:
+        for k in range(2):
+            moved = old.dt * shaft.before[k] - new.dt * before.hub_velocity[k]
+            shaft.dissipated[0] -= 0.5 * shaft.drag[k] * moved
+            shaft.before[k] = before.hub_velocity[k]
     if bodies.housing is not None:
-        change_ring(bodies.housing, step, change)
-    if bodies.cage is not None:
-        change_cage(bodies.cage, step, change)
+        _change_ring(bodies.housing, step, change)
+    if bodies.cage is not None:  # works of its contacts' last step end by its next velocities, and so does its drag's
+        cage = bodies.cage.cage
+        for i in range(3):
+            rescale_kick(cage.motion[2], cage.motion[1], i, change.back)
+        cage.drag[0] *= new.dt / old.dt
     if bodies.tilts is not None:
         change_axes(bodies.tilts, bodies.n, change)
     if forces.radiation is not None:
@@ -186,6 +187,32 @@ def _change(step, change):
         change_rays(bodies.prescribed, step, change)
     if forces.dampers is not None:
         change_damped(forces.dampers, step, change)
+
+
+@part
+def _change_ring(housing, step, change):
+    """The housing's motion, as the hub's, and then that of a sensor on it.
+
+    The sensor goes from half an old step before to half a new one before: there and back under one acceleration.
+    """
+    dt, next_ = step.drive.dt, change.drive.dt
+    for k in range(2):
+        housing.place[k] += change.shift * step.before.ring_acceleration[k]
+        moved = dt * housing.before[k]
+        rescale_kick(housing.before, housing.velocity, k, change.back)
+        housing.dissipated[0] -= 0.5 * housing.drag[k] * (moved - next_ * housing.before[k])
+    sensor = housing.sensor
+    if sensor is not None:
+        pushed = (housing.velocity[1] - housing.before[1]) / next_
+        motion, half, whole = sensor.motion, sensor.half_step, change.half_step
+        x = half[0, 0] * motion[0] + half[0, 1] * motion[1] + (half[0, 2] - whole[0, 2]) * pushed
+        y = half[1, 0] * motion[0] + half[1, 1] * motion[1] + (half[1, 2] - whole[1, 2]) * pushed
+        size = whole[0, 0] * whole[1, 1] - whole[0, 1] * whole[1, 0]
+        motion[0] = (whole[1, 1] * x - whole[0, 1] * y) / size
+        motion[1] = (whole[0, 0] * y - whole[1, 0] * x) / size
+        for i in range(2):
+            for k in range(3):
+                sensor.step[i, k], sensor.half_step[i, k] = change.step[i, k], change.half_step[i, k]
 
 
 @part

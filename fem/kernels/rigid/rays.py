@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import N_CAGE_SCALARS
-from fem.kernels.drive import SPEED, STEP, TURN, follow, outer_of, speed_of, step_of, turn_at, with_outer
+from fem.kernels.columns import WORK_DRIVE
+from fem.kernels.drive import SPEED, STEP, TURN, follow, speed_of, step_of, turn_at, with_outer
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, splat, total
-from fem.kernels.rigid.mounts import ring_place, ring_rates
-from fem.kernels.sample_kernels import WORK_DRIVE
+from fem.kernels.lanes import WIDTH, load, splat, store, total
+from fem.kernels.mounts import ring_place, ring_rates
 
 
 class Prescribed(NamedTuple):
@@ -37,9 +36,9 @@ class Prescribed(NamedTuple):
 def roll(prescribed, step):
     """Turn the rollers as they roll."""
     bodies, drive = step.bodies, step.drive
-    outer, more = outer_of(drive.history), prescribed.spin_by_outer
-    turn = splat(with_outer(outer, prescribed.spin * turn_at(drive.history, drive, step.time), more, TURN))
-    spin = splat(with_outer(outer, prescribed.spin * speed_of(drive.history, drive), more, SPEED))
+    more = prescribed.spin_by_outer
+    turn = splat(with_outer(drive, prescribed.spin * turn_at(drive, step.time), more, TURN))
+    spin = splat(with_outer(drive, prescribed.spin * speed_of(drive), more, SPEED))
     for group in range(0, bodies.n, WIDTH):
         store(bodies.turn, group, turn)
         store(bodies.spin, group, spin)
@@ -51,8 +50,8 @@ def roll(prescribed, step):
 def take_moment(prescribed, drive, moment):
     """The work of what keeps eight rollers' spin against a moment, N m, in a step."""
     if prescribed is not None:
-        spin = prescribed.spin * speed_of(drive.history, drive)
-        spin = with_outer(outer_of(drive.history), spin, prescribed.spin_by_outer, SPEED)
+        spin = prescribed.spin * speed_of(drive)
+        spin = with_outer(drive, spin, prescribed.spin_by_outer, SPEED)
         drive.sums[1] -= spin * drive.dt * total(moment)
 
 
@@ -75,9 +74,9 @@ def hold(prescribed, bodies, drive, time):
     first = prescribed.first
     if first is None:
         return
-    columns, dt, outer, more = bodies.columns, drive.dt, outer_of(drive.history), prescribed.cage_by_outer
-    step = with_outer(outer, prescribed.cage * step_of(drive.history, drive), more, STEP)
-    angle = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, time), more, TURN)
+    columns, dt, more = bodies.columns, drive.dt, prescribed.cage_by_outer
+    step = with_outer(drive, prescribed.cage * step_of(drive), more, STEP)
+    angle = with_outer(drive, prescribed.cage * turn_at(drive, time), more, TURN)
     c, s, c_step, s_step = cos(angle), sin(angle), cos(step), sin(step)
     ring_x, ring_y = ring_place(bodies.housing)
     ring_vx, ring_vy = ring_rates(bodies.housing)[1]
@@ -118,7 +117,7 @@ def _power(prescribed, bodies, forces, velocity):
 @part
 def change_rays(prescribed, step, change):
     if prescribed.first is not None:
-        follow(change.drive.history, step.time, change.drive.dt)
+        follow(change.drive, step.time)
         hold(prescribed, step.bodies, change.drive, step.time)
         prescribed.work[1] = 0.5 * change.drive.dt * _power(prescribed, step.bodies, step.forces, step.bodies.velocity)
 
@@ -131,8 +130,8 @@ def write_rays(prescribed, step, out):
     if prescribed.column >= 0:
         at = prescribed.column
         out[at], out[at + 1] = ring_place(step.bodies.housing)
-        outer, more = outer_of(drive.history), prescribed.cage_by_outer
-        out[at + 2] = with_outer(outer, prescribed.cage * turn_at(drive.history, drive, step.time), more, TURN)
-        out[at + 3] = with_outer(outer, prescribed.cage * speed_of(drive.history, drive), more, SPEED)
+        more = prescribed.cage_by_outer
+        out[at + 2] = with_outer(drive, prescribed.cage * turn_at(drive, step.time), more, TURN)
+        out[at + 3] = with_outer(drive, prescribed.cage * speed_of(drive), more, SPEED)
         for j in range(step.bodies.n):
             out[at + N_CAGE_SCALARS + j] = prescribed.force[j]

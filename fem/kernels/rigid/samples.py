@@ -6,16 +6,13 @@ descriptions about the stack, in every step, which takes as long as the step.
 
 from math import sqrt
 
-from fem.kernels import sample_kernels as sample
-from fem.kernels.bodies import TWELFTH
-from fem.kernels.cage import given_beyond
-from fem.kernels.drive import with_side_load
+from fem.kernels import columns as sample
+from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, count_from, select, splat, total
-from fem.kernels.rigid.contacts import along_ring, law_energy, load_pair, wrap
-from fem.kernels.rigid.mounts import ring_place, ring_rates
-from fem.kernels.rigid.state import INNER, NEXT, OUTER
+from fem.kernels.lane_functions import load_pair
+from fem.kernels.lanes import WIDTH, count_from, load, select, splat, store, total
+from fem.kernels.mounts import TWELFTH, ring_place, ring_rates
+from fem.kernels.rigid.contacts import along_ring, law_energy, wrap
 
 
 @part
@@ -52,7 +49,7 @@ def write_works(step, out):
     half = 0.5 * drive.dt
     work = drive.sums[0] - half * before.load[1] * before.hub_velocity[1]
     more = half * before.load[0] * before.hub_velocity[0]
-    out[sample.WORK_LOAD] = with_side_load(drive.history, work, more)
+    out[sample.WORK_LOAD] = work + more
     out[sample.WORK_DRIVE] = 0.5 * (before.driven[0] + drive.sums[1])
     out[sample.DISSIPATED] = drive.sums[2]
     out[sample.DAMPED_BY_CONTACTS] = out[sample.DAMPED_BY_BODIES] = 0.0
@@ -61,7 +58,12 @@ def write_works(step, out):
 @part
 def note_beyond(bodies, forces):
     """Keep the most that kicks have given the hub beyond forces: as contacts open and close, or repay energy."""
-    x, y = given_beyond(bodies.cage)
+    x, y, pair = 0.0, 0.0, bodies.cage
+    if pair is not None:
+        if pair.ring is not None and pair.cage.guide is not None:
+            if pair.ring.turns:
+                more = pair.cage.guide.kick[0] - pair.cage.guide.force[0]
+                x, y = more * pair.cage.guide.normal[0, 0], more * pair.cage.guide.normal[1, 0]
     for j in range(bodies.n):
         # What a kick P gives beyond the force Q that a sample holds, N, each with the damper's.
         Q = forces.force[INNER, j]
@@ -104,7 +106,7 @@ def write_energies(step, out):
     ax, ay = before.hub_acceleration[0], before.hub_acceleration[1]
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay + bodies.mass * total(pushed)
-    pulled = with_side_load(drive.history, pulled, -2.0 * side_load * ax)
+    pulled = pulled + -2.0 * side_load * ax
     out[sample.KINETIC] = 0.5 * kinetic
     out[sample.ELASTIC] = 0.0
     # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more
@@ -143,10 +145,10 @@ def _contact_energy(step, group):
             Q, T = load(forces.force, at), load(forces.traction, at)
             others = load(forces.lifted, at) + 0.5 * along_ring(coupling, forces, forces.gained, row, group)
             own += others * Q + select(Q > 0.0, (0.5 * coupling.tangential[row]) * T * T, 0.0)
-        at = NEXT * columns + group
+        at = ROLLER * columns + group
         Q, T = load(forces.force, at), load(forces.traction, at)
         energy = law_energy(coupling.between, Q, load(forces.approach, at), None)
-        own += select(Q > 0.0, energy + (0.5 * coupling.tangential[NEXT]) * T * T, 0.0)
+        own += select(Q > 0.0, energy + (0.5 * coupling.tangential[ROLLER]) * T * T, 0.0)
     return own
 
 

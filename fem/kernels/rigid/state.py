@@ -9,16 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import CagePair
+from fem.kernels.drive import LoadHistory
 from fem.kernels.fields import given, room, state
-from fem.kernels.housing_kernels import Housing
+from fem.kernels.jit import part
+from fem.kernels.lane_functions import load_pair
+from fem.kernels.law import Law
+from fem.kernels.mounts import Housing, Shaft
 from fem.kernels.rigid.rays import Prescribed
-from fem.kernels.shaft import Shaft
-from fem.kernels.state import Law, LoadHistory
 from fem.kernels.tilts import TiltedForces, Tilts
 from lagrange.contact.damping import ContactDamping
 
-# rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
-INNER, OUTER, NEXT = 0, 1, 2
 UNEVEN = "soft_before", "soft", "slope", "softening"  # of `ReducedForces`: None on perfect circles
 SLOPE, ENERGY, MOMENT, CROSS = range(4)  # entries of `TiltedForces.met`
 
@@ -111,7 +111,7 @@ class Change(NamedTuple):
     drive: tuple  # with the new step
     shift: float  # s², of an acceleration by which places change
     back: float  # of what a kick has given, by which velocities change
-    step: np.ndarray  # (2, 3), a sensor's with the new step: see `housing_kernels.Resonator`
+    step: np.ndarray  # (2, 3), a sensor's with the new step: see `mounts.Resonator`
     half_step: np.ndarray  # (2, 3)
 
 
@@ -216,3 +216,11 @@ class Before(NamedTuple):
     ring_acceleration: state("2")  # of the outer ring in a housing
     load: state("2")  # N, along x and against y
     driven: state("1")  # J, work of the drive before the kick
+
+
+@part
+def normals(forces, group, columns):
+    """Of eight rollers' inner and outer contacts: x, y, x, y."""
+    ix, iy = load_pair(forces.normal, group, columns)
+    ox, oy = load_pair(forces.normal, 2 * columns + group, columns)
+    return ix, iy, ox, oy

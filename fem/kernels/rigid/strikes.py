@@ -11,13 +11,11 @@ Equation (2) of docs/reduced.md.
 
 from math import log
 
+from fem.kernels.columns import DISSIPATED, FORCE, INNER, N_SCALARS, OUTER
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import store
-from fem.kernels.lanes import any_lane, select
+from fem.kernels.lanes import any_lane, select, store
 from fem.kernels.law import STEEPEST
-from fem.kernels.rigid.mounts import push_hub, push_ring, ring_rates
-from fem.kernels.rigid.state import INNER, OUTER
-from fem.kernels.sample_kernels import DISSIPATED, FORCE, N_SCALARS
+from fem.kernels.mounts import push_mounted, ring_rates
 
 QUIET, STRUCK, KICKED = 0, 1, 2  # of `Radiation.state`
 MOST = 0.1  # of a roller's momentum, that one impulse takes
@@ -84,11 +82,13 @@ def _push(bodies, forces, drive, row, j, impulse):
     if row == INNER:
         bodies.velocity[0, j] += over * x
         bodies.velocity[1, j] += over * y
-        push_hub(bodies, -x / drive.dt, -y / drive.dt, drive.dt)
+        push_mounted(bodies.shaft, bodies.hub_velocity, bodies.hub_mass, -x / drive.dt, -y / drive.dt, drive.dt)
     else:
         bodies.velocity[0, j] -= over * x
         bodies.velocity[1, j] -= over * y
-        push_ring(bodies.housing, x / drive.dt, y / drive.dt, drive.dt)
+        housing = bodies.housing
+        if housing is not None:
+            push_mounted(housing, housing.velocity, housing.mass, x / drive.dt, y / drive.dt, drive.dt)
 
 
 @part

@@ -9,18 +9,18 @@ from math import cos, sin
 from fem.kernels.drive import SPEED, TURN, outer_of, speed_of, with_outer
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
-from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import count_from, select, splat, total
-from fem.kernels.rigid.mounts import ring_place
+from fem.kernels.lanes import count_from, load, select, splat, store, total
+from fem.kernels.mounts import ring_place
+from fem.kernels.profiles import lowered_ring, lowered_rollers
 from fem.kernels.rigid.rays import take_moment
-from fem.kernels.surfaces import lowered_ring, lowered_rollers
+from fem.kernels.rigid.state import normals
 from fem.kernels.tilted_contact import FALL, NOW, PART_EDGES, SUNK
 
 
 @part
 def surfaces_met(step, group, turn):
     """What eight rollers' contacts meet: of the whole length, and of spalls' part of it, or None."""
-    tilted, outer = step.contacts.tilted, outer_of(step.drive.history)
+    tilted, outer = step.contacts.tilted, outer_of(step.drive)
     whole = _met(step.contacts, step, group, turn, outer)
     if tilted is None:
         return whole, None
@@ -40,8 +40,7 @@ def _met(profiles, step, group, turn, outer):
     if not step.drive.looks:
         return still, still, still, still
     columns = bodies.columns
-    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
-    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    ix, iy, ox, oy = normals(forces, group, columns)
     c, s = cos(turn), sin(turn)
     ring = lowered_ring(profiles.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
     bx, by = ox, oy  # in the outer ring's frame
@@ -116,10 +115,9 @@ def _distances(bodies, forces, group):
     columns = bodies.columns
     x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
     ring_x, ring_y = ring_place(bodies.housing)
-    out = (x - ring_x) * load(forces.normal, 2 * columns + group)
-    out += (y - ring_y) * load(forces.normal, 3 * columns + group)
-    x, y = x - bodies.hub[0], y - bodies.hub[1]
-    away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
+    ix, iy, ox, oy = normals(forces, group, columns)
+    out = (x - ring_x) * ox + (y - ring_y) * oy
+    away = (x - bodies.hub[0]) * ix + (y - bodies.hub[1]) * iy
     there = count_from(group) < bodies.n
     return select(there, away, 1.0), select(there, out, 1.0)
 
@@ -142,7 +140,7 @@ def push_along(step, group, P, Q):
     own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
-    drive.sums[1] -= speed_of(drive.history, drive) * drive.dt * total(both - own)
+    drive.sums[1] -= speed_of(drive) * drive.dt * total(both - own)
     outer = None if drive.history is None else drive.history.outer
     if outer is not None:
         drive.sums[1] -= outer.now[SPEED] * drive.dt * total(both_o - own_o)
@@ -166,12 +164,11 @@ def passing_rates(step, group, motion):
     columns, slope, (hub, velocity, spin, ring) = bodies.columns, forces.slope, motion
     away, out = _distances(bodies, forces, group)
     vx, vy, turn = load(velocity, group), load(velocity, columns + group), load(spin, group)
-    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
-    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    ix, iy, ox, oy = normals(forces, group, columns)
     around = ((vy - hub[1]) * ix - (vx - hub[0]) * iy) / away
     around_o = ((vy - ring[1]) * ox - (vx - ring[0]) * oy) / out
     both, own = load(slope, group), load(slope, columns + group)
     both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
-    inner = both * around - own * turn - (both - own) * speed_of(drive.history, drive)
+    inner = both * around - own * turn - (both - own) * speed_of(drive)
     outer = both_o * around_o - own_o * turn
-    return inner, with_outer(outer_of(drive.history), outer, own_o - both_o, SPEED)
+    return inner, with_outer(drive, outer, own_o - both_o, SPEED)

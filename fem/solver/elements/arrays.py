@@ -15,20 +15,19 @@ from fem.contacts.model import KernelData, Model
 from fem.elastic.bodies import DiscBody, RigidRing, RingBody, turned
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
-from fem.kernels import disc_kernels, ring_kernels, state
-from fem.kernels.bore import Bore, HeldNodes
 from fem.kernels.cage import Riders
+from fem.kernels.columns import BLOCKS, INNER, N_SCALARS, OUTER, ROLLER
+from fem.kernels.elements import discs, rings, state
+from fem.kernels.elements.bodies import Bore, HeldNodes
+from fem.kernels.elements.friction import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.elements.rings import HALO
+from fem.kernels.elements.state import Bodies, Contacts, Disc, DiscSurface, Drive, Pair, Ring, Rollers
+from fem.kernels.elements.surfaces import N_NODES
+from fem.kernels.elements.tilted import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
 from fem.kernels.fields import at_line, lined_up
-from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
-from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
 from fem.kernels.law import with_seam
-from fem.kernels.patches import N_NODES
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
-from fem.kernels.shaft import late_mass
-from fem.kernels.state import INNER, OUTER, ROLLER, Bodies, Contacts, Disc, DiscSurface, Drive, Pair, Ring, Rollers
-from fem.kernels.tilted_patches import Axes, PatchMoments, SlicedLaw, TiltedSurfaces
+from fem.kernels.mounts import Housing, late_mass
 from fem.solver import parts
 from fem.solver.elements.start import Start
 from fem.solver.parts import filled
@@ -223,7 +222,7 @@ def make_arrays(
     slowing, data, around = mass.at(dt), model.kernel_data(largest_force), start.equilibrium
     hub, ground, mounting, n = model.inner_ring, model.outer_ring, operation.mounting, model.bearing.n_rollers
     inner, outer = ring_nodes(hub, dt, slowing), ring_nodes(ground, dt, slowing)
-    columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
+    columns = -(-n // discs.COLUMNS) * discs.COLUMNS
     body = model.roller
     whole = {"total_mass": body.total_mass, "inertia": body.polar_inertia, "radius": body.shape.radius}
     rollers, disc = filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole), disc_nodes(body, dt, columns)
@@ -308,7 +307,7 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
         return filled(Ring, {"n_rows": 1, "width": width}, **one, **rows)
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
-    table = -dt * ring_kernels.coefficients(ring.stencil) / ring.row_mass[:, None]
+    table = -dt * rings.coefficients(ring.stencil) / ring.row_mass[:, None]
     widening = ring.harmonic_stiffness(np.zeros(1)).real.reshape(ring.n_rows, 2, ring.n_rows, 2)
     first = int(ring.free_rows[0])
     return filled(

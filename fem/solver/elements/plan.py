@@ -14,9 +14,9 @@ from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.outer_support import BoredRing, LooseRing, SupportedRing, bored_ring, supported_ring
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
-from fem.kernels import time_loop
-from fem.kernels.state import Pair
-from fem.kernels.tilted_patches import SlicedLaw
+from fem.kernels.elements import loop
+from fem.kernels.elements.state import Pair
+from fem.kernels.elements.tilted import SlicedLaw
 from fem.quantities import largest_loads
 from fem.solver import limits
 from fem.solver.compiling import CompiledPlan, in_words, pace
@@ -134,7 +134,7 @@ class ElementState(RowState):
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         arrays = self.arrays
-        return time_loop.advance(
+        return loop.advance(
             arrays.bodies, arrays.groups, arrays.contacts, arrays.drive, arrays.scratch, first, stride, rows
         )
 

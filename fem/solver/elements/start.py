@@ -27,7 +27,7 @@ LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equili
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """Positions and velocities at t = 0. SI; frames as in `disc_kernels` and `ring_kernels`."""
+    """Positions and velocities at t = 0. SI; frames as in `fem.kernels.elements.discs` and `rings`."""
 
     equilibrium: Equilibrium
     kinematics: Kinematics

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.kernels.bodies import TWELFTH
 from fem.kernels.cage import Riders
+from fem.kernels.columns import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.kernels.fields import at_line
 from fem.kernels.lanes import WIDTH
+from fem.kernels.law import Law
+from fem.kernels.mounts import TWELFTH
 from fem.kernels.rigid import paces
 from fem.kernels.rigid import state as kernels
 from fem.kernels.rigid.loop import advance_rigid
 from fem.kernels.rigid.rays import Prescribed
 from fem.kernels.rigid.state import Contacts, ReducedDrive, ReducedForces, RigidBodies
-from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
-from fem.kernels.state import Law
 from fem.kernels.tilts import TiltedForces
 from fem.solver import guards, parts
 from fem.solver.parts import filled

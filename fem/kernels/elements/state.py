@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.drive import LoadHistory, OuterTurn
 from fem.kernels.fields import given, room, state
+from fem.kernels.law import Law
+from fem.kernels.profiles import RingProfile, RollerProfiles
 from lagrange.contact.damping import ContactDamping
-
-STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
-INNER, OUTER, ROLLER = 0, 1, 2  # rows of the pairs: inner raceway, outer raceway, roller j with j + 1
 
 
 class Rollers(NamedTuple):
-    """Motion of all rollers. Arrays over rollers have `columns` entries, spare ones 0. Frames: see `disc_kernels`."""
+    """Motion of all rollers. Arrays over rollers have `columns` entries, spare ones 0. Frames: see `discs`."""
 
     centre: state("2, columns")  # m
     velocity: state("2, columns")  # m/s, at t − dt/2
@@ -40,7 +40,7 @@ class Rollers(NamedTuple):
 
 
 class Disc(NamedTuple):
-    """Nodes of all rollers; none where these are rigid. Arrays of fields: see `disc_kernels`."""
+    """Nodes of all rollers; none where these are rigid. Arrays of fields: see `discs`."""
 
     starts: given("n_nodes + 1", np.int64)  # rows of 2 x 2 blocks
     neighbours: given("n_blocks", np.int64)
@@ -57,7 +57,7 @@ class Disc(NamedTuple):
 
 
 class Ring(NamedTuple):
-    """Nodes of a ring. Frames: see `ring_kernels`. A rigid one is a held row of one node at the radius of gyration."""
+    """Nodes of a ring. Frames: see `rings`. A rigid one is a held row of one node at the radius of gyration."""
 
     table: given("n_rows, 18")  # −dt·M⁻¹K
     slowed: given("n_rows, 18")  # γ dt² times that, see `reciprocal_mass`
@@ -121,40 +121,6 @@ class RigidDisc(NamedTuple):
     radius: float
 
 
-class OuterTurn(NamedTuple):
-    """An outer ring that turns about its fixed centre: how, as `LoadHistory` has it of the shaft, and what turns it."""
-
-    turn_knots: given("n + 1")  # s
-    turn: given("n, powers")  # rad
-    now: state("n_outer_now")  # what `drive.follow` found last
-    frame: state("3")  # its turn, cosine and sine
-    moment: state("2")  # of this step, by contacts: on the frame, N m; on nodes about the origin, N m s
-    sums: state("4")  # N m s so far: of contacts, of gravity; that of gravity, N m, and at which time, s
-    drive_work: state("3")  # as `LoadHistory` has it
-    radius: float  # m, of the raceway
-    speed: float  # rad/s, at t = 0
-    growth: float  # m s², of the raceway's radius by the square of its speed; see `LoadHistory`
-    carries_load: bool  # the load that turns turns with it
-
-
-class LoadHistory(NamedTuple):
-    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
-
-    turn_knots: given("n + 1")  # s
-    turn: given("n, powers")  # rad, of the shaft
-    load_knots: given("m + 1")  # s
-    load: given("m, powers, 2")  # N, along x and y
-    now: state("n_now")  # what `drive.follow` found last
-    drive_work: state("3")  # J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
-    unbalance: float  # kg m
-    unbalance_angle: float  # rad from +x at t = 0
-    rotating_load: float  # N
-    rotating_load_angle: float  # rad
-    growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
-    roller_growth: float  # m s², of a roller's
-    outer: OuterTurn | None = None  # None: the outer ring stands still
-
-
 class Hub(NamedTuple):
     """A rigid inner ring, which is part of the hub."""
 
@@ -162,7 +128,7 @@ class Hub(NamedTuple):
     velocity: np.ndarray  # (2,), m/s
     impulse: np.ndarray  # (2,), N s
     n_contacts: int
-    late_mass: float  # kg, see `shaft`
+    late_mass: float  # kg, see `mounts`
     speed: float
     radius: float
     history: LoadHistory | None = None  # None: the speed stays
@@ -173,32 +139,6 @@ class Ground(NamedTuple):
 
     radius: float
     turning: OuterTurn | None = None
-
-
-class Law(NamedTuple):
-    """What contacts of a pair add to what the nodes carry, see `law`; with pressure points only the last two count."""
-
-    A: float
-    B: float
-    Q_line: float
-    half_width_factor: float  # b²/Q
-    curvature: float  # 1/R, 1/m
-
-
-class RingProfile(NamedTuple):
-    """Surface of a ring over its angle: periodic cubic B-splines."""
-
-    sinkage: given("n_knots")  # m
-    # m/N, of edges; where rollers tilt, whose edges have none, m, sinkage of the part of the length that spalls take
-    compliance: given("n_knots")
-
-
-class RollerProfiles(NamedTuple):
-    """The same of the rollers' contacts with one raceway by angle on the roller."""
-
-    sinkage: given("n_rows, n_knots")  # m
-    compliance: given("n_rows, n_knots")  # m/N, or m
-    first: given("columns", np.int64)  # place of each roller's row
 
 
 class Pair(NamedTuple):
@@ -259,10 +199,10 @@ class Patches(NamedTuple):
 
 
 class Shear(NamedTuple):
-    """Tangential springs of contacts, by pair and roller: see `shear_kernels`."""
+    """Tangential springs of contacts, by pair and roller: see `friction`."""
 
     level: given("pairs")  # of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
-    stretch: state("pairs, columns")  # m, along the slip; between two kicks halfway, see `shear_kernels`
+    stretch: state("pairs, columns")  # m, along the slip; between two kicks halfway, see `friction`
     creep: state("pairs, columns")  # m/s, at the last kick
     since: state("pairs, columns")  # s, a step where the contact was closed then, else 0
     compliance: state("pairs, columns", 1.0)  # m/N, then
@@ -277,7 +217,7 @@ class Friction(NamedTuple):
     slip_left: state("pairs, columns")  # m/s, after it
     mobility: state("pairs, columns")  # 1/kg, of both sides together
     coefficient: float
-    overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
+    overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction`; None: never
     whole: bool | None  # None: no contacts share rigid bodies
     shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 
@@ -293,7 +233,7 @@ class Spread(NamedTuple):
 
 
 class Points(NamedTuple):
-    """Points of pressure contacts and of penalty springs, by pair, side and point; see `resolved_kernels`."""
+    """Points of pressure contacts and of penalty springs, by pair, side and point; see `points`."""
 
     shift: given("pairs, 2, n_points")  # rad, of a point's direction from the line of centres
     tangent: given("pairs, 2, n_points")  # t-component of the outward normal over its n-component's size
@@ -311,7 +251,7 @@ class Points(NamedTuple):
 
 
 class Dampers(NamedTuple):
-    """Dampers of contacts, by pair and roller: see `damping_kernels`."""
+    """Dampers of contacts, by pair and roller: see `damping`."""
 
     law: ContactDamping
     whole: given("pairs")  # level of the contacts' whole approach, A Q (level − ½ ln Q)
@@ -327,7 +267,7 @@ class Dampers(NamedTuple):
 
 
 class BodyDamping(NamedTuple):
-    """Damping of bodies, in proportion to mass, see `body_damping`."""
+    """Damping of bodies, in proportion to mass, see `damping`."""
 
     share: float  # of a velocity, that a step takes
     work: state("2")  # J, the share of twice the kinetic energy that it was of: of all kicks, and of the last
@@ -357,7 +297,7 @@ class Drive(NamedTuple):
     sums: state("6")  # so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
     # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
-    late_mass: float  # kg, see `shaft`
+    late_mass: float  # kg, see `mounts`
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float

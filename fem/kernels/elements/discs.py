@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import fma, splat, total
+from fem.kernels.lanes import fma, gather, load, splat, store, total
 
 COLUMNS = 16  # handled together
 

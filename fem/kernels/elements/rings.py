@@ -3,16 +3,16 @@
 State in polar components in the ring's own frame, about the outer ring's centre: `u` displacement (rigid motion of the
 hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8. Halos of
 `u` repeat the other end, one column on the left, all on the right, so that neither the stencil nor patches need a wrap;
-those of `w` do while the stencil is applied to it, and are room at other times, see `ring_surface`.
+those of `w` do while the stencil is applied to it, and are room at other times, see `surfaces`.
 
 Equation (1) of docs/method.md.
 """
 
 import numpy as np
 
+from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import WIDTH, fma, from_left, from_right, splat, total
+from fem.kernels.lanes import WIDTH, fma, from_left, from_right, gather, load, splat, store, total
 
 HALO = WIDTH  # one register: keeps the rows aligned
 
@@ -260,3 +260,17 @@ def resultant(line, cosines, sines):
         x += radial * c - tangential * s
         y += radial * s + tangential * c
     return total(x), total(y)
+
+
+@part
+def set_held_row(inner, drive, half):
+    """Give the inner ring's held row the hub's velocity, `half` a step after a kick (−1: before it): along a chord."""
+    c, s, vx, vy = drive.frame[1], drive.frame[2], drive.velocity[0], drive.velocity[1]
+    width, speed = inner.cosines.size, speed_of(drive)
+    at = 2 * inner.held * width
+    set_rigid(inner.w, at, inner.cosines, inner.sines, c * vx + s * vy, c * vy - s * vx)
+    ahead, rim = 0.5 * half * drive.dt * speed, speed * inner.radii[inner.held]
+    inward, around = ahead * rim, (1.0 - 0.5 * ahead * ahead) * rim
+    for k in range(at, at + width, WIDTH):
+        store(inner.w, k, load(inner.w, k) - inward)
+        store(inner.w, k + width, load(inner.w, k + width) + around)

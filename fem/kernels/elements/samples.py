@@ -7,48 +7,20 @@ Equation (10) of docs/method.md.
 
 from math import cos, sin
 
-from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.bodies import add_all_motion, prepare_others
-from fem.kernels.drive import (
-    is_turning,
-    load_at,
-    moment_on,
-    outer_axes,
-    outer_of,
-    outer_speed_of,
-    speed_of,
-    with_side_load,
-)
-from fem.kernels.jit import every, part, verb
-from fem.kernels.lane_functions import cosine_and_sine
-from fem.kernels.lane_memory import load
-from fem.kernels.lanes import WIDTH, splat
+from fem.kernels import columns as sample
+from fem.kernels.columns import CONTACT, DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS, WORK_DRIVE
+from fem.kernels.drive import SPEED, is_turning, load_at, outer_axes, outer_of, speed_of
+from fem.kernels.elements import discs, rings
+from fem.kernels.elements.bodies import prepare_others, write_others
+from fem.kernels.elements.friction import spring_energy
+from fem.kernels.elements.rings import HALO
+from fem.kernels.elements.state import Pair, RigidDisc
+from fem.kernels.elements.tilted import SlicedLaw
+from fem.kernels.jit import every, part
+from fem.kernels.lane_functions import cosine_and_sine, load_pair
+from fem.kernels.lanes import WIDTH, load, splat
 from fem.kernels.lanes import total as lane_total
 from fem.kernels.law import contact_energy
-from fem.kernels.node_kernels import set_held_row
-from fem.kernels.rigid_surfaces import turning_energy
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.shear_kernels import spring_energy
-from fem.kernels.state import Pair
-
-# Columns of a row by the result file's names (`lagrange.columns`): numbers, then blocks of n_rollers; those of further
-# bodies stand behind. work_load, work_gravity and work_drive are parts of work_external.
-SCALARS = (
-    "time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay",
-    "energy_kinetic", "energy_elastic", "energy_contact", "work_load", "work_gravity", "work_drive",
-    "work_dissipated", "work_damping_contact", "work_damping_bodies",
-)  # fmt: skip
-N_SCALARS = len(SCALARS)
-(
-    TIME, HUB_X, HUB_Y, HUB_VX, HUB_VY, HUB_AX, HUB_AY, KINETIC, ELASTIC, CONTACT, WORK_LOAD, WORK_GRAVITY, WORK_DRIVE,
-    DISSIPATED, DAMPED_BY_CONTACTS, DAMPED_BY_BODIES,
-) = range(N_SCALARS)  # fmt: skip
-BLOCKS = (
-    "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force", "roller_roller_force",
-    "inner_traction", "outer_traction", "inner_damping_force", "outer_damping_force",
-)  # fmt: skip
-IN_EVERY_ROW = "surfaces", "damping"  # parts of a scene, but for sinkages, which follow from the others
-X, Y, TURN, SPIN, FORCE, _, _, TRACTION, _, DAMPER_FORCE, _ = range(len(BLOCKS))  # forces by row of contacts
 
 
 @part(inlined=False)
@@ -56,7 +28,7 @@ def remember(bodies, drive, scratch):
     """Keep the velocities before a kick: a sample needs those of both half steps."""
     rollers, w = bodies.rollers, bodies.disc.w
     if drive.slowing > 0.0:
-        set_held_row(bodies.inner, drive, -1.0)
+        rings.set_held_row(bodies.inner, drive, -1.0)
         prepare_others(bodies.others)
     for i in range(w.size):
         scratch.rollers_w[i] = w[i]
@@ -85,46 +57,48 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     changes by ½ dt v·(F + F') from one instant to the next. `moment`, N m s, is the kick's.
     """
     before, after, dt, rollers = scratch.hub_velocity, drive.velocity, drive.dt, bodies.rollers
-    forces, friction = contacts.forces, contacts.friction
-    out[TIME] = time
-    out[HUB_X], out[HUB_Y] = drive.hub[0], drive.hub[1]
-    out[HUB_VX], out[HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
-    out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
-    out[KINETIC] = kinetic_energy(bodies, drive, scratch)
+    forces, friction, dampers = contacts.forces, contacts.friction, contacts.dampers
+    damping, n = bodies.damping, rollers.n
+    out[sample.TIME] = time
+    out[sample.HUB_X], out[sample.HUB_Y] = drive.hub[0], drive.hub[1]
+    out[sample.HUB_VX], out[sample.HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
+    out[sample.HUB_AX], out[sample.HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
+    out[sample.KINETIC] = kinetic_energy(bodies, drive, scratch)
     out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
-    out[WORK_DRIVE] += _outer_work(outer_of(drive.history), bodies.outer, drive, scratch, time)
-    out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
+    out[WORK_DRIVE] += _outer_work(outer_of(drive), bodies.outer, drive, scratch, time)
+    out[sample.ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
-    add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    aside, radial_load = load_at(drive.history, drive, time)
+    add_contact_energy(groups, contacts, n, out)
+    side_load, radial_load = load_at(drive, time)
     moved_x, moved_y = dt * before[0] + drive.slowed[0, 0], dt * before[1] + drive.slowed[0, 1]
-    work = with_side_load(drive.history, drive.sums[0] - 0.5 * radial_load * moved_y, 0.5 * aside * moved_x)
-    out[WORK_LOAD] = work
-    out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
+    out[sample.WORK_LOAD] = drive.sums[0] - 0.5 * radial_load * moved_y + 0.5 * side_load * moved_x
+    out[sample.WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
     for row in range(friction.traction.shape[0]):
-        for j in range(rollers.n):
+        for j in range(n):
             rubbed -= friction.traction[row, j] * friction.slip[row, j]
-    stored = spring_energy(friction.shear, rollers.n)
+    stored = spring_energy(friction.shear, n)
     out[CONTACT] += stored
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
-    out[DAMPED_BY_CONTACTS] = 0.0 if contacts.dampers is None else contacts.dampers.work[0]
-    damping = bodies.damping
+    out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
     out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0] - 0.25 * damping.work[1]  # see `damp_bodies`
     out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
-    n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
-        out[at + X * n] = rollers.centre[0, j]
-        out[at + Y * n] = rollers.centre[1, j]
-        out[at + TURN * n] = rollers.turn[j] + rollers.lead[j]
-        out[at + SPIN * n] = rollers.spin[j]
+        out[at + sample.X * n] = rollers.centre[0, j]
+        out[at + sample.Y * n] = rollers.centre[1, j]
+        out[at + sample.TURN * n] = rollers.turn[j] + rollers.lead[j]
+        out[at + sample.SPIN * n] = rollers.spin[j]
         for row in range(3):
-            out[at + (FORCE + row) * n] = forces.force[row, j]
+            force = forces.force[row, j]
+            if dampers is not None:  # kicks never pull; they release residual energy, so this could be below 0
+                force = max(force + dampers.force[row, j], 0.0)
+            out[at + (sample.FORCE + row) * n] = force
         for row in range(2):
-            out[at + (TRACTION + row) * n] = friction.traction[row, j]
-        add_damper_forces(contacts.dampers, j, n, out)
-    add_all_motion(bodies.others, drive, out, KINETIC)
+            out[at + (sample.TRACTION + row) * n] = friction.traction[row, j]
+            if dampers is not None:
+                out[at + (sample.DAMPER_FORCE + row) * n] = dampers.felt[row, j]
+    write_others(bodies.others, drive, out)
 
 
 @part
@@ -134,20 +108,6 @@ def _lines(ring, row):
     return radial, radial + ring.cosines.size
 
 
-@part
-def add_damper_forces(dampers, j, n, out):
-    """Forces of a roller's dampers, N, by themselves and in the contacts' forces.
-
-    Kicks never pull. They release residual energy, so the law's own force with a damper's could be below 0.
-    """
-    if dampers is not None:
-        at = N_SCALARS + j
-        for row in range(3):
-            out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
-        for row in range(2):
-            out[at + (DAMPER_FORCE + row) * n] = dampers.felt[row, j]
-
-
 @part(inlined=False)
 def _drive_work(inner, drive, scratch, time, moment):
     """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
@@ -155,7 +115,7 @@ def _drive_work(inner, drive, scratch, time, moment):
     That is the change of their angular momentum about the origin less the moment of all other forces; gravity's,
     a smooth one, is summed at samples only.
     """
-    if not is_turning(drive.history, drive):
+    if not is_turning(drive):
         return 0.0
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
@@ -164,11 +124,25 @@ def _drive_work(inner, drive, scratch, time, moment):
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
-    speed = speed_of(drive.history, drive)
+    speed = speed_of(drive)
     rate = sin(speed * drive.dt) / drive.dt
     if drive.history is None:
         return rate * given
     return _trapezoid(drive.history.drive_work, rate, given + _rim(inner) * speed)
+
+
+@part(inlined=False)
+def _outer_work(outer, ring, drive, scratch, time):
+    """The same of what keeps the outer ring's speed, J."""
+    if outer is None:
+        return 0.0
+    angular, dt, sums, speed = _with_angular(0.0, ring, scratch.outer_w), drive.dt, outer.sums, outer.now[SPEED]
+    weight = -drive.gravity * _ring_place(ring, outer.frame[1], outer.frame[2])[0]
+    sums[1] += 0.5 * (weight + sums[2]) * (time - sums[3])
+    sums[2], sums[3] = weight, time
+    moment = outer.moment[1] - outer.moment[0] * dt
+    given = 0.5 * angular - sums[0] - 0.5 * moment - sums[1] + _rim(ring) * speed
+    return _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
 
 
 @part
@@ -191,19 +165,6 @@ def _rim(ring):
     return ring.row_mass[ring.held] * ring.n_sectors * ring.radii[ring.held] * ring.radii[ring.held]
 
 
-@part(inlined=False)
-def _outer_work(outer, ring, drive, scratch, time):
-    """The same of what keeps the outer ring's speed, J."""
-    if outer is None:
-        return 0.0
-    angular, dt, sums, speed = _with_angular(0.0, ring, scratch.outer_w), drive.dt, outer.sums, outer_speed_of(outer)
-    weight = -drive.gravity * _ring_place(ring, outer.frame[1], outer.frame[2])[0]
-    sums[1] += 0.5 * (weight + sums[2]) * (time - sums[3])
-    sums[2], sums[3] = weight, time
-    given = 0.5 * angular - sums[0] - 0.5 * moment_on(outer, dt) - sums[1] + _rim(ring) * speed
-    return _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
-
-
 @part
 def _trapezoid(work, rate, given):
     """Work of a drive, J, up to now: `work` is it, the last rate, 1/s, and what had been given then, N m s."""
@@ -220,30 +181,32 @@ def kinetic_energy(bodies, drive, scratch):
     v = w − γ dt² M⁻¹K·w is what nodes move at. Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn
     with them within a step.
     """
-    rollers, disc, inner = bodies.rollers, bodies.disc, bodies.inner
-    total, dt = 0.0, drive.dt
-    columns, n = rollers.columns, rollers.n
+    rollers, disc, inner, outer = bodies.rollers, bodies.disc, bodies.inner, outer_of(drive)
+    total, dt, columns, n = 0.0, drive.dt, rollers.columns, rollers.n
     for j in range(0, n, WIDTH):
         cosine, _ = cosine_and_sine(load(rollers.spin, j) * dt)
         turned, kick = (1.0 - cosine) * (1.0 / dt), load(rollers.turn_kick, j)
         part = splat(0.0)
         for i in range(disc.mass.size):
-            at = 2 * i * columns + j
-            x, y, mass = disc.points[2 * i], disc.points[2 * i + 1], disc.mass[i]
-            bx, by = load(scratch.rollers_w, at), load(scratch.rollers_w, at + columns)
-            ax, ay = load(disc.w, at), load(disc.w, at + columns)
+            at, x, y = 2 * i * columns + j, disc.points[2 * i], disc.points[2 * i + 1]
+            bx, by = load_pair(scratch.rollers_w, at, columns)
+            ax, ay = load_pair(disc.w, at, columns)
             outward = x * (ax - bx) + y * (ay - by)
             around = x * by - y * bx  # what turning as a whole will still add to the velocities after
-            part += mass * (bx * ax + by * ay - turned * outward + kick * around)
+            part += disc.mass[i] * (bx * ax + by * ay - turned * outward + kick * around)
         total += lane_total(part)
-    total += turning_energy(bodies.surface, rollers)
+    if isinstance(bodies.surface, RigidDisc):
+        spinning = 0.0
+        for j in range(n):
+            spinning += rollers.inertia * rollers.spin[j] * (rollers.spin[j] + rollers.turn_kick[j])
+        total += spinning
     for j in range(n):
         for component in range(2):
             before = scratch.rollers_velocity[component, j]
             after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
-    speed = speed_of(drive.history, drive)
+    speed = speed_of(drive)
     total -= (1.0 - cos(speed * dt)) * _outward(inner, scratch.inner_w) / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
@@ -251,7 +214,16 @@ def kinetic_energy(bodies, drive, scratch):
         total += drive.slowing / dt * _strain_power(bodies, drive, scratch)
     rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
-    return 0.5 * (total + _by_turning(outer_of(drive.history), bodies.outer, scratch.outer_w, dt))
+    return 0.5 * (total + _by_turning(outer, bodies.outer, scratch.outer_w, dt))
+
+
+@part
+def _by_turning(outer, ring, before, dt):
+    """What a turning outer ring adds to twice the kinetic energy, J: its held row, and how its forces turn with it."""
+    if outer is None:
+        return 0.0
+    speed = outer.now[SPEED]
+    return _rim(ring) * speed * speed - (1.0 - cos(speed * dt)) * _outward(ring, before) / dt
 
 
 @part
@@ -267,22 +239,13 @@ def _outward(ring, before):
     return outward
 
 
-@part
-def _by_turning(outer, ring, before, dt):
-    """What a turning outer ring adds to twice the kinetic energy, J: its held row, and how its forces turn with it."""
-    if outer is None:
-        return 0.0
-    speed = outer_speed_of(outer)
-    return _rim(ring) * speed * speed - (1.0 - cos(speed * dt)) * _outward(ring, before) / dt
-
-
 @part(inlined=False)
 def _strain_power(bodies, drive, scratch):
     """−dt wᵀKw of the velocities before and the calmed ones after a kick, J/s; rings' are ready for the stencil."""
     rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
     if drive.calming > 0.0:
-        disc_kernels.calm(bodies.disc, rollers.columns, drive.calming)
-    total = disc_kernels.strain_power(bodies.disc, bodies.disc.calmed, scratch.rollers_w, rollers.columns, rollers.n)
+        discs.calm(bodies.disc, rollers.columns, drive.calming)
+    total = discs.strain_power(bodies.disc, bodies.disc.calmed, scratch.rollers_w, rollers.columns, rollers.n)
     total += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
     return total + _ring_strain_power(outer, scratch.outer_w, scratch.line)
 
@@ -291,7 +254,7 @@ def _strain_power(bodies, drive, scratch):
 def _ring_strain_power(ring, before, line):
     total, width = 0.0, ring.cosines.size
     for row in range(ring.radii.size):
-        ring_kernels.row_force(ring.table, ring.calmed, row, line)
+        rings.row_force(ring.table, ring.calmed, row, line)
         part, at = splat(0.0), 2 * row * width
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             part += load(before, at + k) * load(line, k) + load(before, at + width + k) * load(line, width + k)
@@ -314,10 +277,9 @@ def _ring_kinetic(ring, before):
 @part(inlined=False)
 def elastic_energy(bodies, drive, scratch):
     """Energy ½ uᵀKu of all bodies, J. The copies of velocities in `scratch` are overwritten."""
-    disc, inner, outer = bodies.disc, bodies.inner, bodies.outer
-    total, dt, columns = 0.0, drive.dt, bodies.rollers.columns
+    disc, total, dt, columns = bodies.disc, 0.0, drive.dt, bodies.rollers.columns
     scratch.rollers_w[:] = 0.0
-    disc_kernels.kick(disc, scratch.rollers_w, columns, scratch.torque)
+    discs.kick(disc, scratch.rollers_w, columns, scratch.torque)
     for j in range(0, bodies.rollers.n, WIDTH):
         part = splat(0.0)
         for i in range(disc.mass.size):
@@ -325,8 +287,8 @@ def elastic_energy(bodies, drive, scratch):
             part += mass * (load(disc.u, at) * load(scratch.rollers_w, at))
             part += mass * (load(disc.u, at + columns) * load(scratch.rollers_w, at + columns))
         total -= lane_total(part)
-    total += _ring_elastic(inner, scratch.inner_w, dt)
-    total += _ring_elastic(outer, scratch.outer_w, dt)
+    total += _ring_elastic(bodies.inner, scratch.inner_w, dt)
+    total += _ring_elastic(bodies.outer, scratch.outer_w, dt)
     return 0.5 * total
 
 
@@ -334,7 +296,7 @@ def elastic_energy(bodies, drive, scratch):
 def _ring_elastic(ring, room, dt):
     """uᵀKu, J, of all rows: the held ones move with hub or housing."""
     room[:] = 0.0
-    ring_kernels.kick(ring.table, ring.u, room, 0, ring.radii.size)
+    rings.kick(ring.table, ring.u, room, 0, ring.radii.size)
     total = 0.0
     for row in range(ring.radii.size):
         part = splat(0.0)
@@ -345,30 +307,22 @@ def _ring_elastic(ring, room, dt):
     return total
 
 
-@verb
-def add_energy(pair, contacts, n, points, out):
-    """Add the energy that a pair stores."""
-
-
-@add_energy.of(Pair)
-def _add_contact_energy(pair, contacts, n, points, out):
-    """The energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
-    forces, law = contacts.forces, pair.law
+@part
+def _add_contact_energy(pair, contacts, n, out):
+    """Add the energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
+    forces, law, points = contacts.forces, pair.law, contacts.points
     for j in range(n):
         Q = forces.force[pair.row, j]
         if points is not None:
             out[CONTACT] += points.energy[pair.row, j]
         elif Q > 0.0:
-            out[CONTACT] += energy_below(law, forces, pair.row, j)
+            if isinstance(law, SlicedLaw):
+                out[CONTACT] += law.axes.tilted.energy[pair.row, j]
+            else:
+                out[CONTACT] += contact_energy(Q, law.A, forces.bracket[pair.row, j], law.Q_line)
 
 
-@verb
-def energy_below(law, forces, row, j):
-    """Energy of a closed contact below the grid, J."""
-    return contact_energy(forces.force[row, j], law.A, forces.bracket[row, j], law.Q_line)
-
-
-add_contact_energy = every(add_energy)
+add_contact_energy = every(_add_contact_energy, Pair)
 
 
 @part(inlined=False)
@@ -377,7 +331,7 @@ def weighted_height(bodies, drive):
     total, rollers = drive.mass * drive.hub[1], bodies.rollers
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[1, j]
-    c, s = outer_axes(outer_of(drive.history))
+    c, s = outer_axes(drive)
     return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, c, s)[1]
 
 

@@ -1,4 +1,4 @@
-"""Contacts: exact circles, smooth patches, sub-grid law; all forces are the gradient of one potential.
+"""CONTACT FORCES: exact circles, smooth patches, sub-grid law; all forces are the gradient of one potential.
 
 Approach of two bodies 1, 2 with unit normal n along the line of centres and patch means U = Σ W u:
 
@@ -15,36 +15,35 @@ Equation (2) of docs/method.md.
 
 import numpy as np
 
-from fem.kernels.jit import every, part, verb
-from fem.kernels.lane_memory import gather, load, scatter_add, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
-from fem.kernels.law import kick_force, next_force
-from fem.kernels.state import Pair
-from fem.kernels.surfaces import (
-    accumulate_ghost_nodes,
-    clear_ghost_nodes,
-    interpolate_displacement,
-    keep_motion,
-    kept_motion,
-    locate_patch,
-    lowered_ring,
-    lowered_rollers,
-    scatter_normal_force,
+from fem.kernels.elements import surfaces
+from fem.kernels.elements.state import Pair
+from fem.kernels.elements.tilted import SlicedLaw, press_tilted
+from fem.kernels.jit import every, part
+from fem.kernels.lane_functions import load_pair, next_rollers, store_pair
+from fem.kernels.lanes import (
+    WIDTH,
+    any_lane,
+    count_from,
+    gather,
+    load,
+    scatter_add,
+    select,
+    splat,
+    square_root,
+    store,
+    total,
 )
-
-
-@verb
-def normal_forces(pair, rollers, disc, contacts, drive):
-    """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
+from fem.kernels.law import kick_force, next_force
+from fem.kernels.profiles import lowered_ring, lowered_rollers
 
 
 @part
 def press_patches(groups, rollers, disc, contacts, drive):
     """Normal forces of all pairs. Contacts go through it step by step together: one alone waits for its own numbers."""
-    meet_all(groups, rollers, disc, contacts)
-    place_all(groups, rollers, disc, contacts)
-    read_all(groups, rollers, disc, contacts)
-    press_all(groups, rollers, disc, contacts, drive)
+    _meet_all(groups, rollers, disc, contacts)
+    _locate_all(groups, rollers, disc, contacts)
+    _read_all(groups, rollers, disc, contacts)
+    _press_all(groups, rollers, disc, contacts, drive)
 
 
 @part
@@ -54,10 +53,9 @@ def first_surface(pair, disc):
 
 
 @part
-def next_rollers(group, n):
-    """The rollers after eight from `group` on, lanes; of the last and of spare lanes the first."""
-    after = count_from(group) + 1
-    return select(after >= n, 0, after)
+def second_rollers(pair, group, n):
+    """The rollers on side 1 of eight contacts, lanes."""
+    return next_rollers(group, n) if pair.surface is None else count_from(group)
 
 
 @part
@@ -67,20 +65,26 @@ def next_roller(j, n):
 
 
 @part
-def _met(contacts, row):
-    """Overlaps of eight circles, and whether they are near; the others' are not a number."""
-    overlap = load(contacts.forces.overlap, row)
-    return overlap, overlap == overlap
+def with_dampers(dampers, row, force):
+    """Forces of eight contacts with their dampers', N."""
+    return force if dampers is None else force + load(dampers.force, row)
 
 
 @part
-def contact_kinematics(pair, rollers, disc, contacts):
+def _are_near(contacts, row):
+    """Whether any of eight circles are near: the overlaps of others are not a number."""
+    overlap = load(contacts.forces.overlap, row)
+    return any_lane(overlap == overlap)
+
+
+@part
+def _meet(pair, rollers, disc, contacts):
     """Overlaps of a pair's undeformed circles, normals and outward directions on both sides."""
     forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
     cosine, sine, sign, side = rollers.cosine, rollers.sine, pair.sign, 2 * pair.row
     for group in range(0, n, WIDTH):
         row = pair.row * columns + group
-        x, y = load(centre, group), load(centre, columns + group)
+        x, y = load_pair(centre, group, columns)
         if pair.surface is not None:
             x, y = x - pair.centre[0], y - pair.centre[1]
             distance = square_root(x * x + y * y)
@@ -100,69 +104,69 @@ def contact_kinematics(pair, rollers, disc, contacts):
         scale = 1.0 / select(near, distance, 1.0)
         nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
         store(forces.nearness, row, scale)
-        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
+        store_pair(patches.normal, side * columns + group, columns, nx, ny)
         c, s = load(cosine, group), load(sine, group)
         if pair.surface is not None:
             c_0, s_0 = pair.frame[1], pair.frame[2]
         else:
             c_0, s_0, c, s = c, s, gather(cosine, i), gather(sine, i)
-        _store_pair(patches.outward, 2 * side * columns + group, columns, c_0 * nx + s_0 * ny, c_0 * ny - s_0 * nx)
+        store_pair(patches.outward, 2 * side * columns + group, columns, c_0 * nx + s_0 * ny, c_0 * ny - s_0 * nx)
         bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
-        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
+        store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
 
 
 @part
-def _place(pair, rollers, disc, contacts):
-    """Where the patches of a pair's contacts lie."""
-    surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
+def _locate(pair, rollers, disc, contacts):
+    patches = contacts.patches
     for group in range(0, rollers.n, WIDTH):
-        if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            locate_patch(surface, patches, 2 * pair.row, group)
-            locate_patch(disc, patches, 2 * pair.row + 1, group)
+        if _are_near(contacts, pair.row * rollers.columns + group):
+            surfaces.locate_patch(first_surface(pair, disc), patches, 2 * pair.row, group)
+            surfaces.locate_patch(disc, patches, 2 * pair.row + 1, group)
 
 
 @part
 def _read(pair, rollers, disc, contacts):
     """Motion of the patches of a pair's contacts."""
-    surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
-    for group in range(0, rollers.n, WIDTH):
-        if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            keep_motion(
-                patches,
-                2 * pair.row,
-                group,
-                interpolate_displacement(surface, patches, 2 * pair.row, group, count_from(group)),
+    patches, side, columns, n = contacts.patches, 2 * pair.row, rollers.columns, rollers.n
+    for group in range(0, n, WIDTH):
+        if _are_near(contacts, pair.row * columns + group):
+            motion = surfaces.interpolate_displacement(
+                first_surface(pair, disc), patches, side, group, count_from(group)
             )
-    for group in range(0, rollers.n, WIDTH):
-        if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            found = interpolate_displacement(
-                disc, patches, 2 * pair.row + 1, group, second_rollers(pair, group, rollers.n)
-            )
-            keep_motion(patches, 2 * pair.row + 1, group, found)
-
-
-meet_all, place_all, read_all = every(contact_kinematics, Pair), every(_place, Pair), every(_read, Pair)
-press_all = every(normal_forces)
+            _keep_motion(patches, side, group, motion)
+    for group in range(0, n, WIDTH):
+        if _are_near(contacts, pair.row * columns + group):
+            motion = surfaces.interpolate_displacement(disc, patches, side + 1, group, second_rollers(pair, group, n))
+            _keep_motion(patches, side + 1, group, motion)
 
 
 @part
-def second_rollers(pair, group, n):
-    """The rollers on side 1 of eight contacts, lanes."""
-    return next_rollers(group, n) if pair.surface is None else count_from(group)
+def _keep_motion(patches, side, group, motion):
+    """Keep what `interpolate_displacement` gives."""
+    out, sideways, rate, ripple, ripple_rate = motion
+    at, columns = 5 * side * patches.columns + group, patches.columns
+    store_pair(patches.motion, at, columns, out, sideways)
+    store_pair(patches.motion, at + 2 * columns, columns, rate, ripple)
+    store(patches.motion, at + 4 * columns, ripple_rate)
 
 
-@verb
-def press(law, rollers, forces, at, normal, met, level, dt):
+@part
+def _kept_motion(patches, side, group):
+    """Outward motion, its slope, ripple and its slope, and sideways motion."""
+    at, columns, motion = 5 * side * patches.columns + group, patches.columns, patches.motion
+    (out, sideways), (rate, ripple) = load_pair(motion, at, columns), load_pair(motion, at + 2 * columns, columns)
+    return (out, rate, ripple, load(motion, at + 4 * columns)), sideways
+
+
+@part
+def _press_by_law(law, forces, row, near, approach, ripple):
     """Forces of eight contacts and what a kick gives, N; 0 where they are not near.
 
     Parameters
     ----------
-    at : the first of eight rollers, and of their contacts' entries in arrays; met : whether near, and approaches, m
-    level : m/N, by which the law's A B is more here
+    row : where the first of the contacts stands in arrays; ripple : m/N, by which the law's A B is more here
     """
-    row, (near, closed) = at[1], met
-    level = law.B + level * (1.0 / law.A)
-    inside = select(near, closed, -1.0)
+    level, inside = law.B + ripple * (1.0 / law.A), select(near, approach, -1.0)
     before, approach_before = load(forces.force, row), load(forces.approach, row)
     level_before = load(forces.bracket, row)
     Q = next_force(inside, law.A, level, law.Q_line, before, approach_before, level_before)
@@ -171,91 +175,72 @@ def press(law, rollers, forces, at, normal, met, level, dt):
     P = select(near, P, 0.0)
     store(forces.force, row, Q)
     store(forces.bracket, row, level)
-    store(forces.approach, row, select(near, closed, np.nan))
+    store(forces.approach, row, select(near, approach, np.nan))
     store(forces.kick, row, P)
     store(forces.residual, row, residual)
     return Q, P
 
 
-@verb
-def turned_aside(law, row, aside):
-    """Forces of eight contacts across their normals, N, times their centres' distances, m, with those of moments."""
-    return aside
-
-
 @part
-def with_dampers(dampers, row, force):
-    """Forces of eight contacts with their dampers', N."""
-    if dampers is None:
-        return force
-    return force + load(dampers.force, row)
-
-
-@part
-def _store_pair(array, at, columns, x, y):
-    """Components x and y of eight contacts' vectors."""
-    store(array, at, x)
-    store(array, at + columns, y)
-
-
-@part
-def _load_pair(array, at, columns):
-    """What `_store_pair` has stored."""
-    return load(array, at), load(array, at + columns)
-
-
-@normal_forces.of(Pair)
 def _press(pair, rollers, disc, contacts, drive):
+    """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
     forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, pair.sign
-    impulse, body_impulse, turn_kick = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick
+    impulse, body_impulse, turn_kick, law = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick, pair.law
     ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, rollers.n, WIDTH):
         row, side = pair.row * columns + group, 2 * pair.row
-        overlap, near = _met(contacts, row)
+        overlap = load(forces.overlap, row)
+        near = overlap == overlap
         if not any_lane(near):
             continue
-        nx, ny = _load_pair(patches.normal, side * columns + group, columns)
-        motion, sideways = kept_motion(patches, side, group)
-        own, sideways_r = kept_motion(patches, side + 1, group)
+        nx, ny = load_pair(patches.normal, side * columns + group, columns)
+        motion, sideways = _kept_motion(patches, side, group)
+        own, sideways_r = _kept_motion(patches, side + 1, group)
         if pair.surface is not None:
             i = group
-            bx, by = _load_pair(patches.outward, 2 * side * columns + group, columns)
+            bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
             out, rate, ripple, ripple_rate = lowered_ring(pair.profile, sign, motion, bx, by)
             away_x, away_y = pair.counted_from[0], pair.counted_from[1]
             out -= away_x * nx + away_y * ny
             sideways -= away_y * nx - away_x * ny
-            bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
+            bx, by = load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
             out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(pair.roller_profiles, group, own, bx, by)
         else:
             i = next_rollers(group, rollers.n)
             (out, rate, ripple, ripple_rate), (out_r, rate_r, ripple_r, ripple_rate_r) = motion, own
-        closed = overlap + sign * out + out_r
+        approach = overlap + sign * out + out_r
         slopes = sign * (rate + sideways) + rate_r + sideways_r, sign * rate, rate_r
         if contacts.dampers is not None:  # how fast approaches have grown, and by which slopes they change
             dampers = contacts.dampers
-            store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
+            store(dampers.rate, row, (approach - load(forces.approach, row)) * (1.0 / dt))
             store(dampers.along, row, slopes[0] * load(forces.nearness, row))
             store(dampers.first, row, slopes[1])
             store(dampers.second, row, slopes[2])
-        Q, P = press(pair.law, rollers, forces, (group, row), (nx, ny), (near, closed), ripple + ripple_r, dt)
+        if isinstance(law, SlicedLaw):
+            normal, met = (nx, ny), (near, approach, ripple + ripple_r)
+            Q, P, across = press_tilted(law, rollers, forces, group, row, normal, met, dt)
+        else:
+            Q, P = _press_by_law(law, forces, row, near, approach, ripple + ripple_r)
         half, given, over = 0.5 * Q * Q, P * (sign * dt), dt / rollers.inertia
         x, y = given * nx, given * ny
-        aside = turned_aside(pair.law, row, P * slopes[0] - half * (ripple_rate + ripple_rate_r))
-        aside = aside * load(forces.nearness, row) * dt
+        tilting = P * slopes[0] - half * (ripple_rate + ripple_rate_r)
+        if isinstance(law, SlicedLaw):
+            tilting = tilting - across
+        tilting = tilting * load(forces.nearness, row) * dt
         scatter_add(impulse, i, x)
         scatter_add(impulse, i + columns, y)
-        scatter_add(body_impulse, i, aside * ny)
-        scatter_add(body_impulse, i + columns, -(aside * nx))
+        scatter_add(body_impulse, i, tilting * ny)
+        scatter_add(body_impulse, i + columns, -(tilting * nx))
         scatter_add(turn_kick, i, (P * rate_r - half * ripple_rate_r) * over)
         if pair.surface is not None:
-            ring_x -= aside * ny
-            ring_y += aside * nx
+            ring_x -= tilting * ny
+            ring_y += tilting * nx
             moment += half * ripple_rate - P * slopes[1]
         else:
             scatter_add(impulse, group, -x)
             scatter_add(impulse, columns + group, -y)
-            scatter_add(body_impulse, group, -(aside * ny))
-            scatter_add(body_impulse, columns + group, aside * nx)
+            scatter_add(body_impulse, group, -(tilting * ny))
+            scatter_add(body_impulse, columns + group, tilting * nx)
             scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
     if pair.surface is not None:
         pair.impulse[0] += total(ring_x)
@@ -263,19 +248,23 @@ def _press(pair, rollers, disc, contacts, drive):
         pair.moment[0] += total(moment)
 
 
+_meet_all, _locate_all = every(_meet, Pair), every(_locate, Pair)
+_read_all, _press_all = every(_read, Pair), every(_press, Pair)
+
+
 @part
 def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
     """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
     patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * pair.row, splat(0.0)
     surface = first_surface(pair, disc)
-    clear_ghost_nodes(surface)
+    surfaces.clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
-            moment += scatter_normal_force(surface, patches, side, group, given * pair.sign)
-            scatter_normal_force(disc, patches, side + 1, group, given)
-    accumulate_ghost_nodes(surface)
+            moment += surfaces.scatter_normal_force(surface, patches, side, group, given * pair.sign)
+            surfaces.scatter_normal_force(disc, patches, side + 1, group, given)
+    surfaces.accumulate_ghost_nodes(surface)
     if pair.surface is not None:
         pair.moment[1] += total(moment)
 

@@ -7,7 +7,6 @@ from math import degrees, hypot, pi
 
 import numpy as np
 
-from lagrange.bearing import BallBearing
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import hertz_columns
 from lagrange.findings import Section
@@ -27,9 +26,8 @@ from lagrange.rating.life import (
 from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
-from lagrange.section import is_plain, load_factor, section_words
+from lagrange.section import is_plain, load_factor
 from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
-from residual.budget import tilt_summary
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
 from residual.formatting import hertz, share, term_label, text
@@ -37,7 +35,7 @@ from residual.laws import Interval
 from residual.load_zone import largest_pressures
 from residual.record import Record, varies
 from residual.sampling import WITHIN
-from residual.spectrum import MAIN_LOBE, Peak, rms
+from residual.spectrum import Peak, rms
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT
 
 SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
@@ -196,40 +194,7 @@ def line_differences(e: Evaluation, other: Evaluation) -> Section:
     return Section(title=title, columns=("", *map(shown, named(e, other)), "difference, dB"), rows=rows)
 
 
-def fact_table(e: Evaluation) -> Section:
-    """Key facts of the run and the check."""
-    t, bearing, (low, high) = e.record, e.record.bearing, e.loaded_range
-    kind = f"{'balls' if isinstance(bearing, BallBearing) else 'rollers'} Ø {text(2e3 * bearing.roller_radius)}"
-    kind += "" if isinstance(bearing, BallBearing) else f" × {text(1e3 * bearing.roller_length)}"
-    raceways = " and ".join(cells(2e3 * bearing.inner_raceway_radius, 2e3 * bearing.outer_raceway_radius))
-    facts = [
-        ("Source", shown(t.source.name)),
-        ("Bearing", f"{bearing.n_rollers} {kind} mm, raceways Ø {raceways} mm"),
-        *([] if is_plain(bearing) else [("Plane section", section_words(bearing))]),
-        ("Operation", _operation(t)),
-        ("Record", f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * e.start)} ms"),
-        ("Contact law", f"{e.law.name}: {e.law.source}"),
-        *_cage(e),
-        ("Loaded rollers", f"{low} to {high}"),
-        ("Largest roller load by the law", f"{text(float(e.budget.law_force.max()))} N"),
-    ]
-    if t.inner_force is not None:
-        facts.append(("Largest roller load in the run", f"{text(float(t.inner_force.max()))} N"))
-    if e.tilt is not None:
-        numbers = tilt_summary(e.tilt)
-        moment, balance = numbers["error_moment"]["rms_N_m"], numbers["budget"]["balance"]["rms_N_m"]
-        x, y = cells(*(numbers[f"hub_moment_{axis}"]["mean_N_m"] for axis in "xy"))
-        facts += [
-            ("Largest tilt of a roller", f"{text(1e3 * e.tilt.largest_tilt)} mrad"),
-            ("Error moment of tilt, rms", f"{text(moment)} N m; {text(balance)} N m with the run's own moments"),
-            ("Mean moment on the shaft besides the contacts'", f"{x} N m along x, {y} N m along y"),
-        ]
-    names = {"degrees_of_freedom": "Degrees of freedom", "status": "Status of the run"}
-    facts += [(label, str(t.attributes[key])) for key, label in names.items() if key in t.attributes]
-    return Section(columns=(), rows=facts, kind="words")
-
-
-def _operation(record: Record) -> str:
+def operation_words(record: Record) -> str:
     """Speed and load in words, the bearing's load where it differs from its section's; of what changes the range."""
     acting, bearing, speed = record.acting, record.bearing, f"{text(record.scene.operation.speed_rpm)} rpm, "
     forces, along = [float(np.min(acting.radial_load))], " along −y"
@@ -247,7 +212,7 @@ def _operation(record: Record) -> str:
     return f"{speed}{load}{along}"
 
 
-def _cage(e: Evaluation) -> list[tuple[str, str]]:
+def cage_rows(e: Evaluation) -> list[tuple[str, str]]:
     """Rows of the rollers' speed around beside that of rolling without slip, and of the cage's own motion."""
     t, cage, rows = e.record, e.record.cage, []
     if "FTF" in e.lines:
@@ -436,39 +401,6 @@ def _share(e: Evaluation, force: float, named: bool = True) -> str:
     wholes = dict([("load", e.record.load), e.reference[::-1]])
     parts = {name: share(force, whole) for name, whole in wholes.items() if whole > 0.0}
     return "".join(f", {part}" + (f" of the {name}" if named or len(parts) > 1 else "") for name, part in parts.items())
-
-
-def honest_notes(e: Evaluation) -> list[str]:
-    """Say what limits the numbers, in sentences."""
-    x, y = e.directions
-    spectrum, (floor_x, floor_y) = x.spectrum, cells(*e.floors, digits=2)
-    segments = f"{spectrum.segments} averaged segments" if spectrum.segments > 1 else "the whole record as one"
-    notes = [
-        *e.notes,
-        f"Frequency resolution Δf = {text(spectrum.resolution)} Hz, {segments}; with the Hann window, lines nearer "
-        f"than {text(MAIN_LOBE * spectrum.resolution, 3)} Hz merge.",
-        f"Differentiation: central stencil of order {e.order}, one-sided in the last {e.order // 2} "
-        f"samples at either end, which the momentum balance leaves out; estimated error {floor_x} N rms in x "
-        f"and {floor_y} N rms in y, vibration above the Nyquist frequency excluded.",
-    ]
-    if x.away and y.away:
-        notes.append(
-            "Away from contacts that open or close, where the stencil has its full order, the error is "
-            f"{text(x.away.rms)} N rms in x and {text(y.away.rms)} N rms in y."
-        )
-    notes.append(
-        f"The law ({e.law.source}) treats each contact alone and was not fitted to this run: even an exact "
-        "simulation leaves a mean error with it. The momentum balance does not depend on it."
-        if e.identification is None
-        else "The law was fitted to the first part of this record; numbers of the whole record include that part, "
-        "those of the held-back part do not."
-    )
-    if x.peaks or y.peaks:
-        notes.append(
-            "A peak is named after the nearest kinematic line within Δf, by frequency and not by cause. Not resolved: "
-            "zero frequency or another line lies within the window's main lobe."
-        )
-    return [note[0].upper() + note[1:] for note in notes]
 
 
 def fit_sentences(e: Evaluation) -> list[str]:

@@ -17,12 +17,13 @@ import numpy as np
 from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
+from lagrange.bearing import BallBearing
 from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.pages import as_it_is
 from lagrange.findings import print_section
 from lagrange.kinematics import turned
 from lagrange.messages import G, engineering, shown
-from lagrange.section import load_factor
+from lagrange.section import load_factor, section_words
 from lagrange.version import VERSION
 from residual import findings
 from residual.budget import LawScore, tilt_summary
@@ -31,7 +32,7 @@ from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
 from residual.formatting import LINE_COLOURS, family, hertz, term_label, text
 from residual.laws import CONFIDENCE, Identification, Interval
 from residual.sampling import PositionNoise, Stationarity
-from residual.spectrum import Level, Peak, Spectrum, Statistics, power_spectrum, rms
+from residual.spectrum import MAIN_LOBE, Level, Peak, Spectrum, Statistics, power_spectrum, rms
 from residual.store import Page, write_folder
 from residual.vibration import FaultLine, LineLevel, Vibration
 
@@ -124,7 +125,8 @@ def page_of(e: Evaluation, options: ReportOptions) -> dict[str, Any]:
     """What the page's template shows beside figures; it asks for the findings itself."""
     return dict(
         e=e, t=e.record, f=findings, options=options, text=text, hertz=hertz, engineering=engineering, g=G,
-        statistics=Statistics.of,
+        statistics=Statistics.of, shown=shown, main_lobe=MAIN_LOBE, is_ball=isinstance(e.record.bearing, BallBearing),
+        section=section_words(e.record.bearing), tilt=None if e.tilt is None else tilt_summary(e.tilt),
         picture=picture_of(e.record.source) if e.record.attributes else None,
         spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
         player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),

@@ -40,7 +40,7 @@ def harris_force(depth, length_mm=10.0):
     return 7.86e4 * length_mm ** (8 / 9) * (1e3 * np.maximum(depth, 0.0)) ** (10 / 9)
 
 
-def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None, kept=None):
+def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None):
     """Make a run whose inner ring circles at `tone`, Hz; its rollers carry a cos-shaped load zone and move on."""
     scene = Scene() if scene is None else scene
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
@@ -54,13 +54,11 @@ def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=
     depth = 4.1e-6 * (-np.sin(angle)) / 2
     distance = bearing.inner_raceway_radius + bearing.roller_radius - depth
     return SyntheticRun(
-        scene=scene, time=time, inner_x=inner_x, inner_y=inner_y,
+        scene=scene, time=time, inner_x=inner_x, inner_y=inner_y, angle=angle,
         acceleration_x=-(omega**2) * amplitude * np.cos(omega * time),
         acceleration_y=-(omega**2) * amplitude * np.sin(omega * time),
-        roller_x=inner_x[:, None] + distance * np.cos(angle),
-        roller_y=inner_y[:, None] + distance * np.sin(angle),
+        roller_x=inner_x[:, None] + distance * np.cos(angle), roller_y=inner_y[:, None] + distance * np.sin(angle),
         law_force=harris_force(depth, scene.bearing.roller_length_mm),
-        angle=angle,
     )  # fmt: skip
 
 
@@ -88,63 +86,43 @@ def write_table(run, path):
 
 def run_variables(run, force_factor=0.95, traction=3.0):
     """Every variable of a result file; the solver's forces are the law's times a factor."""
-    force = force_factor * run.law_force
-    zero = np.zeros_like(run.time)
-    omega_t = run.time
-    return {
-        "time": run.time,
-        "inner_x": run.inner_x,
-        "inner_y": run.inner_y,
-        "inner_vx": np.gradient(run.inner_x, run.time),
-        "inner_vy": np.gradient(run.inner_y, run.time),
-        "inner_ax": run.acceleration_x,
-        "inner_ay": run.acceleration_y,
-        "roller_x": run.roller_x,
-        "roller_y": run.roller_y,
-        "roller_rho": np.hypot(run.roller_x, run.roller_y),
-        "roller_theta": np.unwrap(np.arctan2(run.roller_y, run.roller_x), axis=0),
-        "roller_spin": np.zeros_like(force),
-        "inner_force": force,
-        "outer_force": force + 4.7,
-        "inner_traction": np.where(force > 0, traction, 0.0),
-        "outer_traction": np.where(force > 0, -traction, 0.0),
-        "roller_roller_force": np.zeros_like(force),
-        "energy_kinetic": 2.4 + 1e-5 * np.sin(2e3 * omega_t),
-        "energy_elastic": 3.3e-3 + 1e-5 * np.cos(2e3 * omega_t),
-        "energy_contact": 5e-4 + zero,
-        "work_external": 1e-3 * run.time,
-        "work_dissipated": 1e-3 * run.time,
-    }
+    force, time = force_factor * run.law_force, run.time
+    names = "time", "inner_x", "inner_y", "roller_x", "roller_y"
+    return {name: getattr(run, name) for name in names} | dict(
+        inner_vx=np.gradient(run.inner_x, time), inner_vy=np.gradient(run.inner_y, time),
+        inner_ax=run.acceleration_x, inner_ay=run.acceleration_y, roller_rho=np.hypot(run.roller_x, run.roller_y),
+        roller_theta=np.unwrap(np.arctan2(run.roller_y, run.roller_x), axis=0), roller_spin=np.zeros_like(force),
+        inner_force=force, outer_force=force + 4.7, inner_traction=np.where(force > 0, traction, 0.0),
+        outer_traction=np.where(force > 0, -traction, 0.0), roller_roller_force=np.zeros_like(force),
+        energy_kinetic=2.4 + 1e-5 * np.sin(2e3 * time), energy_elastic=3.3e-3 + 1e-5 * np.cos(2e3 * time),
+        energy_contact=5e-4 + 0.0 * time, work_external=1e-3 * time, work_dissipated=1e-3 * time,
+    )  # fmt: skip
+
+
+KNOWN = {  # attributes of a finished run
+    "program_version": "0.1.0", "status": "complete", "format_version": 1, "mesh_nodes": 3614, "steps": 655458,
+    "degrees_of_freedom": 7228, "time_step": 9e-8, "critical_time_step": 1e-7, "wall_seconds": 28.0,
+    "setup_seconds": 1.0,
+}  # fmt: skip
 
 
 def write_result(path, run, variables=None, committed=None, **attributes):
     """Write the run as a result file: HDF5 with dimension scales."""
     variables = run_variables(run) if variables is None else variables
+    committed = run.time.size if committed is None else committed
+    known = KNOWN | {"scene": run.scene.to_toml(), "committed_samples": committed} | attributes
     with h5py.File(path, "w") as file:
-        for name, value in variables.items():
+        for name, value in (variables | {"roller": np.arange(run.roller_x.shape[1])}).items():
             data = file.create_dataset(name, data=value)
             data.attrs["units"], data.attrs["long_name"] = "SI", name.replace("_", " ")
-        if "time" in variables:
-            file["time"].make_scale("time")
-        file["roller"] = np.arange(run.roller_x.shape[1])
-        file["roller"].make_scale("roller")
+        for scale in ("time", "roller"):
+            if scale in file:
+                file[scale].make_scale(scale)
         for name, value in variables.items():
             if name != "time" and "time" in variables:
-                file[name].dims[0].attach_scale(file["time"])
-                if np.ndim(value) == 2:
-                    file[name].dims[1].attach_scale(file["roller"])
-        known = {
-            "scene": run.scene.to_toml(),
-            "program_version": "0.1.0",
-            "status": "complete",
-            "format_version": 1,
-            "mesh_nodes": 3614, "degrees_of_freedom": 7228, "time_step": 9e-8, "critical_time_step": 1e-7,
-            "steps": 655458, "wall_seconds": 28.0, "setup_seconds": 1.0,
-            "committed_samples": run.time.size if committed is None else committed,
-        }  # fmt: skip
-        for name, value in (known | attributes).items():
-            if value is not None:
-                file.attrs[name] = value
+                for dimension, scale in zip(file[name].dims, ("time", "roller")[: np.ndim(value)], strict=True):
+                    dimension.attach_scale(file[scale])
+        file.attrs.update({name: value for name, value in known.items() if value is not None})
     return path
 
 

@@ -55,8 +55,6 @@ def _refuse_comparisons(scene: Scene, option: str) -> None:
 def coarser_scene(scene: Scene) -> Scene:
     """The scene on the mesh to compare with.
 
-    Errors
-    ------
     UsageError: the scene's mesh is too coarse for that, or its contact model converges to nothing.
     """
     _refuse_comparisons(scene, "--estimate-error")
@@ -103,8 +101,6 @@ class ErrorEstimate:
         """Run the coarse plan and compare, unless it is stopped; `samples` of the finished run, by the result file's
         names (NEEDED).
 
-        Errors
-        ------
         RunFailed: the coarse run went wrong. NotFound: no equilibrium at rest.
         """
         fine, coarse, ratio = [], [], None
@@ -188,8 +184,6 @@ def mesh_table(scene: Scene) -> MeshTable:
 
     The scene's mesh is the finest; where meshes twice as coarse are too coarse for the rollers it is the coarsest.
 
-    Errors
-    ------
     UsageError: balls, a contact model without an order of convergence, or no equilibrium.
     """
     _refuse_comparisons(scene, "--converge")

@@ -71,12 +71,6 @@ NEGATIVE_LIMIT = 0.98
 ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body deforms so far
 
 
-def good_rows(rows: np.ndarray) -> int:
-    """How many rows from the first are finite and were filled."""
-    good = np.all(np.isfinite(rows), axis=1) & np.any(rows != 0.0, axis=1)
-    return len(rows) if good.all() else int(np.argmin(good))
-
-
 def n_balanced(samples: Samples) -> int:
     """How many samples from the first have an energy that balances."""
     stored = samples["energy_elastic"] + samples["energy_contact"]

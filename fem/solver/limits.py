@@ -51,8 +51,6 @@ def check_rollers(scene: Scene) -> None:
 def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable) -> None:
     """Refuse a mesh before anything is allocated for it. `mesh_size` in m; `shapes_of`: a contact model's.
 
-    Errors
-    ------
     UsageError: elements thicker than a ring, or too many nodes.
     """
     for name, thickness in (
@@ -97,8 +95,6 @@ def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:
 def check_contact_model(kind: "type[Model]", scene: Scene, expected: "ExpectedForces") -> None:
     """Refuse what a contact model is not made for, before it is built.
 
-    Errors
-    ------
     UsageError: a mesh too coarse for it; where it is made for a force, contacts far too wide, and rigid bodies.
     """
     if kind.coarsest == inf:

@@ -149,13 +149,9 @@ def cage_seat(
 ) -> np.ndarray:
     """The centre of a cage, (2,), m, from the outer ring's: there, or if it does not fit, where it is least wedged.
 
-    Parameters
-    ----------
     angle, rho : ndarray, (n_rollers,), rad and m, of the rollers in equilibrium; hub : ndarray, (2,), m
     force : N, largest of the raceways' contacts
 
-    Errors
-    ------
     UsageError: wherever it stands, rollers or its guide wedge it with more than that force.
     """
     middle = np.zeros(2)

@@ -108,10 +108,6 @@ class RowState(RunState):
         self.missed, self.passed_on = np.zeros(1), np.zeros(1)  # J, the largest energy error, what it is measured by
         self._came_apart = False  # whether the last block ended because bodies were out of place
 
-    @property
-    def steps_per_sample(self) -> int:
-        return self.plan.stride
-
     @abstractmethod
     def named_arrays(self) -> dict[str, np.ndarray]:
         """Every array that a run changes and the next steps need, once, as views."""
@@ -173,7 +169,8 @@ class RowState(RunState):
         rows, status, step, body = taken
         samples, trouble, self._came_apart = None, None, False
         if status != DONE:
-            rows = rows[: guards.good_rows(rows)]
+            good = np.all(np.isfinite(rows), axis=1) & np.any(rows != 0.0, axis=1)  # finite, and filled
+            rows = rows if good.all() else rows[: int(np.argmin(good))]
             trouble = self.velocity_trouble(step, body, len(rows))
         if len(rows):
             looked = self.read(rows)

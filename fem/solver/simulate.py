@@ -24,8 +24,6 @@ LARGEST_BLOCK = 4096  # samples, whatever the clock says
 def make_plan(scene: "Scene") -> "Plan":
     """The plan of a scene, by the solver that its `model` names.
 
-    Errors
-    ------
     UsageError: the solver can't take it. RuntimeError: a program it needs is missing.
     """
     return import_module(SOLVERS[scene.model]).make_plan(scene)
@@ -52,16 +50,12 @@ def run(
 ) -> "Progress":
     """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
 
-    Parameters
-    ----------
     report : is called after each block
     state : where to go on from, of a plan that is prepared; it is kept up to date after each block, before `report`
     stop : is asked after each block, and within samples that take long; those are then not taken
     keep : gets the fields the scene asks for, each before the sample of its instant
     restart : gets the reason why all that was written is void and the run restarts
 
-    Errors
-    ------
     RunFailed: the run went wrong numerically; good samples were written.
     """
     if state is None:

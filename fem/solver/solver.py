@@ -101,8 +101,6 @@ class Progress:
 class RunState(ABC):
     """A run after its last sample. A solver's own adds what its next steps need."""
 
-    steps_per_sample: int
-
     def __init__(self, plan: "Plan"):
         self.plan = plan
         self.done = 0  # samples
@@ -111,6 +109,10 @@ class RunState(ABC):
         self.imbalance = 0.0  # of the last sample: the energy error over the exchanged energy
         self.void_steps = 0  # of what was restarted
         self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self.plan.stride
 
     @contextmanager
     def timed(self) -> Iterator[None]:
@@ -137,8 +139,6 @@ class RunState(ABC):
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         """Go on where another state of the same plan was kept, which had come to `done`.
 
-        Errors
-        ------
         UsageError: of another model. Any other: not what `to_keep` gives.
         """
 

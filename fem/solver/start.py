@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
+from fem.contacts.tilted import NOTHING, no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
 from fem.statics import contact_balance as statics
 from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standing_ring
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
@@ -157,9 +157,7 @@ def _start(model: ReducedBearing, operation: Operation, place, forces, ring, rat
 MOVING = 2.0  # times the force at rest: rollers that move tilt further
 
 
-def tables_of(
-    bearing: Bearing, operation: Operation, axial: Axial, laws: Laws, force: float, meshed: tuple[float, float]
-) -> Tables:
+def tables_of(bearing: Bearing, operation: Operation, axial: Axial, laws: Laws, force: float, meshed=NOTHING) -> Tables:
     """Tables of both contacts, for forces at rest of so many N, by plane laws of the whole contacts.
 
     `meshed` : m/N, what meshes have of their compliances
@@ -175,8 +173,6 @@ def tilted_start(
 
     A start from rest is that without the load, and stands.
 
-    Errors
-    ------
     NotFound: no equilibrium.
     """
     bearing, n = model.bearing, model.bearing.n_rollers
@@ -221,8 +217,6 @@ def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, load
 
     Where there are more than forces allow that are even along the rollers, fewer say how wide contacts are.
 
-    Errors
-    ------
     UsageError: too narrow. NotFound: no equilibrium.
     """
     if not axial.coupling:
@@ -230,25 +224,24 @@ def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, load
     bearing, laws = model.bearing, (model.inner_law, model.outer_law)
     tried = no_narrower(bearing, axial, (loaded.inner_force, loaded.outer_force))
     still = _tilted_at(model, operation, tried, TiltedLaws(*tilted_slices(bearing, tried, laws)), loaded, 0.0)
-    if (reason := too_narrow(bearing, axial, _widest_contact(bearing, tried, laws, still))) is not None:
+    if (reason := narrow_slices(bearing, axial, laws, still, tried)) is not None:
         raise UsageError(reason)
 
 
-def narrow_slices(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics) -> str | None:
+def narrow_slices(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics, tried: Axial | None = None):
     """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do.
 
-    `laws` : plane ones of whole contacts, inner and outer
+    `laws` : plane ones of whole contacts, inner and outer; `tried` : the slices of the start, None: the same
     """
-    return too_narrow(bearing, axial, _widest_contact(bearing, axial, laws, start)) if axial.coupling else None
-
-
-def _widest_contact(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics) -> float:
-    widest, slices = 0.0, tilted_slices(bearing, axial, laws)
+    if not axial.coupling:
+        return None
+    tried, widest = tried or axial, 0.0
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
+    slices = tilted_slices(bearing, tried, laws)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
         j = int(force.argmax())
         if force[j] > 0.0:
             held = exerted(each, force, moment)[j]
             carried = each.forces(*placed(each, float(force[j]), float(held)))
-            widest = max(widest, pair.half_width(axial.slices * float(carried.max())))
-    return widest
+            widest = max(widest, pair.half_width(tried.slices * float(carried.max())))
+    return too_narrow(bearing, axial, widest)

@@ -6,7 +6,6 @@ And the fields that are read off them: displacements at an instant, and what the
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import expm1
-from typing import Protocol
 
 import numba
 import numpy as np
@@ -70,8 +69,6 @@ class Arrays:
     def check(self) -> None:
         """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
 
-        Errors
-        ------
         ValueError.
         """
         patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
@@ -156,8 +153,6 @@ def contact_arrays(
 ) -> Contacts:  # fmt: skip
     """Contacts at the start, with its static forces. `mass` : of nodes.
 
-    Errors
-    ------
     ValueError: long steps, in which velocities are not momenta's, and friction that is solved for by these.
     """
     if mass.share > 0.0 and friction > 0.0 and data.shear_levels is None:
@@ -333,8 +328,6 @@ def _place_turning(
 ) -> np.ndarray:
     """Polar state about the outer ring's centre: the centre's motion, the rotation and the deformation.
 
-    Parameters
-    ----------
     places, rates : displacements, m, and velocities, m/s; chord : s, a step in which forces hold nodes on circles, or 0
 
     Returns the momenta, (n_rows, 2, n_sectors), m/s, without what half a step turns of them.
@@ -388,8 +381,6 @@ def _held_mass(ring: RingBody) -> float:
 def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int) -> Bore | None:
     """The bore of a housing, or of the ground; None where the ring is held otherwise.
 
-    Parameters
-    ----------
     outer_rate : (n_rows, 2, n_sectors), m/s, of the ring's nodes at the start; column : of a row, the first for it
     """
     if not isinstance(body, BoredRing):
@@ -515,19 +506,9 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
     )  # fmt: skip
 
 
-class Displaced(Protocol):
-    """What has displacements as a `Frame` has them."""
-
-    roller_turn: np.ndarray
-    ring_turn: float
-    outer_turn: float
-    rollers: np.ndarray
-    inner_ring: np.ndarray
-    outer_ring: np.ndarray
-
-
-def global_fields(model: Model, frame: Displaced) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Displacement (..., n_nodes, 2), m, and the mesh's stress (..., n_nodes, 3), Pa, of each kind of body.
+def global_fields(model: Model, frame: Frame) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Displacement (..., n_nodes, 2), m, and the mesh's stress (..., n_nodes, 3), Pa, of each kind of body, by a
+    `Frame` or what has its displacements and turns.
 
     In the fixed axes; a roller's arrays have the rollers in front.
     """

@@ -46,8 +46,6 @@ from meshes import Mesh, quality
 def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     """The discrete model of a scene; `expected`: its forces, where they are needed elsewhere too.
 
-    Errors
-    ------
     RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
     coarse to resolve the contacts or for a ring, or has too many nodes.
     """
@@ -286,8 +284,6 @@ def make_plan(scene: Scene) -> ElementPlan:
     looks at the energy. On surfaces that pass fast it is as short as the way along them asks for. Where nothing strikes
     and contacts leave enough of it, a reciprocal mass makes it longer.
 
-    Errors
-    ------
     RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """

@@ -159,8 +159,6 @@ def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, n
 
     Of a contact's plane compliance A (B − ½ ln Q) its mesh has what the law below the grid leaves, a constant.
 
-    Errors
-    ------
     UsageError: a mesh that resolves contacts, by points or nearly by patches.
     """
     bearing, too_fine = model.bearing, None

@@ -25,12 +25,13 @@ from lagrange.errors import RunFailed
 from lagrange.first_state import Problem
 from lagrange.kinematics import fastest_kinematics, kinematics, roller_angles
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
-from lagrange.mounting import HELD
+from lagrange.mounting import HELD, Housing, Shaft
 from lagrange.samples import sampled
 from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import critical_time_step, fastest_mode, longest_step
 from lagrange.surface.deviation import Turns, profiles
 
+TWELFTH = 1.0 / 12.0  # as `fem.kernels.bodies.TWELFTH`, which needs a compiler
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 WAY = 0.02  # of a spall with its edges, that contacts go in a section at most: what is looked at no more often
 REACH = 2.0  # sections' ways, from which on a contact is near
@@ -59,8 +60,6 @@ class Sections:
 def sections_of(bearing: Bearing, ideal: Kinematics, row: float, short: float, long: float) -> Sections | None:
     """How rows of a time, s, are cut; None: steps of one length do as well.
 
-    Parameters
-    ----------
     ideal : at the fastest speed
     short, long : s, the longest steps near edges and elsewhere
     """
@@ -111,7 +110,8 @@ def spalls_met(bearing: Bearing):
 class RigidPlan(CompiledPlan):
     """A plan for the time loop of rigid bodies: steps of one length, or of two where spalls are.
 
-    It has `bearing`, `operation`, `axial` (None: axes stay parallel) and `first_angle`, (n_rollers,), rad.
+    It has `bearing`, `operation`, `axial` (None: axes stay parallel) and `first_angle`, (n_rollers,), rad; and
+    `reaching(times)`, the same whose tables of contacts that tilt go to so many times the force.
     """
 
     scene: Scene
@@ -133,10 +133,6 @@ class RigidPlan(CompiledPlan):
             looks, finer = 2 * looks, finer // 2
         cut = cut and replace(cut, near=finer * cut.near, far=finer * cut.far)
         return self.changed(stride=stride, looks=looks, sections=cut)
-
-    def reaching(self, times: int):
-        """The same whose tables of contacts that tilt go to so many times the force."""
-        raise NotImplementedError
 
     def too_far(self, times: int) -> str | None:
         """Why tables of contacts that tilt can't go to so many times the force, and what to do; None: they can."""
@@ -266,29 +262,35 @@ NONE_HERE = "inner_traction", "outer_traction", "roller_roller_force", "roller_t
 WORKS = "energy_elastic", "work_external", "work_dissipated", "work_damping_contact", "work_damping_bodies"
 
 
+class Moving(NamedTuple):
+    """A body at t = 0 in the fixed frame: the hub or the outer ring, (2,), or rollers, (2, n_rollers)."""
+
+    place: np.ndarray  # m
+    velocity: np.ndarray  # m/s
+    acceleration: np.ndarray  # m/s²
+    pushed: np.ndarray  # m/s², by contacts and weight, of held rollers along their rays
+
+    def behind(self, dt: float, mass: float = 1.0, springs: "Housing | Shaft | None" = None):
+        """Place, of steps that take forces dt²/12 of the acceleration ahead, and velocity half a step, s, before.
+
+        `springs` : whose dashpots act on the mass, kg, by the velocity at the end of that
+        """
+        slowed = 1.0 + 0.5 * dt * (0.0 if springs is None else springs.damping) / mass
+        return self.place - TWELFTH * dt**2 * self.pushed, self.velocity - 0.5 * dt * self.acceleration / slowed
+
+
 class Beginning(NamedTuple):
-    """Motion at t = 0 in the fixed frame, m, m/s, m/s², and its sample, by the result file's names."""
+    """Motion at t = 0, and its sample, by the result file's names."""
 
     angle: np.ndarray  # (n_rollers,), rad
-    hub: np.ndarray  # (2,)
-    hub_velocity: np.ndarray  # (2,)
-    hub_acceleration: np.ndarray  # (2,)
-    centre: np.ndarray  # (2, n_rollers)
-    velocity: np.ndarray  # (2, n_rollers)
-    acceleration: np.ndarray  # (2, n_rollers)
-    pushed: np.ndarray  # (2, n_rollers), by contacts and weight, of held rollers along their rays
-    ring: np.ndarray  # (2,), of the outer ring
-    ring_acceleration: np.ndarray  # (2,)
+    hub: Moving
+    rollers: Moving
+    ring: Moving  # the outer one
     samples: dict[str, np.ndarray]  # (1,) and (1, n_rollers)
 
 
 def beginning(problem: Problem) -> Beginning:
-    """The start of a problem.
-
-    Errors
-    ------
-    RuntimeError: no equilibrium.
-    """
+    """The start of a problem. RuntimeError: no equilibrium."""
     bearing, operation, held = problem.bearing, problem.operation, problem.angles == "kinematic"
     state, m = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0)), bearing.roller_mass
     touch, history = contact_state(bearing, problem.contacts, state, problem.damping), operation.history
@@ -306,16 +308,17 @@ def beginning(problem: Problem) -> Beginning:
     alone = State(**coordinates, turns=state.turns, tilts=None if state.tilts is None else state.tilts.as_sample())
     per_roller, spin = np.zeros((1, bearing.n_rollers)), kinematics(bearing, *operation.ring_speeds).roller
     samples = sampled(problem, np.zeros(1), alone) | dict.fromkeys(NONE_HERE, per_roller)
-    accelerating = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
-    return Beginning(
-        angle=state.theta, hub=np.array([state.x, state.y]) + ring, hub_velocity=np.array([state.x_rate, state.y_rate]),
-        hub_acceleration=accelerating, centre=ring[:, None] + state.rho * radial,
-        velocity=state.rho_rate * radial + state.rho * state.theta_rate * around,
-        acceleration=outwards * radial + along * around,
-        pushed=outwards * radial + (0.0 if held else 1.0) * along * around, ring=ring,
-        ring_acceleration=ring_acceleration,
-        samples=samples | dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin},
-    )  # fmt: skip
+    samples |= dict.fromkeys(WORKS, np.zeros(1)) | {"roller_spin": per_roller + spin}
+    of_hub = -np.array(hub_equations(problem.acting(0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
+    hub = Moving(np.array([state.x, state.y]) + ring, np.array([state.x_rate, state.y_rate]), of_hub, of_hub)
+    place, velocity = (
+        ring[:, None] + state.rho * radial,
+        state.rho_rate * radial + state.rho * state.theta_rate * around,
+    )
+    pushed = outwards * radial + (0.0 if held else 1.0) * along * around
+    rollers = Moving(place, velocity, outwards * radial + along * around, pushed)
+    of_ring = Moving(ring, np.zeros(2), ring_acceleration, ring_acceleration)
+    return Beginning(angle=state.theta, hub=hub, rollers=rollers, ring=of_ring, samples=samples)
 
 
 class StartState(RunState):
@@ -326,7 +329,6 @@ class StartState(RunState):
     def __init__(self, plan: "LagrangianPlan"):
         super().__init__(plan)
         self._judge, self._largest = Judge(plan.problem, plan.time_step), np.zeros(3)
-        self.steps_per_sample = plan.stride
         _ = plan.begin
 
     def advance(self, most: int) -> Block:

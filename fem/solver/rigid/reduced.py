@@ -10,7 +10,7 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
-from fem.contacts.tilted import NOTHING, rounded_range, too_narrow
+from fem.contacts.tilted import rounded_range, too_narrow
 from fem.kernels.lanes import WIDTH
 from fem.quantities import largest_loads
 from fem.solver import start as starts
@@ -145,7 +145,8 @@ class ReducedPlan(RigidPlan):
     def reaching(self, times: int) -> "ReducedPlan":
         if self.axial is None or times == 1:
             return self
-        tables = _tables(self.model, self.operation, self.axial, times * self.largest_force)
+        laws, force = (self.model.inner_law, self.model.outer_law), times * self.largest_force
+        tables = starts.tables_of(self.bearing, self.operation, self.axial, laws, force)
         start = starts.tilted_start(self.model, self.operation, self.axial, tables, self.start)
         return replace(self, tables=tables, start=start)
 
@@ -175,15 +176,9 @@ class ReducedPlan(RigidPlan):
         }
 
 
-def _tables(model: ReducedBearing, operation: Operation, axial, force: float) -> starts.Tables:
-    return starts.tables_of(model.bearing, operation, axial, (model.inner_law, model.outer_law), force, NOTHING)
-
-
 def make_plan(scene: Scene) -> ReducedPlan:
     """Reduce a bearing to its contacts, solve the start, find the step.
 
-    Errors
-    ------
     UsageError: balls, rigid bodies or a contact model that needs a mesh; no equilibrium under the load.
     """
     check_rollers(scene)
@@ -219,7 +214,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     axial, tables = scene.ideal_axial(), None
     if axial is not None:
         starts.check_slices(model, operation, axial, loaded)
-        tables = _tables(model, operation, axial, largest)
+        tables = starts.tables_of(bearing, operation, axial, (model.inner_law, model.outer_law), largest)
         start = starts.tilted_start(model, operation, axial, tables, start)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)

@@ -66,8 +66,6 @@ def rigid_bodies(
 ) -> RigidBodies:
     """Everything that moves; `of_model` : fields that only the model knows.
 
-    Parameters
-    ----------
     cage : one that moves freely
     placed : where bodies are as the loop begins, half a step behind in velocity; m and m/s from the ground: `angle`,
         (n_rollers,), rad; `hub` and `hub_velocity`, (2,); `centre` and `velocity`, (2, n_rollers); `ring` and
@@ -486,28 +484,18 @@ class LagrangianState(RigidState):
     def start_arrays(self, plan: LagrangianPlan) -> None:
         problem, begin, dt, cage = plan.problem, plan.begin, plan.time_step, plan.scene.ideal_cage()
         bearing, operation, axial = problem.bearing, problem.operation, problem.axial
-        n, half, ahead, mounting = bearing.n_rollers, 0.5 * dt, TWELFTH * dt**2, operation.mounting
-
-        def gained(acceleration: np.ndarray, mass: float, springs) -> np.ndarray:
-            """Velocity that a body gains in half a step, with its dashpot's share at the end of it."""
-            return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
-
-        ring_velocity = STILL
-        if mounting.housing is not None:
-            mass = mounting.housing.mass + bearing.outer_ring_mass
-            ring_velocity = -gained(begin.ring_acceleration, mass, mounting.housing)
-        of_hub = gained(begin.hub_acceleration, float(operation.inner_mass), mounting.shaft)
-        placed = {
-            "angle": begin.angle,
-            "hub": begin.hub - ahead * begin.hub_acceleration,
-            "hub_velocity": begin.hub_velocity - of_hub,
-            "centre": begin.centre - ahead * begin.pushed,
-            "velocity": begin.velocity - half * begin.acceleration,
-            "ring": begin.ring - ahead * begin.ring_acceleration,
-            "ring_velocity": ring_velocity,
-            "cage": begin.ring,
-            "cage_velocity": np.array([0.0, half * operation.gravity]),
-        }
+        n, mounting = bearing.n_rollers, operation.mounting
+        of_ring = 1.0 if mounting.housing is None else mounting.housing.mass + bearing.outer_ring_mass
+        names = ("hub", "hub_velocity"), ("centre", "velocity"), ("ring", "ring_velocity")
+        bodies = (
+            begin.hub.behind(dt, float(operation.inner_mass), mounting.shaft),
+            begin.rollers.behind(dt),
+            begin.ring.behind(dt, of_ring, mounting.housing),
+        )
+        falling = np.array([0.0, 0.5 * dt * operation.gravity])
+        placed = {"angle": begin.angle, "cage": begin.ring.place, "cage_velocity": falling}
+        for name, found in zip(names, bodies, strict=True):
+            placed |= zip(name, found, strict=True)
         held, rays = problem.angles == "kinematic", np.zeros((2, columns_for(n)))
         rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
         by_shaft, by_outer = kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0)

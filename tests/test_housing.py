@@ -120,18 +120,15 @@ def test_places_are_taken_from_the_outer_ring():
     np.testing.assert_array_equal(roller_y, [[-5.0] * 3, [-6.0] * 3])
 
 
-@pytest.mark.parametrize(
-    ("tables", "words"),
-    [
-        ({"support": {"mass_kg": 3.0}}, ['mass_kg = 3.0: only with kind = "housing"']),
-        ({"support": {"kind": "housng"}}, ["support.kind = 'housng'"]),
-        ({"support": PEDESTAL | {"mass_kg": -1.0}}, ["support.mass_kg = -1.0", "0.001"]),
-        ({"support": PEDESTAL | {"mas_kg": 1.0}}, ["support.mas_kg: unknown key; did you mean mass_kg?"]),
-        ({"support": 3}, ["support = 3: must be a table"]),
-        ({"sensor": {}}, ["[sensor]", '[support] with kind = "housing"']),
-        ({"sensor": {"damping_ratio": 1.0}, "support": PEDESTAL}, ["sensor.damping_ratio = 1.0"]),
-    ],
-)
+@pytest.mark.parametrize(("tables", "words"), [
+    ({"support": {"mass_kg": 3.0}}, ['mass_kg = 3.0: only with kind = "housing"']),
+    ({"support": {"kind": "housng"}}, ["support.kind = 'housng'"]),
+    ({"support": PEDESTAL | {"mass_kg": -1.0}}, ["support.mass_kg = -1.0", "0.001"]),
+    ({"support": PEDESTAL | {"mas_kg": 1.0}}, ["support.mas_kg: unknown key; did you mean mass_kg?"]),
+    ({"support": 3}, ["support = 3: must be a table"]),
+    ({"sensor": {}}, ["[sensor]", '[support] with kind = "housing"']),
+    ({"sensor": {"damping_ratio": 1.0}, "support": PEDESTAL}, ["sensor.damping_ratio = 1.0"]),
+])  # fmt: skip
 def test_what_makes_no_sense_is_refused_by_name(tables, words):
     assert_refused(tables, *words)
 

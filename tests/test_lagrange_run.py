@@ -242,16 +242,12 @@ def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--resume"], ["a.nc.checkpoint", "nothing to resume"]),
-        (["--estimate-error"], ["--estimate-error", "no mesh"]),
-        (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
-        (["damping.contact_N_s_m=-1"], ["damping.contact_N_s_m", "0"]),
-        (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["--resume"], ["a.nc.checkpoint", "nothing to resume"]), (["--estimate-error"], ["--estimate-error", "no mesh"]),
+    (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
+    (["damping.contact_N_s_m=-1"], ["damping.contact_N_s_m", "0"]),
+    (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
+])  # fmt: skip
 def test_bad_requests_are_refused_by_name(arguments, words, tmp_path, capsys):
     assert run(tmp_path / "a.nc", *arguments) == 2
     error = capsys.readouterr().err

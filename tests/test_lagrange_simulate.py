@@ -61,17 +61,12 @@ def own_errors(run, ax, ay):
 
 
 @pytest.mark.parametrize("angles", ["kinematic", "free"])
-@pytest.mark.parametrize(
-    ("operation", "choices", "faults"),
-    [
-        (RUNNING, {}, ()),
-        (RUNNING, {"start": "rest", "load_ramp": 3e-4}, ()),
-        (RUNNING, {"start": "rest", "damping": ContactDamping(constant=100.0)}, ()),
-        (MOUNTED, {"start": "rest", "load_ramp": 2e-4, "damping": ContactDamping(hunt_crossley=1.0)}, ()),
-        (MOUNTED, {}, wavy()),
-        (RUNNING, {}, (spall("outer_ring", DOWN + 0.02),)),
-    ],
-)
+@pytest.mark.parametrize(("operation", "choices", "faults"), [
+    (RUNNING, {}, ()), (RUNNING, {"start": "rest", "load_ramp": 3e-4}, ()),
+    (RUNNING, {"start": "rest", "damping": ContactDamping(constant=100.0)}, ()),
+    (MOUNTED, {"start": "rest", "load_ramp": 2e-4, "damping": ContactDamping(hunt_crossley=1.0)}, ()),
+    (MOUNTED, {}, wavy()), (RUNNING, {}, (spall("outer_ring", DOWN + 0.02),)),
+])  # fmt: skip
 def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, angles):
     """Load, weight, held angles, a drive over slopes, dampers and dashpots; contacts rattle and a roller is struck."""
     duration = 2.5e-4 if operation is RUNNING and faults else 4e-4
@@ -85,14 +80,10 @@ def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, a
         assert np.ptp(run.work_cage) > 1e-3 * exchanged
 
 
-@pytest.mark.parametrize(
-    ("bearing", "operation", "law", "largest"),
-    [
-        (PAPER, RUNNING, "harris", 630.8),
-        (PAPER, RUNNING, "johnson", 635.1),
-        (DGBB_209, replace(RUNNING, radial_load=8900.0, inner_mass=0.5), "hertz", 4530.0),
-    ],
-)
+@pytest.mark.parametrize(("bearing", "operation", "law", "largest"), [
+    (PAPER, RUNNING, "harris", 630.8), (PAPER, RUNNING, "johnson", 635.1),
+    (DGBB_209, replace(RUNNING, radial_load=8900.0, inner_mass=0.5), "hertz", 4530.0),
+])  # fmt: skip
 def test_energy_is_kept_while_elements_pass_through_the_load_zone(bearing, operation, law, largest):
     run = simulate(Problem(bearing, operation, contact_laws(law, bearing)), 1e-3, 1e-5)
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()

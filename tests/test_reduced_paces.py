@@ -56,14 +56,10 @@ def off(found, wanted):
     return np.sqrt(np.mean((found - wanted) ** 2) / np.mean((wanted - wanted.mean(axis=0)) ** 2))
 
 
-@pytest.mark.parametrize(
-    ("model", "body"),
-    [
-        ("reduced", "outer_ring"),
-        ("reduced", "inner_ring"),
-        pytest.param("lagrange", "outer_ring", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("model", "body"), [
+    ("reduced", "outer_ring"), ("reduced", "inner_ring"),
+    pytest.param("lagrange", "outer_ring", marks=pytest.mark.slow),
+])  # fmt: skip
 def test_strikes_are_those_of_short_steps_throughout(model, body):
     """Differences are those of short steps from half as long ones, 1e-3, or less; energy errs no more."""
     plan = plan_of(model=model, spall=[SPALL | {"body": body}])

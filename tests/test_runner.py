@@ -293,14 +293,11 @@ def test_a_start_that_fails_or_is_interrupted_writes_nothing(tmp_path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--resume"], "nothing to resume"),
-        (["--estimate-error", "--mesh-size", "3"], "--estimate-error compares with a coarser mesh"),
-        (["--estimate-error", "--set", "contact.model=penalty"], "no order of convergence"),
-    ],
-)
+@pytest.mark.parametrize(("options", "words"), [
+    (["--resume"], "nothing to resume"),
+    (["--estimate-error", "--mesh-size", "3"], "--estimate-error compares with a coarser mesh"),
+    (["--estimate-error", "--set", "contact.model=penalty"], "no order of convergence"),
+])  # fmt: skip
 def test_what_an_option_lacks_is_told_before_a_run_is_planned(options, words, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("fem.runner.make_plan", lambda scene: pytest.fail("planned"))
     assert run_main(["--model", "fem", *options, "--output", str(tmp_path / "run.nc")]) == 2

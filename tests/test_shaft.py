@@ -50,16 +50,13 @@ def without_rollers_mass(bearing):
     return replace(bearing, roller=replace(bearing.roller, density=7.85))
 
 
-@pytest.mark.parametrize(
-    ("operation", "told"),
-    [
-        ({"shaft": "springs"}, 'shaft = "springs" needs shaft_stiffness_N_per_m'),
-        ({"shaft_stiffness_N_per_m": 1e7}, 'shaft_stiffness_N_per_m = 1e+07: only with shaft = "springs"'),
-        ({"shaft": "rigid", "shaft_damping_N_s_m": 10.0}, 'shaft_damping_N_s_m = 10: only with shaft = "springs"'),
-        ({"shaft": "springs", "shaft_stiffness_N_per_m": -1.0}, "operation.shaft_stiffness_N_per_m = -1.0"),
-        ({"shaft": "spring"}, "operation.shaft = 'spring'"),
-    ],
-)
+@pytest.mark.parametrize(("operation", "told"), [
+    ({"shaft": "springs"}, 'shaft = "springs" needs shaft_stiffness_N_per_m'),
+    ({"shaft_stiffness_N_per_m": 1e7}, 'shaft_stiffness_N_per_m = 1e+07: only with shaft = "springs"'),
+    ({"shaft": "rigid", "shaft_damping_N_s_m": 10.0}, 'shaft_damping_N_s_m = 10: only with shaft = "springs"'),
+    ({"shaft": "springs", "shaft_stiffness_N_per_m": -1.0}, "operation.shaft_stiffness_N_per_m = -1.0"),
+    ({"shaft": "spring"}, "operation.shaft = 'spring'"),
+])  # fmt: skip
 def test_what_makes_no_sense_is_refused_by_name(operation, told):
     assert_refused({"operation": operation}, told)
     faceted = {"contact": {"model": "faceted"}, "operation": SPRINGS}

@@ -444,17 +444,14 @@ def test_a_spall_of_half_the_length_moves_rollers_on_meshes_as_in_the_reduced_mo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"bearing__outer_raceway_diameter_mm": 56.02, "contact__friction_coefficient": 0.0},  # rollers rattle
-        {"axial__hub_tilt_inertia_kg_m2": 1e-3, "axial__shaft_tilt_stiffness_N_m_rad": 1e4},
-        {"numerics__start": "rest"},
-        {"cage__mass_kg": 0.02},
-        {"operation__shaft": "springs", "operation__shaft_stiffness_N_per_m": 1e7},
-        {"operation__unbalance_g_mm": 50.0},
-    ],
-)
+@pytest.mark.parametrize("changes", [
+    {"bearing__outer_raceway_diameter_mm": 56.02, "contact__friction_coefficient": 0.0},  # rollers rattle
+    {"axial__hub_tilt_inertia_kg_m2": 1e-3, "axial__shaft_tilt_stiffness_N_m_rad": 1e4},
+    {"numerics__start": "rest"},
+    {"cage__mass_kg": 0.02},
+    {"operation__shaft": "springs", "operation__shaft_stiffness_N_per_m": 1e7},
+    {"operation__unbalance_g_mm": 50.0},
+])  # fmt: skip
 def test_energy_balances_on_meshes(changes):
     samples = moved(scene("fem", {"roller_profile": "logarithmic"}, **MISALIGNED | changes, numerics__duration_ms=5.0))
     assert missed(samples) < 5e-6

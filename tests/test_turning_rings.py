@@ -106,16 +106,13 @@ def test_a_load_that_turns_with_a_ring_that_stands_stands(tmp_path, model):
         np.testing.assert_allclose(each, found["standing"], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("tables", "words"),
-    [
-        ({"support": {"kind": "housing"}}, 'only with support.kind = "held", not with "housing"'),
-        ({"support": {"kind": "points"}, "model": "fem"}, 'not with "points"'),
-        ({"fit": {"inner_ring_C": 30.0}}, "not with [fit], whose housing stands still"),
-        ({"cage": {"mass_kg": 0.02, "guidance": "outer_ring"}}, 'cage.guidance = "outer_ring": not with operation'),
-        ({"model": "fem", "contact": {"model": "resolved"}}, 'only with contact.model = "subgrid"'),
-    ],
-)
+@pytest.mark.parametrize(("tables", "words"), [
+    ({"support": {"kind": "housing"}}, 'only with support.kind = "held", not with "housing"'),
+    ({"support": {"kind": "points"}, "model": "fem"}, 'not with "points"'),
+    ({"fit": {"inner_ring_C": 30.0}}, "not with [fit], whose housing stands still"),
+    ({"cage": {"mass_kg": 0.02, "guidance": "outer_ring"}}, 'cage.guidance = "outer_ring": not with operation'),
+    ({"model": "fem", "contact": {"model": "resolved"}}, 'only with contact.model = "subgrid"'),
+])  # fmt: skip
 def test_what_does_not_go_with_a_turning_outer_ring_is_refused_by_name(tables, words):
     assert_refused({"operation": {"outer_ring_speed_rpm": 600.0}, **tables}, "operation.outer_ring_speed_rpm", words)
 

@@ -1,25 +1,41 @@
-"""The housing of the outer ring and the sensor on it: ring-down, sag, energy, and what the checker makes of them."""
+"""Housing, sensor and the springs of a shaft: ring-down, statics, energy, and what the checker makes of them."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numba import njit
 from scipy.linalg import expm
 
+from fem.interface import simulate as run_scene
 from fem.kernels.columns import DISSIPATED, KINETIC, WORK_GRAVITY
 from fem.kernels.elements.bodies import drift_body, kick_body, write_body
 from fem.kernels.jit import OPTIONS
-from fem.kernels.mounts import Housing, Resonator, late_mass
+from fem.kernels.mounts import Housing, Resonator, Shaft, late_mass
 from fem.solver.simulate import make_plan
-from lagrange.mounting import Sensor, from_outer_ring
-from lagrange.scene.scene import parse_scene, parse_scene_text
+from fem.solver.start import equilibrium_start
+from fem.statics.exact_statics import reduced_bearing
+from lagrange import contact_laws, static_equilibrium
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import ContactLaws, PowerLaw
+from lagrange.first_state import Problem
+from lagrange.kinematics import kinematics
+from lagrange.mounting import Mounting, Sensor, from_outer_ring
+from lagrange.mounting import Shaft as ShaftFacts
+from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, read_scene
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures.run import energy_imbalance
 from residual.sources import read_result
-from tests.reference.budgets import budget_terms
+from tests.reference.budgets import budget_terms, energy_left
+from tests.reference.compiled_motion import assert_right, compiled, solved
+from tests.reference.forward_motion import simulate
+from tests.reference.ideal import HARRIS, PAPER, RUNNING
+from tests.reference.operation_tables import record_of
 from tests.reference.refusals import assert_refused
 from tests.reference.swinging import PEDESTAL, drive, ring_down
 from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.unloaded_stiffness import stiffness_without_load
 from tests.reference.whole_run import whole_run
 
 SENSOR: dict = {}  # its defaults: 15 kHz, 5 %
@@ -221,3 +237,235 @@ def test_the_housing_sags_by_load_and_weight_over_stiffness(rigid):
     # the rollers' angles are given in statics, so that only a part of their weight is on the raceways
     assert -plan.start.housing[1] == pytest.approx(sag + 0.5 * of_rollers, abs=0.6 * of_rollers)
     np.testing.assert_array_equal(plan.start.equilibrium.hub, held.start.equilibrium.hub)
+
+
+# What holds the shaft beside the bearing: statics, frequency and decay, energy, and what the checker makes of it.
+
+
+STIFFNESS, DAMPING = 2e8, 400.0
+SPRINGS = {"shaft": "springs", "shaft_stiffness_N_per_m": STIFFNESS, "shaft_damping_N_s_m": DAMPING}
+PRELOADED = ("bearing.outer_raceway_diameter_mm=55.98", "operation.gravity_m_s2=0")
+HEAVY = 20.0  # kg, of a hub beside which rollers weigh nothing
+K = 1e8  # N/m, of a contact that is a linear spring
+LINEAR = ContactLaws(*(PowerLaw(name="linear", source="", stiffness=K, exponent=1.0) for _ in range(2)))
+
+
+def held(operation, stiffness=STIFFNESS, damping=0.0):
+    """An operation with springs beside the bearing."""
+    return replace(operation, mounting=Mounting(shaft=ShaftFacts(stiffness=stiffness, damping=damping)))
+
+
+def without_rollers_mass(bearing):
+    """A bearing whose rollers weigh next to nothing, so that two contacts in series are one spring."""
+    return replace(bearing, roller=replace(bearing.roller, density=7.85))
+
+
+@pytest.mark.parametrize(("operation", "told"), [
+    ({"shaft": "springs"}, 'shaft = "springs" needs shaft_stiffness_N_per_m'),
+    ({"shaft_stiffness_N_per_m": 1e7}, 'shaft_stiffness_N_per_m = 1e+07: only with shaft = "springs"'),
+    ({"shaft": "rigid", "shaft_damping_N_s_m": 10.0}, 'shaft_damping_N_s_m = 10: only with shaft = "springs"'),
+    ({"shaft": "springs", "shaft_stiffness_N_per_m": -1.0}, "operation.shaft_stiffness_N_per_m = -1.0"),
+    ({"shaft": "spring"}, "operation.shaft = 'spring'"),
+])  # fmt: skip
+def test_springs_that_make_no_sense_are_refused_by_name(operation, told):
+    assert_refused({"operation": operation}, told)
+    faceted = {"contact": {"model": "faceted"}, "operation": SPRINGS}
+    assert_refused(faceted, 'operation.shaft = "springs": only with contact.model = "subgrid"')
+
+
+def test_the_keys_survive_as_text_and_a_rigid_shaft_has_none():
+    scene = parse_scene({"operation": SPRINGS}, "")
+    assert parse_scene_text(scene.to_toml(), "") == scene
+    assert scene.mounting().shaft == ShaftFacts(stiffness=STIFFNESS, damping=DAMPING)
+    assert "shaft" not in Scene().to_toml().replace("inner_ring_and_shaft_kg", "")
+    assert parse_scene({"operation": {"shaft": "rigid"}}, "").mounting() == Scene().mounting()
+
+
+def test_bearing_and_shaft_share_the_load_as_springs_do():
+    """Rollers that are linear springs ½ K in series, preloaded: N_b/2 · ½ K beside the shaft's."""
+    scene = read_scene(None, PRELOADED)
+    bearing, operation = without_rollers_mass(scene.ideal_bearing()), scene.ideal_operation()
+    found = static_equilibrium(bearing, held(replace(operation, speed=0.0)), LINEAR)
+    of_bearing = 0.5 * bearing.n_rollers * 0.5 * K
+    assert -found.y == pytest.approx(2000.0 / (of_bearing + STIFFNESS), rel=1e-3)  # contacts' normals turn a little
+    carried = -np.sum(found.inner_force * np.sin(found.theta))
+    assert carried / 2000.0 == pytest.approx(of_bearing / (of_bearing + STIFFNESS), rel=1e-3)
+
+
+@pytest.mark.parametrize("ring", [(0.0, 0.0), (3e-6, -20e-6)])
+def test_two_statics_that_share_nothing_balance_the_springs(ring):
+    """Both carry what the springs leave of the load, wherever the outer ring stands, and in clearance."""
+    scene = read_scene(None, ("operation.inner_ring_and_shaft_kg=5", "bearing.outer_raceway_diameter_mm=56.03"))
+    bearing, operation = scene.ideal_bearing(), held(scene.ideal_operation(), 3e7)
+    found = static_equilibrium(bearing, operation, contact_laws("harris", bearing), ring=ring)
+    outward = np.arctan2(found.rho * np.sin(found.theta) - found.y, found.rho * np.cos(found.theta) - found.x)
+    pushed = -np.array([found.inner_force @ np.cos(outward), found.inner_force @ np.sin(outward)])
+    load = np.array([0.0, -2000.0 - 5 * 9.81])
+    springs = -3e7 * (np.array([found.x, found.y]) + ring)
+    np.testing.assert_allclose(pushed + load + springs, 0.0, atol=1e-6)
+    if ring == (0.0, 0.0):
+        start = equilibrium_start(reduced_bearing(bearing, kinematics(bearing, operation.speed)), operation)
+        outward = start.rho * np.exp(1j * start.angle) - complex(*start.hub)
+        pushed = -np.sum(start.inner_force * outward / np.abs(outward)) - 3e7 * complex(*start.hub)
+        assert abs(pushed + complex(*load)) < 1e-4
+
+
+@pytest.mark.parametrize("width", ["of one point", "of many"])
+def test_contacts_of_elastic_bodies_share_the_load_with_the_springs(width):
+    """What the finite elements' inner contacts carry is what the springs leave of load and weight."""
+    soft, mesh, spring = (5.0, 2.2, 3e7) if width == "of one point" else (1.0, 0.8, 3e5)
+    bodies = f"material.youngs_modulus_GPa={soft}", f"numerics.mesh_size_mm={mesh}", "operation.radial_load_N=400"
+    held_by = "operation.speed_rpm=0", "operation.shaft=springs", f"operation.shaft_stiffness_N_per_m={spring}"
+    start = make_plan(read_scene(None, (*bodies, *held_by, "operation.inner_ring_and_shaft_kg=5"))).start
+    found = start.equilibrium
+    outward = found.rho[:, None] * np.stack([np.cos(start.angle), np.sin(start.angle)], axis=1) - found.hub
+    pushed = -found.inner_force @ (outward / np.linalg.norm(outward, axis=1)[:, None])
+    assert pushed[1] > 40.0 and spring * np.linalg.norm(found.hub) > 4.0  # both carry some of it
+    np.testing.assert_allclose(pushed - spring * found.hub - [0.0, 400.0 + 5 * 9.81], 0.0, atol=0.01)
+
+
+def decay(damping, **choices):
+    """The hub's swing along y after a push, m, each 2 µs, on a bearing of linear springs beside the shaft's."""
+    scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0", f"operation.inner_ring_and_shaft_kg={HEAVY}"))
+    bearing = scene.ideal_bearing()
+    operation = held(replace(scene.ideal_operation(), radial_load=20.0), damping=damping)
+    run = solved(Problem(bearing, operation, LINEAR, start="rest", **choices), 8e-3, 1e-5)
+    still = static_equilibrium(bearing, operation, LINEAR)
+    return bearing, run, run.inner_y - still.y
+
+
+def test_the_hub_swings_on_bearing_and_shaft_and_its_dashpots_take_what_they_should():
+    """√((k_b + k_s)/M)/2π and c/2√(kM); within 0.1 %."""
+    bearing, run, swing = decay(6000.0)
+    stiffness = 0.5 * bearing.n_rollers * 0.5 * K + STIFFNESS
+    frequency, zeta = ring_down(swing, 1e-5)
+    assert frequency == pytest.approx(np.sqrt(stiffness / HEAVY) / (2.0 * np.pi), rel=1e-3)
+    assert zeta == pytest.approx(6000.0 / (2.0 * np.sqrt(stiffness * HEAVY)), rel=2e-3)
+    assert run.work_dissipated[-1] > 0.0 and np.all(run.work_damping == 0.0)
+    assert np.abs(run.energy_error).max() < 1e-4 * np.ptp(run.energy_shaft)
+
+
+def test_no_dashpot_shortens_the_step():
+    """Nor is one too strong for it: 1e9 N s/m on a hub of 78 g."""
+    scene = read_scene(None, PRELOADED)
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    weak, strong = (
+        compiled(Problem(bearing=bearing, operation=held(operation, damping=each), laws=LINEAR, start="rest"), 21)
+        for each in (1.0, 1e9)
+    )
+    assert weak.steps == strong.steps
+    exact = simulate(Problem(bearing, held(operation, damping=1e9), LINEAR, start="rest"), 2e-4, 1e-5)
+    creep = 2000.0 / 1e9  # m/s, against next to no spring
+    for run in (strong, exact):
+        assert run.inner_vy[-1] == pytest.approx(-creep, rel=1e-3)
+        assert run.work_dissipated[-1] == pytest.approx(2000.0 * creep * 2e-4, rel=1e-2)
+
+
+def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
+    """F/(k − M ω²) below resonance, k of both by statics."""
+    scene = read_scene(None, (
+        *PRELOADED, "operation.radial_load_N=0", "operation.speed_rpm=40000", "operation.inner_ring_and_shaft_kg=5",
+        "operation.unbalance_g_mm=20", "operation.shaft=springs", f"operation.shaft_stiffness_N_per_m={STIFFNESS}",
+    ))  # fmt: skip
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
+    stiffness, inertia = stiffness_without_load(bearing, operation, laws, force), 5.0 * operation.speed**2
+    assert stiffness > 1.2 * STIFFNESS and inertia / stiffness > 0.04
+    run = solved(Problem(bearing, operation, laws), 2 * 60.0 / 40000, 2e-5)
+    window = np.sin(np.pi * run.time / run.time[-1]) ** 2
+    place = (run.inner_x + 1j * run.inner_y) * window / window.sum()
+    ahead = np.sum(place * np.exp(-1j * operation.speed * run.time))
+    assert abs(ahead) == pytest.approx(force / (stiffness - inertia), rel=5e-3)
+
+
+@pytest.mark.parametrize("choices", [{}, {"damping": ContactDamping(constant=200.0)}, {"angles": "free"}])
+def test_the_checker_knows_springs_and_dashpots(choices):
+    scene = read_scene(None, tuple(f"operation.{key}={value}" for key, value in SPRINGS.items()))
+    bearing = scene.ideal_bearing()
+    laws, rest = contact_laws("harris", bearing), {"start": "rest", "load_ramp": 4e-4}
+    run = simulate(Problem(bearing, scene.ideal_operation(), laws, **rest, **choices), 7.4e-4, 1e-5)
+    scene = scene.varied({"numerics.start": "rest", "numerics.load_ramp_ms": 0.4})
+    if "damping" in choices:
+        scene = scene.varied({"damping.contact_N_s_m": 200.0})
+    record = replace(record_of(scene, run), inner_vx=run.inner_vx, inner_vy=run.inner_vy)
+    found = evaluate(record, "harris")
+    assert np.ptp(run.energy_shaft) > 1e-4
+    for terms in budget_terms(found):
+        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * 2000.0  # nothing is missing in the equations
+    assert np.ptp(found.y.budget.terms["shaft"]) > 0.0
+
+
+@njit(**OPTIONS)
+def swing_alone(body, drive, rows):
+    """A mass on the springs: a row a step, the last entry its place."""
+    for i in range(rows.shape[0]):
+        kick_body(body, drive)
+        write_body(body, drive, rows[i])
+        rows[i, -1] = body.place[0]
+        drift_body(body, drive)
+        for k in range(2):
+            body.place[k] += drive.dt * body.velocity[k]
+
+
+def swung(damping):
+    dt, rows = 1e-6, np.zeros((40_000, 20))
+    body = Shaft(
+        place=np.array([1e-5, 0.0]), velocity=np.zeros(2), before=np.zeros(2), drag=np.zeros(2), stored=np.zeros(1),
+        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), mass=12.638, stiffness=15.1e6, damping=damping, column=17,
+    )  # fmt: skip
+    swing_alone(body, drive(dt), rows)
+    return rows
+
+
+@pytest.mark.parametrize("damping", [500.0, 2210.7])
+def test_the_time_loops_springs_and_dashpots(damping):
+    """A mass on them alone: 173.97 Hz and c/2√(kM) within 0.1 %, and where its energy goes."""
+    rows = swung(damping)
+    frequency, zeta = ring_down(-rows[:, -1], 1e-6)
+    assert frequency == pytest.approx(173.97, rel=1e-3)
+    assert zeta == pytest.approx(damping / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)
+    slow = rows[:, 17].argmax(), len(rows) - 1 - rows[::-1, 17].argmin()  # at rest, and through the middle at the end
+    assert rows[slow[0], 17] == pytest.approx(0.5 * 15.1e6 * 1e-10)
+    turning = np.flatnonzero(np.diff(np.sign(np.diff(rows[:, -1]))))  # where it stands, all energy is in the springs
+    for at in turning:
+        assert rows[at + 1, 17] + rows[at + 1, DISSIPATED] == pytest.approx(0.5 * 15.1e6 * 1e-10, rel=1e-6)
+
+
+def test_no_dashpot_is_too_stiff_for_a_step():
+    assert np.abs(swung(1e9)[:, -1]).max() <= 1e-5 * (1.0 + 1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("choices", [{}, {"start": "rest", "load_ramp": 2e-4}, {"angles": "free"}])
+@pytest.mark.parametrize("damping", [0.0, DAMPING])
+def test_the_compiled_steps_make_the_references_motion(choices, damping):
+    operation = held(RUNNING, damping=damping)
+    assert_right(Problem(bearing=PAPER, operation=operation, laws=HARRIS, **choices), share=5e-3, finer=8.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "fem"])
+def test_elastic_bodies_know_them(model):
+    """Energy, what the run's own forces leave of the equations, and the share of the load as statics have it."""
+    numerics = {"mesh_size_mm": 2.0, "duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2}
+    scene = parse_scene({"model": model, "operation": SPRINGS, "numerics": numerics}, "")
+    result = run_scene(scene)
+    energies, found = result.energies, result.residual()
+    exchanged = np.ptp(energies["energy_elastic"] + energies["energy_contact"])
+    assert np.ptp(energies["energy_shaft"]) > 0.2 * exchanged
+    assert np.ptp(energy_left(result)) < 1e-4 * exchanged
+    for terms in budget_terms(found):
+        assert np.std(terms["ring_flexibility"]) < (5.0 if model == "fem" else 0.1)  # inertia of an elastic ring
+
+
+@pytest.mark.slow
+def test_the_reduced_models_springs_are_stretched_by_the_place_that_its_samples_tell():
+    """A light hub vibrates free of its rollers and its equations hold; by leapfrog's places they missed 5 mN."""
+    operation = SPRINGS | {"speed_rpm": 20000.0, "inner_ring_and_shaft_kg": 0.1, "radial_load_N": 500.0}
+    numerics = {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 1.0, "output_interval_us": 2.0}
+    tables = {"bearing": {"outer_raceway_diameter_mm": 56.2}, "operation": operation, "numerics": numerics}
+    result = run_scene(parse_scene({"model": "reduced", **tables}, ""))
+    assert np.max(result["inner_force"]) == 0.0
+    assert 0.1 * np.ptp(result["inner_ay"]) > 500.0
+    for direction in result.residual().directions:
+        assert np.max(np.abs(direction.budget.terms["ring_flexibility"])) < 1e-9 * 500.0

@@ -14,7 +14,6 @@ from fem.kernels.columns import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.kernels.fields import at_line
 from fem.kernels.lanes import WIDTH
 from fem.kernels.law import Law
-from fem.kernels.mounts import TWELFTH
 from fem.kernels.rigid import paces
 from fem.kernels.rigid import state as kernels
 from fem.kernels.rigid.loop import advance_rigid

@@ -9,8 +9,8 @@ both rings, all meshed with the spall, and finds the pressures of nodes 1.5 to 5
 half-plane, no sinkage. What the other rollers' loads do to the raceways under this one, 19 nm, is added to its hub.
 """
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 from cyclopts import App
@@ -38,22 +38,15 @@ MODELS = {  # label: model, mesh in mm
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Course:
+class Course(NamedTuple):
     """Roller and outer raceway over time."""
 
     time: np.ndarray  # (n,), s
     angle: np.ndarray  # (n,), rad, of the roller's centre from the load line
     force: np.ndarray  # (n,), N
 
-    def until(self, beyond: float) -> "Course":
-        """Up to an angle beyond the load line."""
-        n = int(np.argmax(self.angle > beyond)) or len(self.angle)
-        return Course(time=self.time[:n], angle=self.angle[:n], force=self.force[:n])
 
-
-@dataclass(frozen=True, kw_only=True)
-class Strike:
+class Strike(NamedTuple):
     """What the roller does at the exit edge."""
 
     before: float  # N, on the sound raceway, 0.15 mm before the spall
@@ -62,51 +55,42 @@ class Strike:
     impulse: float  # N s, from the release on, until there
 
 
-def strike(course: Course, half: float) -> Strike:
-    """Of a crossing, `half` the spall's opening, m."""
-    course = course.until((half + BESIDE) / RACEWAY)
-    before = float(np.interp(-(half + 0.15e-3) / RACEWAY, course.angle, course.force))
-    level = course.force - 0.5 * before
-    near = course.angle > -(half + 0.1e-3) / RACEWAY
-    entry = int(np.argmax(near & (level < 0.0)))
-    risen = entry + int(np.argmax(level[entry:] > 0.0))
-    released = entry + int(np.argmax(course.force[entry:] <= 0.0))
-    pulses = course.force[released:]
-
-    def crossed(k):
-        return course.time[k] - (course.time[k] - course.time[k - 1]) * level[k] / (level[k] - level[k - 1])
-
-    return Strike(
-        before=before, time=float(crossed(risen) - crossed(entry)), peak=float(pulses.max()),
-        impulse=float(np.sum(pulses) * (course.time[1] - course.time[0])),
-    )  # fmt: skip
-
-
 def spall(width: float) -> Spall:
     return Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-4, edge_radius=1e-4)
 
 
+def strike(course: Course, width: float) -> Strike:
+    """Of a crossing of a spall so wide, m."""
+    half = spall(width).half_opening(PAPER.roller_radius)
+    n = int(np.argmax(course.angle > (half + BESIDE) / RACEWAY)) or len(course.angle)
+    time, angle, force = (of[:n] for of in course)
+    before = float(np.interp(-(half + 0.15e-3) / RACEWAY, angle, force))
+    level = force - 0.5 * before
+    entry = int(np.argmax((angle > -(half + 0.1e-3) / RACEWAY) & (level < 0.0)))
+    risen = entry + int(np.argmax(level[entry:] > 0.0))
+    pulses = force[entry + int(np.argmax(force[entry:] <= 0.0)) :]
+    fell, rose = (time[k] - (time[k] - time[k - 1]) * level[k] / (level[k] - level[k - 1]) for k in (entry, risen))
+    return Strike(before, float(rose - fell), float(pulses.max()), float(np.sum(pulses) * (time[1] - time[0])))
+
+
 def by_program(width: float, model: str, mesh_mm: float) -> tuple[Course, np.ndarray]:
     """A crossing, and where the hub stays, (2,), m."""
-    scene = Scene(
-        model=model,
+    found = simulate(Scene(
+        model=model, contact={"friction_coefficient": 0.0},
         operation={"inner_ring_and_shaft_kg": SHAFT_KG, "gravity_m_s2": 0.0, "first_roller_deg": -FIRST_DEG},
-        contact={"friction_coefficient": 0.0},
         numerics={"duration_ms": 0.45, "mesh_size_mm": mesh_mm, "output_interval_us": 0.5},
         spall=[{"body": "outer_ring", "width_mm": 1e3 * width, "depth_um": 100.0, "edge_radius_mm": 0.1}],
-    )
-    found = simulate(scene)
+    ))  # fmt: skip
     angle = np.angle(1j * np.exp(1j * found["roller_theta"][:, 0]))  # from −y
-    course = Course(time=found.time, angle=angle, force=found["outer_force"][:, 0])
-    return course, np.array([found["inner_x"][0], found["inner_y"][0]])
+    hub = np.array([found["inner_x"][0], found["inner_y"][0]])
+    return Course(found.time, angle, found["outer_force"][:, 0]), hub
 
 
 def by_neighbours() -> float:
     """How far the other rollers' loads lift both raceways towards the roller next to the load line, m."""
-    first = -0.5 * np.pi - np.radians(FIRST_DEG)
+    first, n = -0.5 * np.pi - np.radians(FIRST_DEG), PAPER.n_rollers
     loads = exact_statics(PAPER, OPERATION.radial_load, first)
     coupling = exact_contacts(PAPER, roller_angles(PAPER, first)).compliance
-    n = PAPER.n_rollers
     return -float(coupling[0, 1:n] @ loads.inner_force[1:] + coupling[n, n + 1 :] @ loads.outer_force[1:])
 
 
@@ -123,18 +107,15 @@ def resolved(width: float, hub, fine: Fineness = FINE, step: float = STEP, hollo
     for k in range(n):
         force[k] = np.hypot(*run.advance()[0])
         angle[k] = np.arctan2(run.centre[0], -run.centre[1])
-    change = (run.energy.sum() - energy) / first
-    return Course(time=step * np.arange(1, n + 1), angle=angle, force=force), change
+    return Course(step * np.arange(1, n + 1), angle, force), (run.energy.sum() - energy) / first
 
 
 Part = Literal["step", "modes", "mesh", "hole"]
+COARSER = replace(FINE, edge=2.0 * FINE.edge, raceway=2.0 * FINE.raceway, roller=2.0 * FINE.roller)
 OTHERS = {  # label, arguments of `resolved`
     "step": ("resolved, step 0.05 µs", {"step": 0.5 * STEP}),
     "modes": ("resolved, modes to 1 MHz", {"fine": replace(FINE, cutoff=1e6)}),
-    "mesh": (
-        "resolved, mesh twice as coarse at contacts",
-        {"fine": replace(FINE, edge=2.0 * FINE.edge, raceway=2.0 * FINE.raceway, roller=2.0 * FINE.roller)},
-    ),
+    "mesh": ("resolved, mesh twice as coarse at contacts", {"fine": COARSER}),
     "hole": ("resolved, the spall in the gap alone", {"hollow": False}),
 }
 HEADS = ["spall", "model", "load before", "struck after", "peak", "impulse"]
@@ -142,31 +123,12 @@ HEADS = ["spall", "model", "load before", "struck after", "peak", "impulse"]
 
 def row(width: float, name: str, found: Strike, exact: Strike | None = None) -> list[str]:
     """Cells of the table: figures, or differences from `exact`."""
-    first = [f"{1e3 * width:g} mm", name]
     if exact is None:
-        return [*first, f"{found.before:.1f} N", f"{1e6 * found.time:.2f} µs", f"{found.peak:.0f} N",
-                f"{1e3 * found.impulse:.2f} mN s"]  # fmt: skip
-    names = "before", "time", "peak", "impulse"
-    return [*first, *(f"{100.0 * (getattr(found, key) / getattr(exact, key) - 1.0):+.1f} %" for key in names)]
-
-
-app = App(help=__doc__, help_format="markdown")
-
-
-@app.default
-def compare(*, write: bool = False) -> None:
-    """Print the program's models against the yardstick; with write, into docs/measurements/spalls.md."""
-    table = []
-    for width in WIDTHS:
-        half = spall(width).half_opening(PAPER.roller_radius)
-        courses = {name: by_program(width, *of) for name, of in MODELS.items()}
-        exact = strike(resolved(width, courses["finite elements, 1 mm"][1])[0], half)
-        table.append(row(width, "resolved", exact))
-        table += [row(width, name, strike(course, half), exact) for name, (course, _) in courses.items()]
-    publish(
-        "spalls", "Crossing on resolved contacts", "python -m tests.accuracy.spall_crossing", WORDS,
-        markdown_table(HEADS, table), write=write,
-    )  # fmt: skip
+        cells = [f"{found.before:.1f} N", f"{1e6 * found.time:.2f} µs", f"{found.peak:.0f} N",
+                 f"{1e3 * found.impulse:.2f} mN s"]  # fmt: skip
+    else:
+        cells = [f"{100.0 * (own / wanted - 1.0):+.1f} %" for own, wanted in zip(found, exact, strict=True)]
+    return [f"{1e3 * width:g} mm", name, *cells]
 
 
 WORDS = """The paper's bearing under 2000 N at 4500 rpm, a spall 100 µm deep with edges of 0.1 mm on the outer ring at
@@ -176,22 +138,32 @@ is a roller between both rings on meshes of quadratic triangles, the spall cut o
 the force has fallen to half of it until it has risen to half of it again. *Peak* and *impulse*: of all
 pulses until 0.25 mm beyond the exit edge."""
 
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def compare(*, write: bool = False) -> None:
+    """Print the program's models against the yardstick; with write, into docs/measurements/spalls.md."""
+    table, command = [], "python -m tests.accuracy.spall_crossing"
+    for width in WIDTHS:
+        courses = {name: by_program(width, *of) for name, of in MODELS.items()}
+        exact = strike(resolved(width, courses["finite elements, 1 mm"][1])[0], width)
+        table.append(row(width, "resolved", exact))
+        table += [row(width, name, strike(course, width), exact) for name, (course, _) in courses.items()]
+    publish("spalls", "Crossing on resolved contacts", command, WORDS, markdown_table(HEADS, table), write=write)
+
 
 @app.command
 def varied(*parts: Part, write: bool = False) -> None:
     """Print the yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole."""
-    width = WIDTHS[-1]
+    width, table, command = WIDTHS[-1], [], "python -m tests.accuracy.spall_crossing varied"
     _, hub = by_program(width, "reduced", 1.0)
-    table = []
     for part in parts or OTHERS:
         name, how = OTHERS[part]
         course, change = resolved(width, hub, **how)
-        found = strike(course, spall(width).half_opening(PAPER.roller_radius))
-        table.append([*row(width, name, found), f"{100.0 * change:+.2f} %"])
-    publish(
-        "spalls", "Fineness of the resolved reference", "python -m tests.accuracy.spall_crossing varied",
-        markdown_table([*HEADS, "energy"], table), write=write,
-    )  # fmt: skip
+        table.append([*row(width, name, strike(course, width)), f"{100.0 * change:+.2f} %"])
+    heading, found = "Fineness of the resolved reference", markdown_table([*HEADS, "energy"], table)
+    publish("spalls", heading, command, found, write=write)
 
 
 if __name__ == "__main__":

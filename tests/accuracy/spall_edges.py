@@ -11,7 +11,9 @@ the first touch after the release to a quarter of a millimetre beyond the exit e
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -42,8 +44,7 @@ EDGE_RADIUS = 1e-4
 Force = Callable[[float, float], float]  # N, at a place, m, and an approach from the sound raceway, m
 
 
-@dataclass(frozen=True, kw_only=True)
-class Crossing:
+class Crossing(NamedTuple):
     """A raceway with a deep spall in its middle, and what its contacts with a roller may be."""
 
     body: str
@@ -74,15 +75,12 @@ def crossing(body: str, width: float) -> Crossing:
         deep = approach - np.interp(place, grid, sunk)
         return float(sound.force(deep) * ratio((abs(place), deep))) if deep > 0.0 else 0.0
 
-    def soft(place, approach):
-        law = softened(sound, np.interp(place, grid, compliance))
+    def by_law(place, approach, soft=1.0):
+        law = softened(sound, soft * np.interp(place, grid, compliance)) if soft else sound
         return float(law.force(approach - np.interp(place, grid, sinkage)))
 
-    def hard(place, approach):
-        return float(sound.force(approach - np.interp(place, grid, sinkage)))
-
-    laws = {"half-planes": bare, "law with soft edges": soft, "sinkage alone": hard}
-    return Crossing(body=body, half=half, sound=sound, other=other, laws=laws)
+    laws = {"half-planes": bare, "law with soft edges": by_law, "sinkage alone": partial(by_law, soft=0.0)}
+    return Crossing(body, half, sound, other, laws)
 
 
 def _ratios(yardstick: EdgeContact, sound) -> RegularGridInterpolator:
@@ -107,17 +105,11 @@ def slow(spalled: Crossing, force: Force, places: np.ndarray) -> np.ndarray:
     return np.array([balanced(place) for place in places])
 
 
-@dataclass(frozen=True, kw_only=True)
-class Strike:
-    """All pulses after the release."""
+def fast(spalled: Crossing, force: Force) -> np.ndarray:
+    """The crossing with the roller's inertia, along the raceways at SPEED: pulses after the release.
 
-    time: float  # s, of the first touch after the entry edge
-    peak: float  # N
-    impulse: float  # N s
-
-
-def fast(spalled: Crossing, force: Force) -> Strike:
-    """The crossing with the roller's inertia, along the raceways at SPEED."""
+    When it first touches after the entry edge, s; their peak, N; their impulse, N s.
+    """
     mass, start = BEARING.roller_mass, -spalled.half - BESIDE
     swing = MOTION.cage**2 * BEARING.pitch_radius * (1.0 if spalled.body == "outer_ring" else -1.0)
 
@@ -127,14 +119,13 @@ def fast(spalled: Crossing, force: Force) -> Strike:
 
     rest = brentq(lambda deep: rates(0.0, [deep, 0.0])[1], 0.0, HUB)
     times = np.arange(0.0, -2.0 * start / SPEED, TICK)
-    found = solve_ivp(
-        rates, (0.0, times[-1]), [rest, 0.0], t_eval=times, rtol=1e-7, atol=[1e-13, 1e-9], max_step=5.0 * TICK
-    )
+    exact = {"rtol": 1e-7, "atol": [1e-13, 1e-9], "max_step": 5.0 * TICK}
+    found = solve_ivp(rates, (0.0, times[-1]), [rest, 0.0], t_eval=times, **exact)
     pressed = np.array([force(start + SPEED * t, deep) for t, deep in zip(times, found.y[0], strict=True)])
     released = int(np.argmax(pressed == 0.0))
     struck = released + int(np.argmax(pressed[released:] > 0.0))
     pulses = pressed[struck:]
-    return Strike(time=times[struck] - BESIDE / SPEED, peak=pulses.max(), impulse=float(np.trapezoid(pulses, dx=TICK)))
+    return np.array([times[struck] - BESIDE / SPEED, pulses.max(), np.trapezoid(pulses, dx=TICK)])
 
 
 def rows(body: str, width: float) -> list[list[str]]:
@@ -146,20 +137,16 @@ def rows(body: str, width: float) -> list[list[str]]:
     for name, force in spalled.laws.items():
         path, strike = slow(spalled, force, places), fast(spalled, force)
         lost = float(np.sum(sound - path)) * STEP / SPEED
-        first = [f"{body.replace('_', ' ')}, {1e3 * width:g} mm", name]
         if exact is None:
             exact = path, lost, strike
-            found.append([*first, f"{sound:.0f} N before", f"{1e3 * lost:.2f} mN s", f"{1e6 * strike.time:.1f} µs",
-                          f"{strike.peak:.0f} N", f"{1e3 * strike.impulse:.2f} mN s"])  # fmt: skip
-            continue
-        found.append([
-            *first,
-            f"{100.0 * np.abs(path - exact[0]).max() / sound:.1f} %",
-            f"{100.0 * (lost / exact[1] - 1.0):+.1f} %",
-            f"{1e6 * (strike.time - exact[2].time):+.1f} µs",
-            f"{100.0 * (strike.peak / exact[2].peak - 1.0):+.1f} %",
-            f"{100.0 * (strike.impulse / exact[2].impulse - 1.0):+.1f} %",
-        ])  # fmt: skip
+            cells = [f"{sound:.0f} N before", f"{1e3 * lost:.2f} mN s", f"{1e6 * strike[0]:.1f} µs",
+                     f"{strike[1]:.0f} N", f"{1e3 * strike[2]:.2f} mN s"]  # fmt: skip
+        else:
+            late, (_, peak, impulse) = strike[0] - exact[2][0], 100.0 * (strike / exact[2] - 1.0)
+            off = 100.0 * np.abs(path - exact[0]).max() / sound
+            cells = [f"{off:.1f} %", f"{100.0 * (lost / exact[1] - 1.0):+.1f} %",
+                     f"{1e6 * late:+.1f} µs", f"{peak:+.1f} %", f"{impulse:+.1f} %"]  # fmt: skip
+        found.append([f"{body.replace('_', ' ')}, {1e3 * width:g} mm", name, *cells])
     return found
 
 

@@ -28,10 +28,7 @@ MESH_SIZES = (2.0, 1.0, 0.5)  # mm
 PHASES = (0.0, 1.3, 4.1, 9.2, 13.8)  # degrees of the first roller from the load line
 LEAST_FORCE = 100.0  # N, of a contact looked at
 INSTANT = "12.5"  # ms
-PICTURES = {
-    "bearing.png": [],
-    "close-up.png": ["--view", "close-up"],
-}
+PICTURES = {"bearing.png": [], "close-up.png": ["--view", "close-up"]}
 FAULTS = (
     "name=faults", "model=reduced", "numerics.duration_ms=0.4", "numerics.output_interval_us=2", "spall.0.angle_deg=3",
     "spall.1.body=inner_ring", "spall.1.angle_deg=40", "spall.2.body=roller", "spall.2.roller=2",

@@ -242,16 +242,11 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     circles += [np.arange(first[k + 1] - disc.shape.surface_nodes, first[k + 1]) for k in range(2, n + 2)]
     halves = [c[:, corners] for c in cells for corners in ([0, 1, 2], [0, 2, 3])[: c.shape[1] - 2]]
     return DrawnBearing(
-        data=np.concatenate(parts),
-        triangles=np.concatenate(halves),
+        data=np.concatenate(parts), triangles=np.concatenate(halves),
         cells=tuple(c for c, body in zip(cells, bodies, strict=True) if not body.material.rigid),
-        circles=tuple(circles),
-        loads=loads,
-        spacing=disc.shape.surface_spacing,
-        hub=instant.hub,
-        roller_reference=reference,
-        roller_shift=instant.centres - reference,
-    )
+        circles=tuple(circles), loads=loads, spacing=disc.shape.surface_spacing, hub=instant.hub,
+        roller_reference=reference, roller_shift=instant.centres - reference,
+    )  # fmt: skip
 
 
 def body_motions(instant: Instant) -> list[np.ndarray]:

@@ -111,17 +111,12 @@ def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: 
         magnification = 1.0 if closeup else chosen_magnification(displacement, model.bearing.outside_radius)
     orbit = 1e6 * run.orbit[:: max(1, len(run.orbit) // MOST_ORBIT_POINTS)]
     return Look(
-        scale=scales[0],
-        contact_scale=scales[1],
-        magnification=magnification,
-        largest_force=largest,
+        scale=scales[0], contact_scale=scales[1], magnification=magnification, largest_force=largest,
         arrow_length=LONGEST_ARROW * model.bearing.roller_radius / largest if largest > 0.0 else 0.0,
-        orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None,
-        load_zone=run.load_zone,
+        orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None, load_zone=run.load_zone,
         roller=int(np.argmax(forces[:, 0].max(axis=0))) if roller is None else roller,
-        half_width=max(pair.half_width(max(largest, 1e-3)) for pair in pairs),
-        pace=pace,
-    )
+        half_width=max(pair.half_width(max(largest, 1e-3)) for pair in pairs), pace=pace,
+    )  # fmt: skip
 
 
 def chosen_magnification(largest: float, outside_radius: float) -> float:

@@ -26,10 +26,7 @@ if TYPE_CHECKING:
 
 MARK = "render-fem"  # in files that have room for a remark
 FIELDS = b"von_mises", b"max_shear"  # of meshes with fields, in whatever format
-MARKS = {
-    ".csv": (b"time_s,inner_ax_m_s2",),
-    **dict.fromkeys((".png", ".gif", ".mp4", ".wav"), (MARK.encode(),)),
-}
+MARKS = {".csv": (b"time_s,inner_ax_m_s2",), **dict.fromkeys((".png", ".gif", ".mp4", ".wav"), (MARK.encode(),))}
 QUALITY = "18"  # x264's constant rate factor; text stays sharp
 VTK_KINDS = {3: 5, 4: 9}  # triangle and quadrilateral, by corners
 # VTK alone, since the libraries are what may be missing: importing pyvista would take most of the time

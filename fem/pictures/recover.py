@@ -181,15 +181,10 @@ class StoredRun:
         return Instant(
             **vars(frame),
             **{name: values[name] for name in ("inner_force", "outer_force", "inner_traction", "outer_traction")},
-            scene=self.scene,
-            model=model,
-            hub=hub,
-            centres=centres,
-            roller_force=values["roller_roller_force"],
+            scene=self.scene, model=model, hub=hub, centres=centres, roller_force=values["roller_roller_force"],
             cage=None if self.scene.cage is None else np.array([self.column(name)[sample] for name in OF_CAGE]),
-            stored=sample in self._frames,
-            stored_elastic_energy=float(values["energy_elastic"]),
-        )
+            stored=sample in self._frames, stored_elastic_energy=float(values["energy_elastic"]),
+        )  # fmt: skip
 
 
 def read_instant(path: Path, time: float | None = None) -> Instant:

@@ -285,18 +285,11 @@ def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xar
         time = interval * np.arange(next(iter(signals.values())).shape[1])
         variables["time"] = "time", time, {"units": "s", "long_name": "time of the signals' samples"}
     attributes = {
-        "title": study.name,
-        "program": PROGRAM,
-        "program_version": VERSION,
-        "program_digest": points.made_by,
-        "libraries": json.dumps({name: version(name) for name in LIBRARIES}),
-        "study": study.text,
-        "scene": study.scene.to_toml(),
-        "method": study.sampling.method,
-        "seed": study.sampling.seed,
-        "points": n,
+        "title": study.name, "program": PROGRAM, "program_version": VERSION, "program_digest": points.made_by,
+        "libraries": json.dumps({name: version(name) for name in LIBRARIES}), "study": study.text,
+        "scene": study.scene.to_toml(), "method": study.sampling.method, "seed": study.sampling.seed, "points": n,
         "sobol_base": design.base,
-    }
+    }  # fmt: skip
     return xarray.Dataset(variables, attrs=attributes)
 
 

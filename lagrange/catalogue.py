@@ -274,7 +274,7 @@ def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     entry, found = entries()[_row_of(name)], elements(name)
     table = (_BALL_CLEARANCE if has_balls(name) else _ROLLER_CLEARANCE)[group]
     lowest, highest = next(limits for largest, limits in zip(_BORES, table, strict=True) if entry.bore <= largest)
-    sizes = {
+    sizes: dict[str, float | int | str] = {
         "rollers": found.number, "roller_diameter_mm": found.diameter, "roller_length_mm": found.length,
         "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * (lowest + highest),
         "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside,

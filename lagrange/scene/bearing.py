@@ -137,8 +137,8 @@ class BearingTable(Table):
             else:
                 inner = None
             if inner is not None:
-                given = data.items()
-                data = {name: value for name, value in given if name not in ("pitch_diameter_mm", "clearance_um")}
+                replaced = "pitch_diameter_mm", "clearance_um"
+                data = {name: value for name, value in data.items() if name not in replaced}
                 data["inner_raceway_diameter_mm"] = round(inner, 9)
                 if clearance is not None:
                     data["clearance_um"] = clearance

@@ -78,7 +78,7 @@ _PLANNING = Lock()  # meshes, factorisations and compiling are not for two threa
 
 def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
     """All of OF_CHECK; NaN for lines that a bearing at rest or a short record does not have."""
-    found = {}
+    found: dict[str, float] = {}
     for direction in evaluation.directions:
         levels = {level.name: level.rms for level in direction.levels}
         found |= {f"error_{moment}_{direction.name}": float(getattr(direction.error, moment)) for moment in MOMENTS}
@@ -307,10 +307,7 @@ def open_result(path: str | Path) -> Result:
 
 
 def simulate(
-    scene: Scene,
-    *,
-    progress: Callable[[Progress], None] | None = None,
-    stop: Callable[[], bool] = lambda: False,
+    scene: Scene, *, progress: Callable[[Progress], None] | None = None, stop: Callable[[], bool] = lambda: False
 ) -> Result:
     """Simulate a scene by the model that it names and keep its samples in memory.
 

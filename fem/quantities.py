@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import nan, pi, tau
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from lagrange import BallBearing, Bearing
-from lagrange.contact.hertz import ball_pressure, contact_pairs
+from lagrange.contact.hertz import Side, ball_pressure, contact_pairs
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
@@ -249,8 +249,8 @@ def cage_rows(samples: Samples, seconds: float) -> dict[str, str]:
 
 def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool = False) -> str:
     """The largest force at each raceway, N, in words; unless rollers tilt each with its Hertz pressure."""
-    parts = []
-    for row, (raceway, force) in enumerate((("inner", float(inner)), ("outer", float(outer)))):
+    parts, sides = [], (("inner", float(inner)), ("outer", float(outer)))
+    for row, (raceway, force) in enumerate(cast("tuple[tuple[Side, float], ...]", sides)):
         pressure = ""
         if isinstance(bearing, BallBearing):
             pressure = f" ({1e-6 * ball_pressure(bearing, raceway, force):.0f} MPa)"

@@ -76,19 +76,6 @@ def test_a_second_run_is_refused_and_after_a_kill_before_the_first_checkpoint_th
         assert file.attrs["committed_samples"] > 0
 
 
-def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, capsys):
-    path = shutil.copy(whole, tmp_path / "copy.nc")
-    arguments = [*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]
-    assert "nothing to resume" in refused(arguments, capsys)
-    good = checkpoint_path(whole).read_bytes()
-    for bad in (b"", b"nonsense", good[: len(good) // 2], good[:200] + bytes(200) + good[400:]):
-        checkpoint_path(path).write_bytes(bad)
-        assert str(checkpoint_path(path)) in refused(arguments, capsys)
-    checkpoint_path(path).write_bytes(good)
-    path.write_bytes(whole.read_bytes()[:5000])
-    assert str(path) in refused(arguments, capsys)
-
-
 def test_another_version_is_refused(whole, monkeypatch):
     plan = make_plan(read_scene(None, SETTINGS))
     monkeypatch.setattr("fem.kernels.kernel_folder.version", lambda: "other")
@@ -217,8 +204,7 @@ def struck(name, number, condition, folder):
 
 
 @pytest.mark.parametrize(
-    ("name", "number"),
-    [("run-fem", signal.SIGTERM), ("run-fem", signal.SIGINT), ("run-study", signal.SIGTERM)],
+    ("name", "number"), [("run-fem", signal.SIGTERM), ("run-fem", signal.SIGINT), ("run-study", signal.SIGTERM)]
 )
 def test_a_signal_before_there_is_a_run_ends_the_command_with_a_word(name, number, tmp_path):
     (tmp_path / "s.toml").write_text("")

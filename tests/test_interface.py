@@ -35,13 +35,7 @@ def lagrangian(**changes):
     return Scene(model="lagrange").varied(SHORT | changes)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"model": "lagrange"} | SPALL,
-        {"model": "fem", "numerics.mesh_size_mm": 2.0},
-    ],
-)
+@pytest.mark.parametrize("changes", [{"model": "lagrange"} | SPALL, {"model": "fem", "numerics.mesh_size_mm": 2.0}])
 def test_a_result_saves_the_file_that_run_fem_writes(changes, tmp_path):
     scene = read_scene().varied(SHORT | changes)
     toml, ours, theirs = tmp_path / "scene.toml", tmp_path / "ours.nc", tmp_path / "theirs.nc"
@@ -111,7 +105,9 @@ def test_pressures_are_hertzs_of_the_forces_and_quantities_their_largest():
     assert result.quantities["largest_outer_half_width"].value == result["outer_half_width"].max()
 
 
-def test_balls_have_no_pressures_of_line_contacts():
+def test_balls_have_no_pressures_of_line_contacts_and_no_finite_elements():
+    with pytest.raises(UsageError, match="cylindrical rollers only"):
+        simulate(Scene(model="fem", bearing={"type": "ball"}))
     result = simulate(Scene(model="lagrange", bearing={"type": "ball"}).varied(SHORT))
     with pytest.raises(KeyError, match="inner_peak_pressure: no variable of this run"):
         result["inner_peak_pressure"]
@@ -163,11 +159,14 @@ def test_quantities_are_those_that_their_tables_name():
     assert {each.name: each.value for each in found}["error_rms_y"] < 0.02
 
 
-def test_a_stopped_run_says_so_and_keeps_its_samples():
+def test_a_stopped_run_says_so_keeps_its_samples_and_becomes_an_xarray_with_units():
     seen = []
     result = simulate(lagrangian(), progress=seen.append, stop=lambda: len(seen) == 2)
     assert result.status == "interrupted"
     assert len(result.time) == seen[-1].samples < result.plan.n_samples
+    found = result.to_xarray()
+    assert found["inner_force"].dims == ("time", "roller") and found["inner_force"].attrs["units"] == "N"
+    assert float(found["inner_y"].sel(time=0.0)) == result["inner_y"][0]
 
 
 def test_stiffness_is_the_slope_of_the_law():
@@ -192,13 +191,6 @@ def test_labels_name_the_first_spall_and_the_lines():
     assert simulate(lagrangian()).labels["spall_body"] == "none"
 
 
-def test_samples_become_an_xarray_with_units():
-    result = simulate(lagrangian())
-    found = result.to_xarray()
-    assert found["inner_force"].dims == ("time", "roller") and found["inner_force"].attrs["units"] == "N"
-    assert float(found["inner_y"].sel(time=0.0)) == result["inner_y"][0]
-
-
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
@@ -212,11 +204,6 @@ def test_samples_become_an_xarray_with_units():
 def test_an_unusable_variation_is_refused_by_its_key(changes, told):
     with pytest.raises(SceneError, match=told):
         Scene().varied(changes)
-
-
-def test_what_a_model_cannot_take_is_refused():
-    with pytest.raises(UsageError, match="cylindrical rollers only"):
-        simulate(Scene(model="fem", bearing={"type": "ball"}))
 
 
 def test_a_scene_that_follows_takes_the_last_one_s_mesh_and_gets_the_same_bits():

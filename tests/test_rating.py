@@ -47,13 +47,7 @@ from lagrange.rating.life import (
     skf_torque,
     static_capacity,
 )
-from lagrange.rating.reference_life import (
-    edge_factor,
-    lamina_capacities,
-    reference_life,
-    rigid_loads,
-    shared_out,
-)
+from lagrange.rating.reference_life import edge_factor, lamina_capacities, reference_life, rigid_loads, shared_out
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import lagrangian_pitch
 from lagrange.scene.scene import read_scene
@@ -371,11 +365,7 @@ def test_dimension_series(name, series):
 
 @pytest.mark.parametrize(
     ("row", "other"),
-    [
-        (of("NCF3010"), "a full complement"),
-        (of("NA4910"), "needles"),
-        (replace(N209, cosine=0.97), "a contact angle"),
-    ],
+    [(of("NCF3010"), "a full complement"), (of("NA4910"), "needles"), (replace(N209, cosine=0.97), "a contact angle")],
 )
 def test_friction_is_refused_where_its_models_have_no_constants(row, other):
     with pytest.raises(Unavailable, match=f"this bearing has {other}"):

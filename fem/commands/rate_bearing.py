@@ -92,7 +92,13 @@ def _rate(
     steps = None if cycle is None else _cycle(cycle, decimal)
     folder = Path() if output is None else output
     folder.mkdir(parents=True, exist_ok=True)
-    rated = rating(chosen, Options(name=name, reliability=reliability, cycle=steps, run=run, **given))
+    rated = rating(
+        chosen,
+        Options(
+            name=name, viscosity=viscosity, contamination=contamination, reliability=reliability, roughness=roughness,
+            width=width, cycle=steps, run=run,
+        ),
+    )  # fmt: skip
     written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]
     write_json(written[0], rated)
     if output is not None:

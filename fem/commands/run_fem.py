@@ -150,13 +150,7 @@ Exit codes: 1 the run has no start; 2 unusable input; 130 ended by Ctrl-C.
 
 
 @live_app.default
-def _live(
-    scene: Scene = None,
-    /,
-    *,
-    bearing: Designation = None,
-    set: Settings = None,
-) -> int:
+def _live(scene: Scene = None, /, *, bearing: Designation = None, set: Settings = None) -> int:
     from lagrange.messages import say, telling
     from lagrange.scene.scene import read_scene
 

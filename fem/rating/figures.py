@@ -148,7 +148,8 @@ def _life(case: Case) -> Figure:
 
 def _misalignment(case: Case) -> Figure:
     tilts, curves, mark = np.linspace(0.0, TILTED, 25), [], None
-    kinds = [(True, BLUE, "-", "logarithmic profile"), (False, RED, "-", "straight rollers")]
+    kinds: list[tuple[bool | None, str, str, str]] = [(True, BLUE, "-", "logarithmic profile")]
+    kinds.append((False, RED, "-", "straight rollers"))
     if case.axial is not None:
         kinds.append((None, GREEN, "--", "the scene's profiles"))
         mark = 1e3 * abs(case.operation.misalignment), {"linestyle": ":"}

@@ -26,8 +26,6 @@ from lagrange.files.input import LARGEST_FILE, digest
 if TYPE_CHECKING:
     import h5py
 
-NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # NetCDF-4's name of such a scale
-
 
 class HeldBack(io.FileIO):
     """A file that keeps its first failure to itself; `failure` is None where there was none."""
@@ -79,11 +77,6 @@ def hdf5_to_write(path: Path, mode: str = "w", **options: Any) -> "Iterator[h5py
             raise raw.failure
 
 
-def dimension(file: "h5py.File", name: str, size: int) -> None:
-    """Add a dimension that has no coordinates."""
-    file.create_dataset(name, shape=(size,), dtype=">f4").make_scale(NO_VARIABLE.format(size))
-
-
 def variable(file: "h5py.File", name: str, values: Any, dimensions: tuple[str, ...], unit: str, long_name: str) -> None:
     """Add numbers, or words (dtype object), along dimensions that the file has; along its own name: a coordinate."""
     values = np.asarray(values)
@@ -131,8 +124,14 @@ def read_numbers(file, name: str, count: int) -> np.ndarray:
     proportion, an unknown filter, another checksum than stored.
     """
     data = check_array(file, name, count)
-    values = data[:count].astype(float)
-    verify(data, values)
+    values, record = data[:count].astype(float), data.attrs.get(CHECKSUM)
+    if record is not None:
+        pairs = np.ravel(record)
+        known = dict(zip(pairs[0::2].tolist(), pairs[1::2].tolist(), strict=False))
+        if count not in known:
+            raise Damaged(f"{name} has no checksum of its {count} samples")
+        if known[count] != checksum(values):
+            raise Damaged(f"{name} is not what was written: its checksum differs")
     return values
 
 
@@ -164,35 +163,16 @@ def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions
         raise Damaged(f"{name} lies in another file, which is not followed")
     if data.ndim not in dimensions or data.shape[0] < count:
         raise Damaged(f"{name} has shape {data.shape} but {count} samples are committed; the file is truncated")
-    _check_room(data, name, count)
-    return data
-
-
-def _check_room(data, name: str, count: int) -> None:
-    """No more is promised than the file can hold."""
     plan = data.id.get_create_plist()
     filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
-    unknown = [number for number in filters if number not in FILTERS]
-    if unknown:
+    if unknown := [number for number in filters if number not in FILTERS]:
         raise Damaged(f"{name} is packed by an unknown filter (HDF5's number {unknown[0]})")
     if data.chunks is not None and prod(data.chunks) * data.dtype.itemsize > LARGEST_CHUNK:
         raise Damaged(f"{name} has chunks of {data.chunks}, more than {LARGEST_CHUNK / 2**20:.0f} MiB")
     wanted = count * prod(data.shape[1:]) * data.dtype.itemsize
     if data.id.get_storage_size() * (MOST_COMPRESSION if filters else 1) < wanted:
         raise Damaged(f"{name} has shape {data.shape}, but the file holds only part of it")
-
-
-def verify(data, values: np.ndarray) -> None:
-    """Refuse values whose checksum is not the stored one."""
-    record = data.attrs.get(CHECKSUM)
-    if record is None:
-        return
-    pairs = np.ravel(record)
-    known = dict(zip(pairs[0::2].tolist(), pairs[1::2].tolist(), strict=False))
-    if len(values) not in known:
-        raise Damaged(f"{data.name.strip('/')} has no checksum of its {len(values)} samples")
-    if known[len(values)] != checksum(values):
-        raise Damaged(f"{data.name.strip('/')} is not what was written: its checksum differs")
+    return data
 
 
 def read_scene_text(file) -> str:

@@ -57,8 +57,14 @@ class LaminaLoads:
 
 
 def rigid_loads(
-    row: Dimensions, load: float, clearance: float = 0.0, tilt: float = 0.0, *, profile: bool | np.ndarray = True,
-    laminae: int = LAMINAE, first: float = 0.0,
+    row: Dimensions,
+    load: float,
+    clearance: float = 0.0,
+    tilt: float = 0.0,
+    *,
+    profile: bool | np.ndarray = True,
+    laminae: int = LAMINAE,
+    first: float = 0.0,
 ) -> LaminaLoads:
     """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
 
@@ -124,7 +130,11 @@ def turning_rings(operation: Operation) -> tuple[str, ...]:
 
 
 def reference_life(
-    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *,
+    row: Dimensions,
+    capacity: float,
+    inner: np.ndarray,
+    outer: np.ndarray | None = None,
+    *,
     turning: tuple[str, ...] = ("inner",),
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).

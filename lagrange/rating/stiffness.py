@@ -88,8 +88,11 @@ def over_pitch(
 
 
 def lagrangian_pitch(
-    bearing: Bearing, operation: Operation, laws: ContactLaws,
-    damping: ContactDamping = UNDAMPED, samples: int = SAMPLES,
+    bearing: Bearing,
+    operation: Operation,
+    laws: ContactLaws,
+    damping: ContactDamping = UNDAMPED,
+    samples: int = SAMPLES,
 ) -> Pitch:
     """Of rigid rings on contact laws, perfect surfaces, under what loads the bearing: the shaft's springs do not.
 

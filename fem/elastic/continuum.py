@@ -228,8 +228,7 @@ def patch_slope(compliance: np.ndarray, transform_load: np.ndarray, radius: floa
     Terms fall slowly, as n^-3/2, but change their signs outside the patch: fading out the last half leaves less than
     1e-8 of slopes from 0.3 rad to 1 rad away.
     """
-    n = np.arange(compliance.size)
-    return -float(np.sum(n * compliance * transform_load * _fade(n) * np.sin(n * angle))) / (pi * radius)
+    return patch_crossing(np.arange(compliance.size) * compliance, transform_load, radius, angle)
 
 
 def patch_crossing(crossing: np.ndarray, transform_load: np.ndarray, radius: float, angle: float) -> float:

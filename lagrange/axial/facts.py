@@ -44,6 +44,12 @@ class Profile:
             return np.interp(z, self.place, self.depth)
         return np.zeros(z.shape)
 
+    @property
+    def knees(self) -> np.ndarray:
+        """Where a measured profile bends outwards, m, and by how much, rad, (2, n)."""
+        bend = np.diff(np.diff(self.depth) / np.diff(self.place))
+        return np.array([self.place[1:-1], bend])[:, bend > 0.0] if self.place else np.zeros((2, 0))
+
     def even_load(self, bearing: Bearing) -> float:
         """Of a roller, N, whose pressure is even up to the ends; 0 of profiles without a logarithm."""
         if self.kind == "logarithmic":

@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.axial.facts import Axial
+from lagrange.axial.facts import Axial, Profile
 from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing
-from lagrange.contact.hertz import Pair
+from lagrange.contact.hertz import Pair, contact_pairs
 
-SHARP = "a loaded end of a roller has an edge, where pressure has no limit"
+SHARP = "a loaded end of a roller or a bend of a measured profile is an edge, where pressure has no limit"
+KNEE = 2.5  # cosh⁻¹(a/x) at a sixth of the contact's half-width from it
 STEPS, HALVINGS = 100, 30  # of Newton's method
 SETTLED = 1e-6  # of a force: it comes from a table
 UNEVEN = 1.15  # times an even load, that last slices bear beside it at most: 1.05 to 1.11 under the load itself
@@ -69,12 +70,25 @@ class Ends(NamedTuple):
 
     drop: np.ndarray  # (2,), m, of roller and raceway at −L/2 and L/2; infinite where it is such a logarithm
     even: float  # N, that load times the roller's length
+    pair: Pair | None = None  # of a contact with `knees`
+    knees: np.ndarray = np.zeros((2, 0))  # places, m, and by how much measured profiles bend there, rad
 
     def are_loaded(self, slices: Slices, whole: np.ndarray) -> np.ndarray:
         """Whether an edge is, (...,), by slices' forces times their number, (..., n), N.
 
         A contact that ends before a finite drop does must fade in its last slice, or slices do not see how it ends.
+        A knee that bends by Δ adds E* Δ/π cosh⁻¹(a/x) at a distance x (Johnson, Contact Mechanics, 1985, (5.7)): it is
+        an edge where KNEE of that makes more than slices know of the contact.
         """
+        found = self._ends_loaded(slices, whole)
+        if self.pair is None or not self.knees.size:
+            return found
+        at = np.abs(slices.place[:, None] - self.knees[0]).argmin(axis=0)
+        pressure, more = _hertz(self.pair, whole), KNEE * self.pair.modulus / np.pi * self.knees[1]
+        here = np.where(pressure[..., at] > 0.0, pressure[..., at] + more, 0.0)
+        return found | (here.max(axis=-1) > UNEVEN * pressure.max(axis=-1))
+
+    def _ends_loaded(self, slices: Slices, whole: np.ndarray) -> np.ndarray:
         last = whole[..., [0, -1]]
         if np.isinf(self.drop).any():
             return last.max(axis=-1) > UNEVEN * self.even
@@ -87,12 +101,13 @@ class Ends(NamedTuple):
 
 def profile_ends(bearing: Bearing, axial: Axial) -> tuple[Ends, Ends]:
     """Of the inner and the outer contact."""
-    end, own = np.array([-0.5, 0.5]) * bearing.roller_length, axial.roller
-    inner, outer = (
-        Ends(own.drop(end, bearing) + ring.drop(end, bearing), own.even_load(bearing) + ring.even_load(bearing))
-        for ring in (axial.inner_raceway, axial.outer_raceway)
-    )
-    return inner, outer
+    end, own, pairs = np.array([-0.5, 0.5]) * bearing.roller_length, axial.roller, contact_pairs(bearing)
+
+    def of(ring: Profile, pair: Pair) -> Ends:
+        drop, even = own.drop(end, bearing) + ring.drop(end, bearing), own.even_load(bearing) + ring.even_load(bearing)
+        return Ends(drop, even, pair, np.concatenate([own.knees, ring.knees], axis=1))
+
+    return of(axial.inner_raceway, pairs[0]), of(axial.outer_raceway, pairs[1])
 
 
 def borne(pair: Pair, pressure: np.ndarray) -> np.ndarray:

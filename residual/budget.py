@@ -102,7 +102,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     contacts = push.turned(contacts)
     if shaft is not None:
         held = tuple(shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
-    resultant, own = push.on_hub(record, contacts), record.inner_force
+    resultant, own, mass = push.on_hub(record, contacts), record.inner_force, record.operation.inner_mass
     errors = error_forces(record.acting, *accelerations.whole, *resultant, held)
     forces = {} if own is None else _force_terms(record, contacts, push)
     rest = "ring_flexibility" if record.attributes else "other_forces"
@@ -111,7 +111,16 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         if own is None:
             split.append(DirectionBudget(error=error, terms={}, momentum=None))
             continue
-        terms = _inertia_terms(record, accelerations, i) | {name: pair[i] for name, pair in forces.items()}
+        # of what differs between our accelerations and velocities and the integrator's
+        terms, hub, ring = {}, accelerations.hub[i], accelerations.outer_ring[i]
+        mine, mine_ring, speed = (getattr(record, f"{n}{'xy'[i]}") for n in ("inner_a", "outer_ring_a", "inner_v"))
+        if mine is not None and ring is not None and mine_ring is not None:
+            terms = {"differentiation": mass * (hub - (mine - mine_ring)), "outer_ring": mass * (ring - mine_ring)}
+        elif mine is not None:
+            terms = {"differentiation": mass * (accelerations.whole[i] - mine)}
+        if shaft is not None and speed is not None:
+            terms["shaft"] = shaft.damping * (accelerations.velocity[i] - speed)
+        terms |= {name: pair[i] for name, pair in forces.items()}
         momentum = error
         for name in ACCOUNTED:
             momentum = momentum - terms[name] if name in terms else momentum
@@ -121,21 +130,6 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         x=split[0], y=split[1], law_force=push.force, law_resultant=resultant, contacts=contacts,
         closing_speed=closing_speed, loaded=contacts.inner > 0.0 if own is None else own > 0.0,
     )  # fmt: skip
-
-
-def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict[str, np.ndarray]:
-    """Terms along x (0) or y (1), N, of what differs between our accelerations and velocities and the integrator's."""
-    axis, mass, shaft = "xy"[i], record.operation.inner_mass, record.operation.mounting.shaft
-    own, own_ring, velocity = (getattr(record, f"{name}{axis}") for name in ("inner_a", "outer_ring_a", "inner_v"))
-    hub, ring = accelerations.hub[i], accelerations.outer_ring[i]
-    found = {}
-    if own is not None and ring is not None and own_ring is not None:
-        found = {"differentiation": mass * (hub - (own - own_ring)), "outer_ring": mass * (ring - own_ring)}
-    elif own is not None:
-        found = {"differentiation": mass * (accelerations.whole[i] - own)}
-    if shaft is not None and velocity is not None:
-        found["shaft"] = shaft.damping * (accelerations.velocity[i] - velocity)
-    return found
 
 
 def _force_terms(record: Record, contacts: Overlaps, push: Pushes) -> dict[str, Pair]:

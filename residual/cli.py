@@ -89,7 +89,15 @@ def _command(
         if value is not None and not 0.0 <= value < float("inf"):
             raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
     seconds = None if start is None else 1e-3 * start
-    limits = None if band is None else _band(band)
+    limits = None
+    if band is not None:
+        low, _, high = band.partition("-")
+        try:
+            limits = float(low), float(high)
+        except ValueError:
+            limits = 0.0, 0.0
+        if not 0.0 < limits[0] < limits[1] < float("inf"):
+            raise InputError(f"--band {band}: must be two rising frequencies in Hz, as 2000-8000")
     path = run if run is not None else _newest()
     record = _read(path, scene, resample, kinematic_rollers)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
@@ -123,18 +131,6 @@ def _command(
         with telling():
             print_summary(evaluation, folder, options, compare_laws)
     return 1 if evaluation.outcome(tolerance) == "fails" else 0
-
-
-def _band(given: str) -> tuple[float, float]:
-    """Limits of a band, Hz."""
-    low, _, high = given.partition("-")
-    try:
-        limits = float(low), float(high)
-    except ValueError:
-        limits = 0.0, 0.0
-    if not 0.0 < limits[0] < limits[1] < float("inf"):
-        raise InputError(f"--band {given}: must be two rising frequencies in Hz, as 2000-8000")
-    return limits
 
 
 def _known_laws(law: str | None, record) -> tuple[list[str], tuple[str, ...]]:

@@ -6,7 +6,7 @@ from math import hypot
 
 import numpy as np
 
-from lagrange.contact.laws import warning
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, warning
 from lagrange.kinematics import OUTER_RING, kinematics
 from residual import budget as budgets
 from residual import sampling, spectrum
@@ -14,7 +14,7 @@ from residual import vibration as vibrations
 from residual.budget import Accelerations, Budget, DirectionBudget, LawScore, TiltErrors, error_budget, rank_laws
 from residual.errors import InputError
 from residual.formatting import NOISE
-from residual.laws import FITTED, Identification, Law, has_tilts, identify, inner_law
+from residual.laws import FITTED, DampedLaw, Identification, Law, has_tilts, identify, inner_law
 from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
@@ -172,7 +172,7 @@ class Evaluation:
 
 def evaluate(
     record: Record,
-    law: str | None = None,
+    law: str | PowerLaw | LogarithmicLaw | DampedLaw | None = None,
     start: float | None = None,
     order: int = 6,
     watch: tuple[str, ...] = (),
@@ -183,8 +183,8 @@ def evaluate(
 
     Parameters
     ----------
-    law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; None: the
-        scene's, [lagrange] law
+    law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a law;
+        None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation
     watch : lines to look at, by name ("BPFO", "BPFO-shaft") or in Hz ("22"); warned of when the record is too short
@@ -197,9 +197,11 @@ def evaluate(
     law to be fitted where the source holds no forces.
     ValueError: unknown law or order.
     """
-    name = record.scene.lagrange.law if law is None else law
+    law = record.scene.lagrange.law if law is None else law
+    name = law if isinstance(law, str) else ""
     interval, (first, why) = record.interval, first_sample(record, start)
-    notes = [*record.notes, *([] if name in FITTED else filter(None, [warning(name, record.bearing)])), *why]
+    cautions = [warning(name, record.bearing)] if name and name not in FITTED else []
+    notes = [*record.notes, *filter(None, cautions), *why]
 
     def rates(places, times: int = 2) -> tuple:
         x, y = (None if p is None else derivative(p, interval, times, order)[first:] for p in places)
@@ -221,7 +223,7 @@ def evaluate(
             if fitted == name:
                 raise
             unfitted[fitted] = str(error)
-    by = identified[name].law if name in FITTED else inner_law(name, used)
+    by = identified[name].law if name in FITTED else inner_law(law, used)
     budget = error_budget(used, by, accelerations, closing_speed)
     ideal = kinematics(record.bearing, *used.mean_speeds)
     creeps = ideal.cage * used.cage_speed > 0.0  # by the run's own cage: creep moves BPFO beyond a long record's bin

@@ -130,9 +130,11 @@ def has_tilts(record: Record) -> bool:
     return record.scene.axial is not None and record.roller_tilt is not None and record.inner_slope_x is not None
 
 
-def inner_law(name: str, record: Record) -> Law:
-    """Named law of the inner contact, with the scene's damping of contacts."""
-    law = contact_laws(name, record.bearing).inner
+def inner_law(law: str | PowerLaw | LogarithmicLaw | DampedLaw, record: Record) -> Law:
+    """Law of the inner contact, also by its name, with the scene's damping of contacts unless it has its own."""
+    if isinstance(law, DampedLaw):
+        return law
+    law = contact_laws(law, record.bearing).inner if isinstance(law, str) else law
     return sliced(record, law) if has_tilts(record) else DampedLaw(spring=law, damping=record.scene.damping.contacts)
 
 

@@ -70,6 +70,7 @@ WHOLE = ReportOptions()
 
 def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
     """Write the report folder and return the summary; errors as of `write_folder`."""
+    t = e.record
 
     def draw(fresh: Path) -> "dict[str, list[Saved]]":
         from residual.figures.run import draw_figures
@@ -78,10 +79,24 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
 
     def more(fresh: Path) -> None:
         _write_arrays(e, fresh / "residual.nc")
-        if options.signals:
-            _write_signals(e, fresh / "signals.csv")
+        if options.signals:  # SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j
+            names = ["time", "inner_x", "inner_y", "inner_ax", "inner_ay", "error_x", "error_y"]
+            columns = [t.time, t.inner_x, t.inner_y, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
+            for name, values in (("roller_x", t.roller_x), ("roller_y", t.roller_y), ("inner_force", e.force)):
+                names += [f"{name}_{j}" for j in range(values.shape[1])]
+                columns += list(values.T)
+            header, path = ",".join(names), fresh / "signals.csv"
+            np.savetxt(path, np.column_stack(columns), "%.12g", ",", header=header, comments="", encoding="utf-8")
 
-    page = Page("report.html", TEMPLATE, page_of(e, options))
+    shows = dict(  # on the page, whose template asks for the findings itself
+        e=e, t=t, f=findings, options=options, text=text, hertz=hertz, engineering=engineering, g=G, shown=shown,
+        statistics=Statistics.of, main_lobe=MAIN_LOBE, is_ball=isinstance(t.bearing, BallBearing),
+        section=section_words(t.bearing), tilt=None if e.tilt is None else tilt_summary(e.tilt),
+        picture=picture_of(t.source) if t.attributes else None,
+        spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
+        player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),
+    )  # fmt: skip
+    page = Page("report.html", TEMPLATE, shows)
     return write_folder(folder, PROGRAM, summarise(e, options), page, draw if options.figures else None, more)
 
 
@@ -119,18 +134,6 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
         if not findings.same_run(e, other):
             print_section(findings.line_differences(e, other))
     say(findings.verdict(e, options.tolerance, options.equations), f"Report: {shown(folder / 'report.html')}")
-
-
-def page_of(e: Evaluation, options: ReportOptions) -> dict[str, Any]:
-    """What the page's template shows beside figures; it asks for the findings itself."""
-    return dict(
-        e=e, t=e.record, f=findings, options=options, text=text, hertz=hertz, engineering=engineering, g=G,
-        statistics=Statistics.of, shown=shown, main_lobe=MAIN_LOBE, is_ball=isinstance(e.record.bearing, BallBearing),
-        section=section_words(e.record.bearing), tilt=None if e.tilt is None else tilt_summary(e.tilt),
-        picture=picture_of(e.record.source) if e.record.attributes else None,
-        spectra=Markup(spectra_json(e, options.equations)), plot_script=as_it_is(TEMPLATES / "spectra.js"),
-        player=Markup(player_json(e)), player_script=as_it_is(TEMPLATES / "player.js"),
-    )  # fmt: skip
 
 
 def picture_of(run: Path) -> dict[str, str] | None:
@@ -418,14 +421,3 @@ def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]
             of = "one-sided PSD over orders of"
             yield f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} the hub's place in {d.name}"
             yield f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}"
-
-
-def _write_signals(e: Evaluation, path: Path) -> None:
-    """Time series, SI, by the names of the result file and of residual.nc; `name_<j>` for those of roller j."""
-    t = e.record
-    names = ["time", "inner_x", "inner_y", "inner_ax", "inner_ay", "error_x", "error_y"]
-    columns = [t.time, t.inner_x, t.inner_y, *e.hub_acceleration, e.budget.x.error, e.budget.y.error]
-    for name, values in (("roller_x", t.roller_x), ("roller_y", t.roller_y), ("inner_force", e.force)):
-        names += [f"{name}_{j}" for j in range(values.shape[1])]
-        columns += list(values.T)
-    np.savetxt(path, np.column_stack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")

@@ -330,6 +330,8 @@ def test_law_of_a_run_is_fitted_its_error_disappears_and_the_verdict_goes_by_the
     assert fitted.law.spring.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
     np.testing.assert_allclose(fitted.budget.y.terms["contact_law"], 0.0, atol=1e-4)
     assert_adds_up(fitted.budget)
+    given = evaluate(evaluation.record, fitted.law.spring)  # the law itself in place of its name
+    np.testing.assert_allclose(given.budget.y.error, fitted.budget.y.error, atol=1e-9)
     held_back = fitted.budget.y.error[fitted.identification.samples :]
     assert fitted.judged[1].rms == pytest.approx(np.sqrt(np.mean(held_back**2)), rel=1e-12)
 

@@ -49,18 +49,13 @@ def beside_reduced() -> str:
     wanted, rows = moved(keys | {"model": "reduced"}), []
     for size in MESHES_MM:
         found = moved(keys | {"model": "fem", "numerics.mesh_size_mm": size})
-        moments = [each["inner_moment"] for each in (found, wanted)]
-        largest = np.abs(moments[1]).max()
-        off = moments[0] - moments[1]
-        hub = [each["inner_y"] for each in (found, wanted)]
-        rows.append(
-            [
-                f"{size:g} mm", _percent(hub[0].mean() / hub[1].mean() - 1.0),
-                _percent((hub[0].std() - hub[1].std()) / hub[1].std()),
-                _percent(np.abs(off.mean(axis=0)).max() / largest), _percent(off.std() / largest),
-                _percent(np.abs(off).max() / largest),
-            ]
+        moments, hub = ([each[name] for each in (found, wanted)] for name in ("inner_moment", "inner_y"))
+        largest, off = np.abs(moments[1]).max(), moments[0] - moments[1]
+        shares = (
+            hub[0].mean() / hub[1].mean() - 1.0, (hub[0].std() - hub[1].std()) / hub[1].std(),
+            np.abs(off.mean(axis=0)).max() / largest, off.std() / largest, np.abs(off).max() / largest,
         )  # fmt: skip
+        rows.append([f"{size:g} mm", *map(_percent, shares)])
     names = "mesh", "hub, mean", "hub, standard deviation", "moments, mean", "moments, rms", "moments, largest"
     return markdown_table(names, rows)
 
@@ -92,13 +87,11 @@ def spalled() -> str:
         over = np.abs(angle) * bearing.outer_raceway_radius < OVER
         late = found["time"] > SETTLED
         acceleration, interval = found["inner_ay"][late], float(np.diff(found["time"][:2])[0])
-        columns.append(
-            [
-                f"{found['outer_force'][over].mean():.0f} N", f"{abs(found['outer_moment'][over].mean()):.2f} N m",
-                f"{found['outer_force'].max():.0f} N", f"{1e3 * np.abs(found['roller_tilt']).max():.1f} mrad",
-                f"{acceleration.std():.0f} m/s²", f"{_envelope_at_bpfo(found, acceleration, interval):.3g} m/s²",
-            ]
-        )  # fmt: skip
+        columns.append([
+            f"{found['outer_force'][over].mean():.0f} N", f"{abs(found['outer_moment'][over].mean()):.2f} N m",
+            f"{found['outer_force'].max():.0f} N", f"{1e3 * np.abs(found['roller_tilt']).max():.1f} mrad",
+            f"{acceleration.std():.0f} m/s²", f"{_envelope_at_bpfo(found, acceleration, interval):.3g} m/s²",
+        ])  # fmt: skip
     names = (
         "mean force on the outer raceway over its middle", "mean moment there", "largest force on the outer raceway",
         "largest tilt", "acceleration of the hub along the load", "its envelope at BPFO",
@@ -131,12 +124,10 @@ def at_an_edge() -> str:
         half = replace(whole, part=whole.place > 0.0)
         for slope in (0.0, 1e-3, 2e-3):
             place = whole.approach_under(LOADED, np.array([slope])), np.array([slope])
-            each = (
-                law.force(whole.approaches(*place)), Softened(law=law, compliance=soft).force(whole.approaches(*place))
-            )
+            hard, yielding = (of.force(whole.approaches(*place)) for of in (law, Softened(law=law, compliance=soft)))
             found = (
-                in_series(whole.at, *place, soft).force / each[1].mean(),
-                alone(half).at(*place, 0.0, 0.0, soft).force / np.where(half.part, each[1], each[0]).mean(),
+                in_series(whole.at, *place, soft).force / yielding.mean(),
+                alone(half).at(*place, 0.0, 0.0, soft).force / np.where(half.part, yielding, hard).mean(),
             )
             rows.append([profile, f"{1e3 * slope:g} mrad", *(_more(ratio.item()) for ratio in found)])
     return markdown_table(("profile", "slope", "whole length", "half the length"), rows)

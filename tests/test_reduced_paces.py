@@ -155,7 +155,7 @@ def test_a_run_that_restarts_halves_both_lengths():
     plan = plan_of()
     state = plan.first_state()
     state.restarts["halvings"] = 5
-    state._begin()
+    state.begin()
     assert state.plan.time_step == pytest.approx(plan.time_step / 32)
     assert state.plan.long_step == pytest.approx(plan.long_step / 32)
     assert state.drives[FAR].dt == pytest.approx(plan.long_step / 32)

@@ -15,9 +15,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import scipy.signal  # noqa: F401 (as residual.store below)
+import scipy.signal  # noqa: F401 (as residual.report below)
 
-import residual.store  # noqa: F401 (loaded before the right to do so is given up)
+import residual.report  # noqa: F401 (loaded before the right to do so is given up)
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import result_name, run_main
 from fem.pictures.output import refuse_foreign

@@ -57,6 +57,8 @@ OMITTED = {  # terms of the budget that the Lagrangian model has not
     "other_forces": "other forces, for which the table has no column",
 }  # fmt: skip
 
+SIDES = ("inner", "outer")
+
 # of contradictions
 FASTER, SLOWER = 0.02, 0.1  # than rolling: rollers slip backwards, and hardly creep forward
 ASTRAY = 0.05  # of the load: the contact forces of a table carry what acts in it
@@ -275,9 +277,6 @@ def rating_table(e: Evaluation) -> Section:
             value = f"none: {error}"
         rows.append((meaning, value, source.name + (" †" if source.second_hand else "")))
     return Section(columns=(), rows=rows, kind=kind)
-
-
-SIDES = ("inner", "outer")
 
 
 def _torques(record: Record, row: Dimensions, run: RunLoads) -> str:

@@ -233,12 +233,6 @@ def test_a_run_without_a_home_is_complete(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-def test_a_setting_that_numba_can_not_use_is_refused_in_a_sentence(tmp_path):
-    done = command("run-fem", *OPTIONS, "--model", "lagrange", folder=tmp_path, NUMBA_DISABLE_JIT=1)
-    told = "error: NUMBA_DISABLE_JIT is set, and the time loops can't run"
-    assert done.returncode == 2 and done.stderr.startswith(told) and done.stderr.count("\n") == 1
-
-
 @pytest.mark.parametrize(
     ("settings", "name"),
     [

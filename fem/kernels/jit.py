@@ -19,14 +19,10 @@ from pathlib import Path
 
 import numba
 from numba import njit
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
-from numba.core.dispatcher import Dispatcher
-from numba.core.serialize import dumps
-from numba.core.types import BaseNamedTuple, BaseTuple, Float
 
 from fem.kernels.kernel_folder import cache_folder, notices
 from fem.kernels.lanes import LanesType
+from fem.kernels.numba_private import BaseNamedTuple, BaseTuple, CompileResult, Dispatcher, Float, _Cache, dumps
 from fem.kernels.part_compiler import Code, KernelCompiler, rebuilt, reduced, register, shifted
 from lagrange.files.output import read_sealed, write_sealed
 
@@ -163,7 +159,12 @@ def every(one, *kinds):
     codes = {}
 
     def on_every(bodies, *arguments):
-        raise NotImplementedError("a part of kernels")
+        """What the code does, for a loop that is not compiled."""
+        for body in bodies:
+            group = body if type(body) is tuple else (body,)
+            for pair in group:
+                if not kinds or isinstance(pair, kinds):
+                    one(pair, *arguments)
 
     def choose(bodies, *arguments):
         names = ", ".join(f"a{i}" for i in range(len(arguments)))

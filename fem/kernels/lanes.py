@@ -15,9 +15,9 @@ import operator
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils, config
-from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
+
+from fem.kernels.numba_private import AbstractTemplate, cgutils, config, infer_global
 
 WIDTH = 8
 _DOUBLE, _LONG, _BIT = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
@@ -577,3 +577,7 @@ def add_to_rows(typingctx, array, places, where, offset, six):
         return context.get_dummy_value()
 
     return types.void(array, places, types.intp, types.intp, types.UniTuple(LANES, 6)), codegen
+
+
+if config.DISABLE_JIT:
+    from fem.kernels.plain_lanes import *  # noqa: F403

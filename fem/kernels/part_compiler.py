@@ -19,17 +19,26 @@ from pathlib import Path
 from types import ModuleType
 
 from llvmlite.binding import parse_bitcode
-from numba import _dynfunc, njit, types
-from numba.core import consts, ir
-from numba.core.analysis import dead_branch_prune
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder, compile_result
-from numba.core.compiler_machinery import FunctionPass, register_pass
-from numba.core.ir_utils import build_definitions
-from numba.core.typed_passes import NativeLowering
-from numba.core.typing.templates import AbstractTemplate, infer_global
-from numba.core.untyped_passes import DeadBranchPrune
+from numba import njit, types
 from numba.extending import lower_cast, models, register_model
+
+from fem.kernels.numba_private import (
+    AbstractTemplate,
+    CompilerBase,
+    DeadBranchPrune,
+    DefaultPassBuilder,
+    FunctionPass,
+    JITCodeLibrary,
+    NativeLowering,
+    _dynfunc,
+    build_definitions,
+    compile_result,
+    consts,
+    dead_branch_prune,
+    infer_global,
+    ir,
+    register_pass,
+)  # fmt: skip
 
 WHOLE = None  # of a value: all of it
 Used = dict[str, "Used"] | None  # fields, each with what is used of it; no field: the type alone, or whether it is None

@@ -121,8 +121,7 @@ class CompiledPlan(Plan):
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> RunState:
         """Compile the time loop, or load it compiled, without taking a step."""
-        from numba.core.errors import TypingError
-        from numba.core.event import install_recorder
+        from fem.kernels.numba_private import TypingError, install_recorder
 
         collecting, began = gc.isenabled(), time.process_time()
         gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
@@ -160,7 +159,7 @@ class _Needed(RunFailed):
 @contextmanager
 def _nothing_compiled() -> Iterator[None]:
     """_Needed: what begins to compile is stopped."""
-    from numba.core.event import Listener, install_listener
+    from fem.kernels.numba_private import Listener, install_listener
 
     class Refusal(Listener):
         def on_start(self, event):
@@ -188,7 +187,7 @@ def seconds_by_trial(plan: Plan) -> float | None:
 
     The first steps stand for all: contacts that rattle, so that a run restarts with smaller steps, take longer.
     """
-    from numba import config
+    from fem.kernels.numba_private import config
 
     if config.DISABLE_JIT or plan.n_samples < 2 or plan.expected_seconds > LONGEST_SAMPLE * (plan.n_samples - 1):
         return None

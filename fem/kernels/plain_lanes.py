@@ -1,0 +1,134 @@
+"""The functions of `lanes` as plain numpy, for a time loop that runs under NUMBA_DISABLE_JIT=1: slow, but steppable.
+
+Eight lanes are an array of eight numbers, which operators replace and never change.
+"""
+
+import numpy as np
+
+np.seterr(all="ignore")  # division follows IEEE 754 and raises nothing, as in compiled kernels
+
+WIDTH = 8
+
+
+class Lanes(np.ndarray):
+    """Eight numbers; `a += b` makes new ones, as it does in compiled kernels."""
+
+    def __iadd__(self, other):
+        return self + other
+
+    def __isub__(self, other):
+        return self - other
+
+
+def _lanes(values):
+    return np.asarray(values).view(Lanes) if np.ndim(values) else values
+
+
+def splat(scalar):
+    return _lanes(np.full(WIDTH, scalar))
+
+
+def from_left(before, lanes):
+    return _lanes(np.concatenate((before[-1:], lanes[:-1])))
+
+
+def from_right(lanes, after):
+    return _lanes(np.concatenate((lanes[1:], after[:1])))
+
+
+def count_from(first):
+    return _lanes(first + np.arange(WIDTH))
+
+
+def to_int(lanes):
+    return _lanes(lanes.astype(np.intp)) if np.ndim(lanes) else int(lanes)
+
+
+def to_float(lanes):
+    return _lanes(lanes.astype(float)) if np.ndim(lanes) else float(lanes)
+
+
+def total(lanes):
+    return sum(lanes.tolist())
+
+
+def any_lane(mask):
+    return bool(np.any(mask))
+
+
+def select(mask, yes, no):
+    return _lanes(np.where(mask, yes, no)) if np.ndim(mask) else (yes if mask else no)
+
+
+def square_root(lanes):
+    return np.sqrt(lanes)
+
+
+def absolute(lanes):
+    return np.abs(lanes)
+
+
+def with_sign(lanes, sign):
+    return np.copysign(lanes, sign)
+
+
+def fma(scalar, lanes, addend):
+    return scalar * lanes + addend
+
+
+def exponent_and_mantissa(lanes):
+    mantissa, power = np.frexp(lanes)
+    return power - 1.0, 2.0 * mantissa
+
+
+def power_of_two(wholes):
+    return np.ldexp(1.0, wholes)
+
+
+def load(array, index):
+    return _lanes(array.reshape(-1)[index : index + WIDTH].copy())
+
+
+def store(array, index, lanes):
+    array.reshape(-1)[index : index + np.size(lanes)] = lanes
+
+
+def gather(array, at):
+    return _lanes(array.reshape(-1)[at])
+
+
+def gather_pair(array, at, apart):
+    return gather(array, at), gather(array, at + apart)
+
+
+def scatter_add(array, at, lanes):
+    np.add.at(array.reshape(-1), at if np.ndim(at) else np.arange(at, at + WIDTH), lanes)
+
+
+def _places(places, where):
+    return places.reshape(-1)[where : where + WIDTH]
+
+
+def gather_places(array, places, where, apart):
+    return gather_pair(array, _places(places, where), apart)
+
+
+def add_at_places(array, places, where, apart, first, second):
+    at = _places(places, where)
+    scatter_add(array, at, first)
+    scatter_add(array, at + apart, second)
+
+
+def gather_rows(array, places, where, offset):
+    at = _places(places, where) + offset
+    return tuple(gather(array, at + k) for k in range(6))
+
+
+def gather_quads(array, at):
+    return tuple(gather(array, at + k) for k in range(4))
+
+
+def add_to_rows(array, places, where, offset, six):
+    at = _places(places, where) + offset
+    for k, lanes in enumerate(six):
+        scatter_add(array, at + k, lanes)

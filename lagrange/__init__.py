@@ -3,10 +3,9 @@
 bearing, catalogue, mounting    geometry, masses, operating point; standard bearings; housing, shaft, sensor
 kinematics, load_history        rolling without slip; speed and load that change
 contact, surface                laws Q(δ), Hertz, dampers; spalls, waviness, measured heights, a film
-equations, motion               (1)-(23) in Cartesian coordinates; the N_b + 2 equations of motion
-statics, first_state            equilibrium of hub and rolling elements; where a motion starts
+equations, motion               overlaps (19), (26), (27); the N_b + 2 equations of motion (21)-(23), energies
+statics, first_state            equilibrium of hub and rolling elements; where a motion starts, samples
 rating                          load ratings, lives, friction and stiffness for a machine's designer
-samples                         columns of a result file that follow from a motion
 scene                           the TOML scene file: validated, in the bearing engineer's units; the objects above in SI
 files, messages                 files that commands read and write; what they print
 

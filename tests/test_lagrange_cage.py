@@ -8,9 +8,8 @@ import pytest
 from fem.interface import simulate
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
-from lagrange.first_state import Problem
+from lagrange.first_state import Problem, sampled
 from lagrange.motion import State
-from lagrange.samples import sampled
 from lagrange.scene.scene import Scene, parse_scene
 from tests.accuracy.cage import caged
 from tests.reference.budgets import budget_terms

@@ -13,11 +13,10 @@ from scipy.integrate import solve_ivp
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.columns import columns_of
-from lagrange.first_state import Problem
+from lagrange.first_state import Problem, sampled
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State, accelerations, contact_state, housing_accelerations, rotation_energy
 from lagrange.mounting import PARTS
-from lagrange.samples import sampled
 from lagrange.step_size import critical_time_step
 from lagrange.surface.deviation import Turns
 from lagrange.tilt import HubTilt, Tilts, hub_slope_equations, roller_inertias, tilt_equations

@@ -22,11 +22,10 @@ from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
 from lagrange import Bearing, Kinematics, contact_laws, static_equilibrium
 from lagrange.contact.laws import warning
 from lagrange.errors import RunFailed
-from lagrange.first_state import Problem
+from lagrange.first_state import Problem, sampled
 from lagrange.kinematics import fastest_kinematics, kinematics, roller_angles
 from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
 from lagrange.mounting import HELD, Housing, Shaft
-from lagrange.samples import sampled
 from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import critical_time_step, fastest_mode, longest_step
 from lagrange.surface.deviation import Turns, profiles

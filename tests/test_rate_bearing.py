@@ -61,9 +61,6 @@ def test_numbers_of_a_worked_example(rated):
     assert rated["power_loss_W"]["skf"] / rated["temperature_rise_K"]["skf"] == pytest.approx(1.48, abs=0.01)
     assert 0.1 < rated["film_um"] < 1.0 and rated["lambda"] == pytest.approx(rated["film_um"] / 0.1)
     assert rated["hub_um"][1] < 0.0 and len(rated) == len(DECLARED)
-
-
-def test_elastic_rings_change_the_life_and_not_by_an_order(rated):
     assert 0.3 < rated["L10r_elastic_Mrev"] / rated["L10r_pitch_Mrev"] < 3.0
     assert rated["L10r_pitch_Mrev"] == pytest.approx(rated["L10r_Mrev"], rel=0.1)
 
@@ -75,6 +72,7 @@ def test_elastic_rings_change_the_life_and_not_by_an_order(rated):
         (["operation.radial_load_N=0", "operation.gravity_m_s2=0", OIL], "a_ISO", "load"),
         (["material.roller.youngs_modulus_GPa=310"], "C_N", "steel"),
         (["operation.speed_rpm=0"], "L10_h", "turn"),
+        (["model=lagrange", "operation.speed_rpm=0", "operation.unbalance_g_mm=20"], "P_N", "does not turn"),
         ([], "kappa", "viscosity"),
         ([], "tilt_stiffness_N_m_per_rad", "do not tilt"),
         ([], "stiffness_with_housing_N_per_m", "housing"),
@@ -103,17 +101,14 @@ def test_ball_bearings_have_the_makers_ratings_and_the_life_of_balls(designation
         assert found[name] is None and "balls" in found.answer(name).reason
 
 
-def test_two_rows_of_angular_balls_by_the_standards_exponents():
+def test_rows_and_grooves_of_balls_by_the_standards():
     keys = ('bearing={designation="6205"}', "bearing.contact_angle_deg=40")
     one, two = (rating(read_scene(None, (*keys, f"bearing.rows={rows}"))) for rows in (1, 2))
     assert two["C_N"] == pytest.approx(2.0**0.7 * one["C_N"]) and two["C0_N"] == pytest.approx(2.0 * one["C0_N"])
     flat = rating(read_scene(None, (keys[0], "bearing.rows=2")))
     assert flat["C_N"] == pytest.approx(2.0**0.7 * 0.90 / 0.95 * rating(read_scene(None, keys[:1]))["C_N"])
-
-
-def test_grooves_wider_than_the_standard_rates_have_no_ratings():
-    found = rating(read_scene(None, ('bearing={designation="6205"}', "bearing.inner_conformity=0.54")))
-    assert found["C_N"] is None and "inner groove radius up to 0.52" in found.answer("C_N").reason
+    wide = rating(read_scene(None, (keys[0], "bearing.inner_conformity=0.54")))
+    assert wide["C_N"] is None and "inner groove radius up to 0.52" in wide.answer("C_N").reason
 
 
 def test_a_housing_in_series_and_a_shaft_beside():
@@ -136,11 +131,6 @@ def test_a_load_that_turns_is_a_duty_cycle():
     assert found["P_N"] == pytest.approx(np.mean(loads ** (10 / 3)) ** 0.3, rel=1e-3)
     assert found["P0_N"] == pytest.approx(3500.0, rel=1e-3)
     assert any("changes with time" in warning for warning in found.warnings)
-
-
-def test_a_load_that_turns_about_a_ring_that_stands_has_no_life():
-    found = rating(scene("model=lagrange", "operation.speed_rpm=0", "operation.unbalance_g_mm=20"))
-    assert found["P_N"] is None and "does not turn" in found.answer("P_N").reason
 
 
 def test_duty_cycle_of_a_file(tmp_path, monkeypatch, capsys):
@@ -324,6 +314,14 @@ def test_what_lives_take_for_granted_is_told_where_it_is_not_so(tmp_path, monkey
     assert points["L10r_Mrev"] is None and "the outer ring bends" in points.answer("L10r_Mrev").reason
     rows = rating(read_scene(None, ("bearing.rows=2",)))
     assert any("b_m = 1.15" in each for each in rows.warnings)
+
+
+def test_no_axes_and_no_legend_are_drawn_where_there_is_no_equilibrium(rated, monkeypatch):
+    from fem.rating import figures
+
+    monkeypatch.setattr(figures, "_contacts", lambda case: [])
+    names = {figure.name for figure in figures.rating_figures(rated.case)}
+    assert "life" in names and not {"stiffness", "load-deflection"} & names
 
 
 def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):

@@ -12,7 +12,9 @@ import pytest
 from fem.commands.rate_bearing import rate_main
 from fem.commands.run_fem import run_main
 from fem.commands.run_study import study_main
+from fem.contacts import contact_law
 from fem.interface import rating
+from fem.kernels import law
 from fem.pictures.recover import StoredRun
 from fem.rating.answers import DECLARED, Options
 from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
@@ -224,6 +226,7 @@ def test_the_element_that_ross_builds_has_these_matrices(rated, tmp_path):
 
 
 def test_a_start_loads_no_compiler_and_nothing_that_draws(tmp_path):
+    assert contact_law.STEEPEST == law.STEEPEST  # the constant that ratings need of compiled code
     program = (
         "import sys; from fem.commands.rate_bearing import rate_main\n"
         "code = rate_main(['--bearing', 'NU206'])\n"

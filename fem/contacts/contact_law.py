@@ -5,13 +5,16 @@ Equation (3) of docs/method.md.
 
 from dataclasses import dataclass
 from math import exp, inf, log
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from fem.kernels.law import STEEPEST, Law
 from lagrange.contact.hertz import Pair
 
+if TYPE_CHECKING:
+    from fem.kernels.law import Law
+
+STEEPEST = 0.25  # the one of `fem.kernels.law`, which loads a compiler: ratings do without
 LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force
 
 
@@ -36,8 +39,10 @@ class ContactLaw:
         return cls.of_level(A, approach / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
     @property
-    def constants(self) -> Law:
+    def constants(self) -> "Law":
         """The law as kernels take it."""
+        from fem.kernels.law import Law
+
         return Law(self.A, self.B, self.Q_line, self.pair.half_width_factor, 1.0 / self.pair.relative_radius)
 
     def approach(self, force):

@@ -54,10 +54,14 @@ def _command(
     from residual.measured.checks import Options, Question, check_record
     from residual.store import check_replaceable
 
+    try:
+        tolerance = 1e-2 * float(speed_tolerance.strip().removesuffix("%"))
+    except ValueError:
+        raise InputError(f"--speed-tolerance {speed_tolerance}: must be a number of per cent, as 2%") from None
     question = Question(
         bearing=bearing, scene=scene, elements=elements, element_diameter=element_diameter,
         pitch_diameter=pitch_diameter, contact_angle=radians(contact_angle), speed=speed,
-        tolerance=_share("--speed-tolerance", speed_tolerance),
+        tolerance=tolerance,
     )  # fmt: skip
     options = Options(rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)
     if record.is_dir():
@@ -84,14 +88,6 @@ def _command(
         with telling():
             print_check(check, folder)
     return 0
-
-
-def _share(option: str, text: str) -> float:
-    """A share from per cent."""
-    try:
-        return 1e-2 * float(text.strip().removesuffix("%"))
-    except ValueError:
-        raise InputError(f"{option} {text}: must be a number of per cent, as 2%") from None
 
 
 main = partial(run_app_main, app)

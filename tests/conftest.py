@@ -19,8 +19,8 @@ mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").st
 
 mock.patch("fem.solver.compiling.pace_file", lambda: Path(_CACHE.name) / "pace.json").start()
 
-# Two processes begin with these: one compiles the time loops, and the other three files need no kernel.
-FIRST = ("test_bad_input.py", "test_equilibrium.py", "test_vibration.py", "test_lagrange_motion.py")
+# Two processes begin with these: one compiles the time loops, and the other files need no kernel.
+FIRST = ("test_bad_input.py", "test_equilibrium.py", "test_lagrange_motion.py")
 BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
 
 

@@ -275,19 +275,6 @@ def test_a_run_loads_nothing_that_its_scene_does_not_need(model, more, tmp_path)
     assert done.stdout.split() == ["0"], done.stderr
 
 
-@pytest.mark.parametrize("loop", ["time_loop", "rigid.loop"])
-def test_a_time_loop_loads_all_code_that_it_is_compiled_of(loop):
-    """Code of a verb for a type that is not loaded when the loop is compiled is left out of it without a word."""
-    names = {"cage", "housing_kernels", "shaft", "rigid.contacts"}
-    if loop == "time_loop":
-        kernels = Path(fem.kernels.__file__).parent
-        names = {path.stem for path in kernels.glob("*.py") if ".of(" in path.read_text()} - {"jit", "tilted_patches"}
-    needed = {f"fem.kernels.{name}" for name in names}
-    program = f"import sys, fem.kernels.{loop}; print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
-    assert needed and needed <= set(loaded)
-
-
 # Scenes and studies, and the files that they name: hostile ones are refused in a sentence, and soon
 
 QUOTE = '"' + ("x" * 900 + "\n") * 300  # a quotation mark that does not close, longer than csv takes

@@ -1,6 +1,7 @@
 """Clocks that jump change nothing, and no flipped bit of a file goes unnoticed."""
 
 import itertools
+import os
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ from lagrange.scene.scene import read_scene
 from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
 from tests.reference.run_files import OPTIONS, SHORT, same_data
+from tests.stability import histories
 
 
 @pytest.mark.parametrize("clock", ["back and forth", "an hour a look", "stands still"])
@@ -89,3 +91,20 @@ def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(model, tmp_path):
         assert rest == sound_rest
         assert all(arrays[name].tobytes() == array.tobytes() for name, array in sound_arrays.items())
     assert refused > 125
+
+
+# Histories of runs that something befalls
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
+@pytest.mark.parametrize("number", [2, pytest.param(20, marks=pytest.mark.slow)])
+def test_whatever_befalls_a_run_it_ends_with_the_same_bits_or_is_refused_by_name(number, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # put back afterwards, as the next one is
+    monkeypatch.setenv("NUMBA_CACHE_DIR", os.environ.get("NUMBA_CACHE_DIR", ""))
+    models = ("lagrange",) if number == 2 else tuple(histories.MODELS)
+    monkeypatch.setattr(histories, "SHARES", (1.0, 0.0, 0.0) if number == 2 else histories.SHARES)
+    wholes = histories.prepare(tmp_path, models)
+    assert all(whole["status"] == "complete" and len(whole["time"]) > 100 for whole in wholes.values())
+    for each in range(number):
+        *told, fault = histories.history(number, each, tmp_path, wholes)
+        assert not fault, (told, fault)

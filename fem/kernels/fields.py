@@ -37,7 +37,6 @@ def room(shape: str, initial: float = 0.0) -> Any:
 
 
 def _field(kind: type, name: str) -> Field | None:
-    """The declaration of a tuple's field; None where it has none."""
     (found,) = getattr(kind.__annotations__[name], "__metadata__", (None,))
     return found
 

@@ -45,7 +45,6 @@ class _LanesModel(models.PrimitiveModel):
 
 
 def _splat(builder, scalar, vector):
-    """A scalar in every lane."""
     empty = ir.Constant(vector, ir.Undefined)
     first = builder.insert_element(empty, scalar, ir.Constant(ir.IntType(32), 0))
     lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)

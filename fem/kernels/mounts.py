@@ -94,7 +94,7 @@ def mobility(mount, mass, dt):
 
 @part
 def push_mounted(mount, velocity, mass, x, y, dt):
-    """Kick what is mounted by forces, N, that are found after its dashpots."""
+    """Add the kick of forces, N, that are found after a mount's dashpots."""
     over, force = mobility(mount, mass, dt), (x, y)
     for k in range(2):
         gained = over * force[k]

@@ -126,7 +126,6 @@ def _locate(pair, rollers, disc, contacts):
 
 @part
 def _read(pair, rollers, disc, contacts):
-    """Motion of the patches of a pair's contacts."""
     patches, side, columns, n = contacts.patches, 2 * pair.row, rollers.columns, rollers.n
     for group in range(0, n, WIDTH):
         if _are_near(contacts, pair.row * columns + group):
@@ -142,7 +141,6 @@ def _read(pair, rollers, disc, contacts):
 
 @part
 def _keep_motion(patches, side, group, motion):
-    """Keep what `interpolate_displacement` gives."""
     out, sideways, rate, ripple, ripple_rate = motion
     at, columns = 5 * side * patches.columns + group, patches.columns
     store_pair(patches.motion, at, columns, out, sideways)

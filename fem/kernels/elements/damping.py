@@ -53,7 +53,6 @@ def damp_contacts(groups, bodies, contacts, drive, later):
 
 @part
 def _damp(pair, rollers, disc, contacts, dt, later):
-    """Damp a pair's closed contacts."""
     dampers = contacts.dampers
     if pair.surface is None:
         for group in range(0, rollers.n, WIDTH):

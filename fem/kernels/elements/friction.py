@@ -147,7 +147,6 @@ def _creep_in_turn(groups, rollers, disc, contacts, drive):
 
 @part
 def _is_closed(contacts, row):
-    """Whether any of eight contacts is closed."""
     return any_lane(load(contacts.forces.force, row) > 0.0)
 
 
@@ -239,7 +238,6 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
 
 @part
 def _whole_mobility(pair, disc):
-    """What rigid bodies add to the mobility of a contact, 1/kg."""
     return surfaces.body_mobility(disc) + surfaces.body_mobility(first_surface(pair, disc))
 
 

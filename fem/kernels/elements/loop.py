@@ -256,7 +256,6 @@ def _drift_still(ring, dt, slowing):
 
 @part
 def _move_hub(inner, drive, step):
-    """Move the hub and turn it by `step`, rad, and the inner ring's held row with it."""
     hub, frame = drive.hub, drive.frame
     hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
     hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]

@@ -236,7 +236,6 @@ def _read_side(surface, side, row, q, points, away_x, away_y):
 
 @part
 def _nodes_beside(x, n_nodes):
-    """The two nodes around a position and how far it is beyond the first."""
     base = int(np.floor(x))
     near = base % n_nodes
     return near, near + 1 if near + 1 < n_nodes else 0, x - base
@@ -244,7 +243,6 @@ def _nodes_beside(x, n_nodes):
 
 @part
 def _node_motion(surface, node, column, mx, my):
-    """Displacement of a surface node along m and along Jm."""
     if isinstance(surface, RingSurface):
         node += HALO
         c = mx * surface.cosines[node] + my * surface.sines[node]
@@ -451,7 +449,6 @@ def spread_forces(points, spread, row, j):
 
 @part
 def _solve(points, spread, row, first, end):
-    """Forces of neighbouring points that are all in contact."""
     m = end - first
     at = (m - 1) * m * (2 * m - 1) // 6  # matrices of 1, 2 ... m - 1 rows come before
     for q in range(m):

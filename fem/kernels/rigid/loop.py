@@ -210,7 +210,6 @@ def _work_load(bodies, before, drive, load, time):
 
 @part
 def _drift(bodies, drive):
-    """Move all bodies on by a step."""
     for component in range(2):
         bodies.hub[component] += drive.dt * bodies.hub_velocity[component]
         for j in range(bodies.columns):

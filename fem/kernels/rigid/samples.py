@@ -154,7 +154,6 @@ def _contact_energy(step, group):
 
 @part
 def _stored(law, forces, at):
-    """Energy of eight contacts' own law, J, as kicks take it."""
     Q, approach = load(forces.force, at), load(forces.approach, at)
     soft = None if forces.soft_before is None else load(forces.soft_before, at)
     return select(Q > 0.0, law_energy(law, Q, approach, soft), 0.0)

@@ -76,7 +76,6 @@ def given(law, inertia, settling, mass, speed):
 
 @part
 def _push(bodies, forces, drive, row, j, impulse):
-    """Push a roller and a ring apart by an impulse, N s."""
     x, y = impulse * forces.normal[row, 0, j], impulse * forces.normal[row, 1, j]
     over = 1.0 / bodies.mass
     if row == INNER:

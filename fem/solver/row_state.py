@@ -205,8 +205,8 @@ class RowState(RunState):
             hint = "without a cage a few rollers gather on one side: add a [cage], use more rollers or "
             if plan.scene.cage is not None:
                 hint = "use a lighter load, more rollers, stiffer pockets of the cage or "
-            told = "the bearing has come apart", f"{hint}contact.friction_coefficient above 0"
-            trouble = guards.place_trouble(bearing, plan.time_step, looked, in_place, *told)
+            reason = "the bearing has come apart", f"{hint}contact.friction_coefficient above 0"
+            trouble = guards.place_trouble(bearing, plan.time_step, looked, in_place, *reason)
         elif balanced < len(looked):
             trouble = guards.energy_trouble(plan, looked, balanced)
         return min(balanced, in_place), trouble

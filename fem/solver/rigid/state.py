@@ -545,8 +545,8 @@ class LagrangianState(RigidState):
         self._came_apart = in_place < len(looked) and trouble is None
         if self._came_apart:
             hint = "use a lighter load, more or larger rollers or a stiffer material"
-            told = "rigid bodies have gone through one another", hint
-            trouble = guards.place_trouble(bearing, self.plan.time_step, looked, in_place, *told)
+            reason = "rigid bodies have gone through one another", hint
+            trouble = guards.place_trouble(bearing, self.plan.time_step, looked, in_place, *reason)
         return in_place, trouble
 
     @property
@@ -639,19 +639,19 @@ class LagrangianState(RigidState):
         names = [f"{side}_damping_{kind}" for kind in ("force", "moment") for side in ("inner", "outer")]
         given = StatedDampers(*(samples[name] for name in names if name in samples.values))
         touch = contact_state(bearing, problem.contacts, state, given)
-        told = dict(zip(names[:2], (touch.inner_damper, touch.outer_damper), strict=True))
-        told |= {"inner_force": touch.inner_force, "outer_force": touch.outer_force}
+        recorded = dict(zip(names[:2], (touch.inner_damper, touch.outer_damper), strict=True))
+        recorded |= {"inner_force": touch.inner_force, "outer_force": touch.outer_force}
         if touch.tilted is not None:
-            told |= {"inner_moment": touch.tilted.inner_moment, "outer_moment": touch.tilted.outer_moment}
-            told |= dict(zip(names[2:], touch.tilted.dampers, strict=True))
+            recorded |= {"inner_moment": touch.tilted.inner_moment, "outer_moment": touch.tilted.outer_moment}
+            recorded |= dict(zip(names[2:], touch.tilted.dampers, strict=True))
         left = hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
             of_cage: Any = 0.0
             if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
                 of_cage = samples[f"cage_guidance_{axis}"]
-            told[f"inner_a{axis}"] = -(without + of_cage) / operation.inner_mass
-        for name in told.keys() & samples.values.keys():
-            samples[name][:] = told[name]
+            recorded[f"inner_a{axis}"] = -(without + of_cage) / operation.inner_mass
+        for name in recorded.keys() & samples.values.keys():
+            samples[name][:] = recorded[name]
 
 
 def tables_of(problem: Problem, axial: Axial, times: float = 1.0) -> Tables:

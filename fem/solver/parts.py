@@ -30,7 +30,7 @@ from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
 
 
 def filled(kind: type, sizes: dict[str, int], *sources: object, **values: Any) -> Any:
-    """`fields.filled`: what `values` lack comes by equal names from the first source that has it; numbers as declared,
+    """`fields.filled`: fields that `values` lack are those of the first source with that name; numbers as declared,
     so that no whole number makes another type of a tuple.
     """
     for name, declared in kind.__annotations__.items():

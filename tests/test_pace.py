@@ -14,7 +14,7 @@ from fem.solver import compiling
 from fem.solver.compiling import seconds_by_trial
 from fem.solver.elements import plan as elements
 from fem.solver.simulate import SOLVERS, make_plan
-from fem.statics import reduced_bearing
+from fem.statics import exact_statics
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface import deviation as profile
 from lagrange.surface import edges
@@ -143,7 +143,7 @@ def start_of(scene: Scene) -> Iterator[np.ndarray]:
 
 def forget() -> None:
     """Empty what planning keeps, as in a process that has just begun."""
-    for kept in (elements._built, reduced_bearing._kept_series, profile.profiles, edges._table):
+    for kept in (elements._built, exact_statics._kept_series, profile.profiles, edges._table):
         kept.cache_clear()
 
 

@@ -1,7 +1,7 @@
 """Contacts of pressure points: where they are, which nodes they push, what they add to the step's stiffness.
 
 A patch of six nodes around a force carries it, or the two beside it. Contacts that the mesh resolves, those whose
-points are spread over patches, and the one point of a penalty spring have this in common; `PointLaw` and `PointModel`
+points are spread over patches, and the one point of a penalty spring have this in common; `PointLaw` and `model.Model`
 are what differs."""
 
 from collections.abc import Callable

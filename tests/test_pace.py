@@ -68,7 +68,7 @@ def test_every_model_expects_what_it_has_taken(model, kept):
 def test_a_run_is_remembered_and_the_next_plan_says_so(kept, tmp_path, capsys, monkeypatch):
     """Its own time over what its plan expected: that of the processor, whatever else the machine does meanwhile."""
     monkeypatch.setattr("time.thread_time", (0.01 * k for k in range(100_000)).__next__)  # 10 ms a block of samples
-    monkeypatch.setattr("fem.solver.compiling.seconds_by_trial", lambda plan: None)
+    monkeypatch.setattr("fem.runner.seconds_by_trial", lambda plan: None)
     scene = ["--model", "reduced", "--duration", "200"]
     run_main([*scene, "--dry-run"])
     assert "no run has been timed on this machine yet" in capsys.readouterr().out

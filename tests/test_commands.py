@@ -16,7 +16,6 @@ import pytest
 from cyclopts.completion.detect import ShellDetectionError
 
 import fem
-import fem.kernels
 import lagrange
 import meshes
 import residual

@@ -273,7 +273,7 @@ def fill(target: np.ndarray, values: np.ndarray) -> None:
             {"support": {"kind": "points", "fit_clearance_um": 1.0}},
             ['only with kind = "housing" or "bore"', '"points"'],
         ),
-        ({"support": {"kind": "bore", "mass_kg": 1.0}}, ['mass_kg = 1.0: only with kind = "housing", not "bore"']),
+        ({"support": {"kind": "bore", "mass_kg": 1.0}}, ['mass_kg = 1: only with kind = "housing", not "bore"']),
         ({"support": {"kind": "housing", "bore_stiffness_N_per_mm3": 9.0}}, ["only with fit_clearance_um"]),
         ({"support": {"kind": "bore", "bore_stiffness_N_per_mm3": 0.0}}, ["support.bore_stiffness_N_per_mm3"]),
         ({"support": {"kind": "bore", "fit_clearance_um": 140.0}}, ["outside diameter, 65 mm; between -130 and 130"]),
@@ -498,14 +498,18 @@ def test_influence_of_surface_nodes_is_that_of_unit_forces():
         ({"support": {"kind": "points", "angles_deg": []}}, ["support.angles_deg"]),
         ({"support": {"kind": "points", "angles_deg": [400.0]}}, ["angles_deg", "-360 and 360"]),
         ({"support": {"kind": "points", "width_mm": 0.0}}, ["support.width_mm"]),
-        ({"support": {"kind": "points", "mass_kg": 1.0}}, ['mass_kg = 1.0: only with kind = "housing", not "points"']),
-        ({"support": {"kind": "housing", "width_mm": 1.0}}, ['width_mm = 1.0: only with kind = "points"']),
+        ({"support": {"kind": "points", "mass_kg": 1.0}}, ['mass_kg = 1: only with kind = "housing", not "points"']),
+        ({"support": {"kind": "housing", "width_mm": 1.0}}, ['width_mm = 1: only with kind = "points"']),
         ({"support": {"kind": "points"}, "model": "lagrange"}, ['support.kind = "points"', '"lagrange"']),
         ({"support": {"kind": "points"}, "bodies": {"outer_ring": "rigid"}}, ["rigid outer ring"]),
         ({"support": {"kind": "points"}, "contact": {"model": "resolved"}}, ['"resolved"']),
         ({"support": {"kind": "points"}, "sensor": {}}, ["[sensor]"]),
     ],
 )
+def test_points_that_make_no_sense_are_refused_by_name(tables, words):
+    assert_refused(tables, *words)
+
+
 def test_points_survive_as_text():
     scene = parse_scene({"support": {"kind": "points", "angles_deg": [0.0, 90.0]}}, "")
     assert parse_scene_text(scene.to_toml(), "") == scene

@@ -186,7 +186,10 @@ def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path, more):
 @pytest.mark.slow
 def test_the_checkers_terms_sum_up_with_a_cage_and_a_film_too(tmp_path):
     """The reduced model's run, whose kicks are means over a step: 0.1 % of the largest force is not in the terms."""
-    cage = ("cage.pocket_clearance_mm=0.1", "cage.guidance=inner_ring", "cage.guidance_clearance_mm=0.02")
+    cage = (
+        "cage.pocket_clearance_mm=0.1", "cage.guidance=inner_ring", "cage.guidance_clearance_mm=0.02",
+        "cage.mass_kg=0.02", "cage.stiffness_N_per_m=1e8",
+    )  # fmt: skip
     scene = scene_with(
         tmp_path, *EVERYTHING, *cage, "model=reduced", "lubricant.viscosity_Pa_s=0.02", "cage.drag_torque_N_m=0.5",
         "numerics.output_interval_us=2", loads=LOADS, more=FAULTS,

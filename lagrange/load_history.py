@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from lagrange.errors import exceeds
 from lagrange.files.tables import columns
-from lagrange.limits import exceeds
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly

@@ -1,12 +1,12 @@
 """What commands print of files and values that may be anything, and the units that engineers read.
 
-Such text is printable, not endless, and no reason to fail.
-"""
+Such text is printable, not endless, and no reason to fail."""
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from math import pi, tau
 from threading import Timer
 
@@ -82,3 +82,31 @@ def close_output() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)
+
+
+# Findings of a command, declared once: tables that its page and the terminal show
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A table of texts; names stand at the left, numbers at the right."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    title: str = ""
+    note: str = ""
+    sum: str = ""  # rows whose first cell holds this are set apart
+    kind: str = ""  # of the page's style: "words", "words stacked"
+
+
+def print_section(section: Section) -> None:
+    """Print a table on the terminal, names that hold no blank on one line."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=section.title, title_justify="left", caption=section.note or None)
+    for i, column in enumerate(section.columns):
+        table.add_column(column, justify="right" if i else "left", no_wrap=column == "law")
+    for row in section.rows:
+        table.add_row(*row)
+    Console(highlight=False).print(table)

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lagrange.commands import entry, new_app, run_app_main
-from residual.errors import InputError
+from lagrange.errors import InputError
 
 app = new_app(
     "check-vibration",

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from lagrange.commands import entry, new_app, run_app_main
-from residual.errors import InputError
+from lagrange.errors import InputError
 
 RUNS = Path("runs")
 

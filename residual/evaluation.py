@@ -7,12 +7,12 @@ from math import hypot
 import numpy as np
 
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw, warning
+from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, kinematics
 from residual import budget as budgets
 from residual import sampling, spectrum
 from residual import vibration as vibrations
 from residual.budget import Accelerations, Budget, DirectionBudget, LawScore, TiltErrors, error_budget, rank_laws
-from residual.errors import InputError
 from residual.formatting import NOISE
 from residual.laws import FITTED, DampedLaw, Identification, Law, has_tilts, identify, inner_law
 from residual.load_zone import QuasiStatic, chatter_gap, quasi_static

@@ -20,10 +20,10 @@ from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.hertz import Side, contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.equations import approaches
+from lagrange.errors import InputError
 from lagrange.kinematics import turned
 from lagrange.surface.edges import Circles, softening
 from lagrange.surface.faults import Spall
-from residual.errors import InputError
 from residual.record import SMALL_LOAD, Record
 
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}

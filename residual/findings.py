@@ -9,9 +9,8 @@ import numpy as np
 
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import hertz_columns
-from lagrange.findings import Section
 from lagrange.kinematics import kinematics
-from lagrange.messages import G, shown
+from lagrange.messages import G, Section, shown
 from lagrange.rating import sources
 from lagrange.rating.life import (
     Dimensions,

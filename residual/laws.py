@@ -18,10 +18,10 @@ from lagrange.axial.table import TiltedContact
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
 from lagrange.equations import Overlaps, contact_resultant
+from lagrange.errors import InputError
 from lagrange.surface.deviation import Falls, SurfaceDeviation
 from lagrange.surface.edges import softened
 from lagrange.tilt import falls, met
-from residual.errors import InputError
 from residual.load_zone import load_zones
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import derivative, rms

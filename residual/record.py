@@ -13,10 +13,10 @@ import numpy as np
 from lagrange.axial.slices import Slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import Overlaps, approaches, farthest_place
+from lagrange.errors import InputError
 from lagrange.scene.run import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
-from residual.errors import InputError
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
 TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may cost

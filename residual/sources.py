@@ -8,6 +8,7 @@ import numpy as np
 from lagrange.axial.slices import contact_slices, read_slices
 from lagrange.columns import ENERGIES, FORMAT_VERSION, columns_of
 from lagrange.contact.laws import contact_laws
+from lagrange.errors import InputError
 from lagrange.files import hdf5
 from lagrange.files.input import read_plain
 from lagrange.files.tables import LARGEST_TEXT, TextTable, decoded
@@ -17,7 +18,6 @@ from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene.run import Columns, per_roller
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 from lagrange.statics import held_hub
-from residual.errors import InputError
 from residual.record import COLUMNS, FEWEST_SAMPLES, TIME_JITTER, CageMotion, Record, StatedError, checked, relative
 
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lagrange.errors import InputError
 from lagrange.files.input import read_plain
 from lagrange.files.output import named, real_path
 from lagrange.files.pages import load_matplotlib, render_page
 from lagrange.version import VERSION
-from residual.errors import InputError
 
 if TYPE_CHECKING:
     from residual.figures import Saved

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, kinematics, turned
 from residual import spectrum as spectra
 from residual.budget import Accelerations
-from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import MAIN_LOBE, Envelope, Level, Peak, ShortTime, Spectrum, band_envelope, power_spectrum
 

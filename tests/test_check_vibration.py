@@ -12,8 +12,8 @@ import pytest
 from scipy.signal import fftconvolve
 from scipy.stats import exponnorm
 
+from lagrange.errors import InputError
 from residual.check_vibration import main
-from residual.errors import InputError
 from residual.measured import checks
 from residual.measured.diagnosis import BODIES, Geometry, damage_width, diagnose, envelope_spectrum, mean_pulse
 from residual.measured.report import Entry, growth

@@ -10,11 +10,11 @@ from scipy.integrate import cumulative_trapezoid
 
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
+from lagrange.errors import InputError
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.edges import Circles, sinkage
 from lagrange.surface.faults import Spall
 from residual.cli import main
-from residual.errors import InputError
 from residual.fault_finding import (
     Place,
     RollerMotion,

@@ -11,9 +11,8 @@ from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path, load_checkpoint
 from fem.solver.simulate import make_plan
 from lagrange.columns import columns_of
-from lagrange.errors import UsageError
+from lagrange.errors import InputError, UsageError
 from lagrange.scene.scene import read_scene
-from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
 from tests.reference.run_files import OPTIONS, SHORT, same_data
 from tests.stability import histories

@@ -18,12 +18,12 @@ from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import ContactLaws, PowerLaw
+from lagrange.errors import InputError
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import Mounting, Sensor, from_outer_ring
 from lagrange.mounting import Shaft as ShaftFacts
 from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, read_scene
-from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures.run import energy_imbalance
 from residual.sources import read_result

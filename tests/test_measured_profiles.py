@@ -8,10 +8,9 @@ from fem.commands.run_fem import run_main
 from fem.live import player as controls
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
-from lagrange.errors import UsageError
+from lagrange.errors import InputError, UsageError
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.surface.deviation import Turns, profiles
-from residual.errors import InputError
 from residual.sources import read_result
 
 HEADER = "angle_deg,height_um\n"

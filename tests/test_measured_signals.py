@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat, wavfile
 
+from lagrange.errors import InputError
 from lagrange.messages import G
-from residual.errors import InputError
 from residual.measured.signals import read_signal
 
 RATE = 8000.0

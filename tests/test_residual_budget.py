@@ -8,10 +8,10 @@ import pytest
 from fem.quantities import cage_rows
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw, steel_law
+from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene
 from residual.budget import traction_resultant
 from residual.cli import main
-from residual.errors import InputError
 from residual.evaluation import evaluate, near_contact_change
 from residual.figures.run import cage as cage_figure
 from residual.laws import DampedLaw, fit_law, passage_numbers

@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 
 from fem.commands.run_fem import run_main
 from fem.runner import RunOptions, run_scene
+from lagrange.errors import InputError
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main
-from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import passages

@@ -9,9 +9,9 @@ import pytest
 from scipy.io import savemat
 
 from fem.commands.run_fem import run_main
+from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene_text, read_scene
 from residual.cli import main
-from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.sources import even_clock, read_table
 from tests.reference.synthetic_run import exact_errors, make_run, report_of, write_result, write_table

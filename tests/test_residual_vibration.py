@@ -11,10 +11,10 @@ from scipy.signal.windows import hann
 
 from fem.commands.run_fem import run_main
 from fem.interface import check_quantities
+from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene
 from residual.check_vibration import main as check_vibration
 from residual.cli import main
-from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.spectra import envelope

@@ -9,8 +9,7 @@ import numpy as np
 from fem.rating.answers import Answer, Rating
 from lagrange.files.output import write_whole
 from lagrange.files.pages import load_matplotlib, render_page
-from lagrange.findings import Section
-from lagrange.messages import shown
+from lagrange.messages import Section, shown
 from lagrange.version import VERSION
 
 ON_PAPER = {"N/m": (1e-6, "N/µm")}  # units that engineers read

@@ -15,9 +15,8 @@ from fem.solver.guards import WIDEST_CONTACT
 from lagrange import Bearing, Kinematics, Operation, contact_laws
 from lagrange.bearing import CORE
 from lagrange.contact.hertz import contact_pairs
-from lagrange.errors import UsageError
+from lagrange.errors import UsageError, exceeds
 from lagrange.kinematics import kinematics_met, roller_angles
-from lagrange.limits import exceeds
 from lagrange.rating.life import Basic, speed_warning
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM

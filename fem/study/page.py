@@ -15,8 +15,7 @@ from fem.study.solving import COMPLETE, Expected, Points, StudyOptions
 from fem.study.study_file import QUANTITIES
 from lagrange.files.output import write_whole
 from lagrange.files.pages import load_matplotlib, render_page
-from lagrange.findings import Section
-from lagrange.messages import engineering
+from lagrange.messages import Section, engineering
 from lagrange.scene.keys import name_in_words, unit_of
 
 BINS = 8  # of a parameter that takes a value of its own in each point

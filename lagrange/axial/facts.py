@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing
-from lagrange.limits import ROUND_OFF, exceeds
+from lagrange.errors import ROUND_OFF, exceeds
 from lagrange.surface.faults import Spall
 
 Kind = Literal["none", "logarithmic", "crowned", "lundberg", "measured"]

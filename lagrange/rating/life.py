@@ -11,7 +11,7 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.contact.laws import STEEL
-from lagrange.limits import exceeds
+from lagrange.errors import exceeds
 from lagrange.rating.sources import Unavailable
 
 OF_CAGED = 1.1  # b_m of cylindrical, tapered and machined needle roller bearings, ISO 281 table 6

@@ -17,9 +17,9 @@ from lagrange.axial.facts import Axial, Profile
 from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
 from lagrange.contact.hertz import contact_pairs
+from lagrange.errors import exceeds
 from lagrange.files.tables import columns
 from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit, OperatingClearance
-from lagrange.limits import exceeds
 from lagrange.scene.faults import (
     DecimalSign,
     Density,

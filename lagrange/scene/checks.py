@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from lagrange.bearing import room_between_rollers
 from lagrange.contact.laws import OWN, law_names
-from lagrange.limits import exceeds
+from lagrange.errors import exceeds
 from lagrange.scene import surfaces
 from lagrange.scene.bearing import (
     LARGEST_CLEARANCE,

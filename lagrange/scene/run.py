@@ -29,8 +29,8 @@ from pydantic import Field, ValidationInfo, field_validator
 from lagrange.bearing import Operation, OwnLaw
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import OWN
+from lagrange.errors import exceeds
 from lagrange.files.tables import columns
-from lagrange.limits import exceeds
 from lagrange.load_history import TIME, joined, points_of, steady, turn_of
 from lagrange.load_history import Shape as Curve
 from lagrange.messages import G

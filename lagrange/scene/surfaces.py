@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from lagrange.axial.facts import slices_over
-from lagrange.limits import exceeds
+from lagrange.errors import exceeds
 from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Rule, Table, key, only
 from lagrange.surface.faults import (
     MeasuredSurface,

@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
+from lagrange.errors import exceeds
 from lagrange.files.tables import MOST_ROWS, columns
-from lagrange.limits import exceeds
 
 ANGLE, HEIGHT = "angle_deg", "height_um"
 FEWEST_POINTS = 16

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from lagrange.catalogue import instead, listed
+from lagrange.errors import InputError
 from lagrange.messages import said_if_long, say
 from lagrange.scene.keys import key_tables
 from lagrange.scene.run import FIRST_SPEEDS
 from lagrange.scene.scene import Scene, parse_scene, read_scene
-from residual.errors import InputError
 from residual.measured import diagnosis as judging
 from residual.measured.diagnosis import SLIP, TOLERANCE, TURNS, Diagnosis, Geometry, Pulse, Width
 from residual.measured.signals import Signal, read_signal

@@ -30,8 +30,8 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing
+from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, Kinematics
-from residual.errors import InputError
 from residual.measured.signals import Signal
 from residual.record import Record
 from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagrange.findings import Section
-from lagrange.messages import G, shown
-from residual.errors import InputError
+from lagrange.errors import InputError
+from lagrange.messages import G, Section, shown
 from residual.formatting import hertz, text
 from residual.measured.checks import Check, Judged, Options, Question, check_record
 from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, HEADLINES, Diagnosis, Verdict

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.errors import InputError
 from lagrange.messages import G, shown
-from residual.errors import InputError
 from residual.measured.formats import MOST_NUMBERS, Channels, read_channels
 
 TIME = re.compile(

@@ -94,8 +94,8 @@ class Targets:
 
     def table(self, data: bytes) -> bool:
         """Read a trajectory table, and evaluate it where it is taken."""
+        from lagrange.errors import InputError
         from lagrange.scene.scene import parse_scene_text
-        from residual.errors import InputError
         from residual.sources import read_table
 
         path = self._file("fuzzed.csv", data)
@@ -121,7 +121,7 @@ class Targets:
     def _judged(self, name: str, data: bytes) -> bool:
         import numpy as np
 
-        from residual.errors import InputError
+        from lagrange.errors import InputError
         from residual.measured.diagnosis import Geometry, diagnose
         from residual.measured.signals import read_signal
 

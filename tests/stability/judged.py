@@ -15,10 +15,9 @@ from scipy.optimize import brentq
 from fem.solver.simulate import make_plan
 from lagrange.contact.laws import contact_laws
 from lagrange.equations import contact_resultant
-from lagrange.errors import UsageError
+from lagrange.errors import InputError, UsageError
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import SceneError, parse_scene_text
-from residual.errors import InputError
 from residual.evaluation import Evaluation, evaluate
 from residual.laws import moment_resultant
 from residual.record import Record

@@ -50,7 +50,7 @@ def coarse_run(tmp_path_factory):
 def whole(tmp_path_factory):
     """Result file of a short run that nothing disturbed."""
     from fem.commands.run_fem import run_main
-    from tests.reference.run_files import SHORT
+    from tests.reference.kit import SHORT
 
     path = tmp_path_factory.mktemp("whole") / "whole.nc"
     assert run_main([*SHORT, "--output", str(path)]) == 0

@@ -34,7 +34,7 @@ from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import parse_scene_text
 from lagrange.statics import Placement, TiltedStatics, tilted_equilibrium
 from lagrange.tilt import HubTilt, sliced_laws
-from tests.reference.bearings import LOAD, ON_A_ROLLER, operation, paper
+from tests.reference.kit import LOAD, ON_A_ROLLER, operation, paper
 
 
 def test_a_scene_without_the_table_is_a_plane_section():

@@ -28,8 +28,8 @@ from lagrange.axial.table import in_series as softened
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw, contact_laws, johnson
 from lagrange.tilt import roller_inertias
-from tests.reference.bearings import STEEL, paper
-from tests.reference.half_space import Pressed, pressed
+from tests.reference.continua import Pressed, pressed
+from tests.reference.kit import STEEL, paper
 
 PAPER = paper()
 LARGEST, STEEPEST = 1900.0, 4e-3  # N, rad

@@ -19,10 +19,16 @@ from fem.solver.elements.arrays import disc_nodes
 from lagrange import Bearing, Material
 from meshes import Mesh
 from tests.reference import compiled
-from tests.reference.bearings import LENGTH, STEEL, arrays, copies, disc, model, operation, ring
 from tests.reference.compiled import drift, elastic_energy, kick, remember
-from tests.reference.disc_impact import LARGEST_N, disc_modes
-from tests.reference.free_vibration import disc_frequency, held_ring_frequencies, ring_frequency, vibrations
+from tests.reference.kit import LENGTH, STEEL, arrays, copies, disc, model, operation, ring
+from tests.reference.modes import (
+    LARGEST_N,
+    disc_frequency,
+    disc_modes,
+    held_ring_frequencies,
+    ring_frequency,
+    vibrations,
+)
 from tests.verification.elastic_bodies import (
     centrifugal_growth,
     disc_frequencies,

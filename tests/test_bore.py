@@ -27,17 +27,30 @@ from lagrange.mounting import Bore, Housing, Mounting, Points, from_outer_ring
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from residual.evaluation import evaluate
 from residual.sources import read_result
-from tests.reference.bearings import LENGTH, STEEL
-from tests.reference.budgets import budget_terms
-from tests.reference.fitted_ring import pressed_ring, ring_with_play
-from tests.reference.free_vibration import ring_frequency
-from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.half_plane import cubic_bspline_patch
-from tests.reference.outer_ring import FINE, INNER, OUTER, free_modes, outer_ring, pinched, thin_ring
-from tests.reference.refusals import assert_refused
-from tests.reference.swinging import drive
+from tests.reference.continua import cubic_bspline_patch
+from tests.reference.kit import (
+    LENGTH,
+    STEEL,
+    assert_refused,
+    assert_same_bits,
+    budget_terms,
+    drive,
+    rest_of_run,
+    whole_run,
+)
+from tests.reference.modes import (
+    FINE_LAYERS,
+    INNER,
+    OUTER,
+    free_modes,
+    outer_ring,
+    pinched,
+    pressed_ring,
+    ring_frequency,
+    ring_with_play,
+    thin_ring,
+)
 from tests.reference.synthetic_run import make_run, run_variables, write_result
-from tests.reference.whole_run import whole_run
 
 WALL = 2.0 * STEEL.lame_mu / OUTER  # Pa/m, of a thick wall
 BEARING_LOADS = [
@@ -204,7 +217,7 @@ def alive(body, dt: float, mass: float):
 
 
 @pytest.mark.parametrize(
-    ("layers", "dt", "error"), [(4, 1e-7, 0.017), pytest.param(FINE, 2.5e-8, 2e-3, marks=pytest.mark.slow)]
+    ("layers", "dt", "error"), [(4, 1e-7, 0.017), pytest.param(FINE_LAYERS, 2.5e-8, 2e-3, marks=pytest.mark.slow)]
 )
 def test_a_free_ring_in_a_wide_bore_vibrates_at_its_exact_frequency(layers, dt, error):
     """Two waves around, 3251.5 Hz, within 0.2 % on sixteen layers; by the time between crossings of 0."""
@@ -394,12 +407,12 @@ def test_the_free_ring_vibrates_at_the_exact_frequencies(order, thin):
     bounds = 2.0 * np.pi * thin * np.array([0.85, 1.02])
     exact = ring_frequency(order, INNER, OUTER, *bounds, STEEL) / (2.0 * np.pi)
     assert 1.005 < thin / exact < 1.12
-    assert free_modes(outer_ring(FINE), order)[0] == pytest.approx(exact, rel=2e-3)
+    assert free_modes(outer_ring(FINE_LAYERS), order)[0] == pytest.approx(exact, rel=2e-3)
 
 
 def test_the_ring_pinched_at_two_points_is_the_exact_one():
     """Its oval shape between two opposite forces, within 0.3 % of the exact ring; a thin one: 215.8 and 235.0 µm/kN."""
-    body = outer_ring(FINE)
+    body = outer_ring(FINE_LAYERS)
     force = np.zeros((body.n_rows, 2, body.n_sectors))
     for angle in (0.0, np.pi):
         nodes, weight, offset = patch(body.n_sectors, angle)

@@ -25,10 +25,8 @@ from lagrange.mounting import Housing, Mounting
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene
 from tests.accuracy.cage import caged
 from tests.accuracy.fault_finding import diagnosis_of_sensor
-from tests.reference.bearings import paper
-from tests.reference.budgets import budget_terms
 from tests.reference.forward_motion import simulate as reference
-from tests.reference.going_on import assert_same_bits, rest_of_run
+from tests.reference.kit import assert_same_bits, budget_terms, paper, rest_of_run
 
 DT = 1e-7  # s
 ROLLERS = {"inertia": 2.5e-8, "mass": 0.002, "radius": 0.005, "swelling": None}

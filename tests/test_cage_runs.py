@@ -15,10 +15,8 @@ from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD, Housing, Mounting
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
-from tests.reference.budgets import balance_of
-from tests.reference.compiled_motion import compiled, simulation
-from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.operation_tables import RAMP, scene_with
+from tests.reference.compiled import compiled, simulation
+from tests.reference.kit import RAMP, assert_same_bits, balance_of, rest_of_run, scene_with
 
 pytestmark = pytest.mark.slow  # each compiles a time loop
 GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1, "drag_torque_N_m": 0.5}

@@ -23,8 +23,7 @@ from lagrange.columns import columns_of
 from lagrange.errors import UsageError
 from lagrange.files.hdf5 import CHECKSUM
 from lagrange.scene import read_scene
-from tests.reference.commands import ENTRIES, command, environment, start_run, started_as
-from tests.reference.run_files import same_data
+from tests.reference.kit import ENTRIES, command, environment, same_data, start_run, started_as
 from tests.waiting import GIVE_UP, wait_until
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")

@@ -27,8 +27,7 @@ from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.surface.film import Lubricant, film_thickness, films
 from meshes import Mesh
 from residual.cli import main as check_main
-from tests.reference.bearings import LENGTH, STEEL, STEEL_ON_STEEL, ring
-from tests.reference.refusals import assert_refused
+from tests.reference.kit import LENGTH, STEEL, STEEL_ON_STEEL, assert_refused, ring
 
 # From the unmounted to the operating clearance: Lamé's fits, temperatures, spin; runs and pages with it.
 

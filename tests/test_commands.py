@@ -27,7 +27,7 @@ from lagrange.commands import new_app, run_app_main
 from lagrange.errors import RunFailed
 from lagrange.version import VERSION
 from residual.cli import main as check_main
-from tests.reference.commands import command, environment, started_as
+from tests.reference.kit import command, environment, started_as
 
 COARSE = ["--mesh-size", "2"]
 

@@ -30,7 +30,32 @@ from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene.run import STIFF_PENALTY, ContactTable
 from lagrange.scene.scene import Scene, parse_scene, parse_scene_text
-from tests.reference.bearings import (
+from tests.reference.compiled import (
+    DT,
+    cartesian_resultant,
+    contact_energy,
+    fill_ring,
+    follow_slips,
+    kick_force,
+    next_force,
+    place,
+    press,
+    press_contacts,
+    press_groups,
+    pull_spring,
+    random_state,
+    roller_field,
+    roller_resultants,
+    rub,
+    rubbing_state,
+    set_turns,
+    spring_energy,
+    stored_energy,
+    stretched_state,
+    weight_slopes,
+)
+from tests.reference.continua import impact_on_rigid_flat
+from tests.reference.kit import (
     LENGTH,
     ON_A_ROLLER,
     STEEL,
@@ -42,34 +67,9 @@ from tests.reference.bearings import (
     paper,
     ring,
     soft,
+    whole_run,
 )
-from tests.reference.bearings import LOAD as LOAD_COMPARISON_CONTACTS
-from tests.reference.compiled import (
-    contact_energy,
-    follow_slips,
-    kick_force,
-    next_force,
-    place,
-    press_contacts,
-    press_groups,
-    pull_spring,
-    spring_energy,
-    stored_energy,
-    weight_slopes,
-)
-from tests.reference.contact_states import (
-    DT,
-    cartesian_resultant,
-    fill_ring,
-    press,
-    random_state,
-    roller_field,
-    roller_resultants,
-    set_turns,
-)
-from tests.reference.line_contact import impact_on_rigid_flat
-from tests.reference.rubbing import rub, rubbing_state, stretched_state
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import LOAD as LOAD_COMPARISON_CONTACTS
 from tests.verification.runs import WIDE, collide
 
 

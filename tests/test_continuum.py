@@ -34,8 +34,7 @@ from lagrange.bearing import Material
 from lagrange.errors import UsageError
 from lagrange.fits import SLOW, spinning_growth
 from lagrange.scene.scene import parse_scene
-from tests.reference.half_plane import cubic_bspline_patch
-from tests.reference.polar_navier import PolarNavier
+from tests.reference.continua import PolarNavier, cubic_bspline_patch
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RUBBERY = Material(youngs_modulus=3e6, poisson_ratio=0.49, density=1000.0)

@@ -18,8 +18,7 @@ from fem.solver.simulate import make_plan
 from lagrange.scene.scene import parse_scene
 from meshes import Mesh
 from tests.reference import compiled
-from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import LENGTH, STEEL, disc, model, paper, ring, whole_run
 
 LOAD = 650.0  # N, on the most loaded roller
 

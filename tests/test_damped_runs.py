@@ -19,8 +19,7 @@ from fem.solver.rigid import reduced
 from fem.solver.simulate import make_plan
 from fem.statics.equilibrium import static_equilibrium
 from lagrange.scene.scene import parse_scene, read_scene
-from tests.reference.budgets import balance_of
-from tests.reference.swinging import ring_down
+from tests.reference.kit import balance_of, ring_down
 
 pytestmark = pytest.mark.slow
 PLANS = {"fem": elements.make_plan, "reduced": reduced.make_plan}

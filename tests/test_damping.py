@@ -5,7 +5,7 @@ import pytest
 
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.scene.scene import parse_scene_text, read_scene
-from tests.reference.refusals import assert_refused
+from tests.reference.kit import assert_refused
 
 
 def test_a_damper_s_coefficient_is_that_of_its_law():

@@ -19,7 +19,7 @@ from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import Circles, Softened, softening
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
-from tests.reference.edge_contact import EdgeContact
+from tests.reference.continua import EdgeContact
 
 # What a roller reaches of imperfect surfaces: depths known in closed form, slopes, periodicity.
 

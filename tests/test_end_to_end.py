@@ -12,7 +12,7 @@ from lagrange.scene.scene import parse_scene
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
 from residual.sources import read_result
-from tests.reference.budgets import budget_terms
+from tests.reference.kit import budget_terms
 
 
 @pytest.fixture(scope="module")

@@ -24,11 +24,14 @@ from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
 from lagrange.surface.faults import UnequalRoller
 from meshes import quality
-from tests.reference.bearings import (
+from tests.reference.compiled import drift, kick, press_contacts
+from tests.reference.continua import half_width, squeezed_disc_approach
+from tests.reference.kit import (
     HALF_PITCH,
     LENGTH,
     LOAD,
     ON_A_ROLLER,
+    RESOLVED,
     SHAPES,
     STEEL,
     arrays,
@@ -39,12 +42,16 @@ from tests.reference.bearings import (
     paper,
     start_of,
 )
-from tests.reference.compiled import drift, kick, press_contacts
-from tests.reference.line_contact import half_width, squeezed_disc_approach
-from tests.reference.quadratic_elements import contact_nodes, disc_spot_compliance, ring_spot_compliance
-from tests.reference.quadratic_statics import quadratic_statics
-from tests.reference.refined_mesh import RefinedDisc, RefinedSector, Spot, refined_mesh
-from tests.reference.resolved_bearing import RESOLVED
+from tests.reference.quadratic import (
+    RefinedDisc,
+    RefinedSector,
+    Spot,
+    contact_nodes,
+    disc_spot_compliance,
+    quadratic_statics,
+    refined_mesh,
+    ring_spot_compliance,
+)
 from tests.verification.contact_statics import at_rest
 
 SOFT = Material(youngs_modulus=3e9, poisson_ratio=0.45, density=1200.0)

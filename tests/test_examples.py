@@ -15,7 +15,7 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.keys import key_tables
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, parse_stored_scene, read_scene
 from lagrange.scene.surfaces import SURFACES, SpallTable
-from tests.reference.refusals import assert_refused, refusal
+from tests.reference.kit import assert_refused, refusal
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ from residual.figures import save
 from residual.figures.run import search
 from residual.findings import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import whole_run
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)

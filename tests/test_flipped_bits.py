@@ -14,7 +14,7 @@ from lagrange.columns import columns_of
 from lagrange.errors import InputError, UsageError
 from lagrange.scene.scene import read_scene
 from residual.sources import MOTION, OPTIONAL, read_result
-from tests.reference.run_files import OPTIONS, SHORT, same_data
+from tests.reference.kit import OPTIONS, SHORT, same_data
 from tests.stability import histories
 
 

@@ -22,7 +22,7 @@ from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.unchecked import unchecked_copy
+from tests.reference.kit import unchecked_copy
 
 EVERY = ["--set", "output.fields_every_ms=0.5"]
 

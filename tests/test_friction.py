@@ -13,28 +13,29 @@ from fem.kernels.jit import OPTIONS
 from fem.kernels.mounts import Shaft, conclude, kick_shaft, late_mass, push_mounted, settle
 from lagrange.scene.scene import parse_scene
 from tests.accuracy.rocking import standing_plan, vibration
-from tests.reference.bearings import STEEL, copies, model, paper
-from tests.reference.compiled import creep_traction, find_slips, push_surfaces, rub_contacts
-from tests.reference.contact_states import (
+from tests.reference.compiled import (
     DT,
+    by_contact,
     cartesian_resultant,
+    creep_traction,
     fill_ring,
+    find_slips,
     press,
+    pressed_state,
+    push_surfaces,
     random_state,
     roller_field,
     roller_resultants,
-)
-from tests.reference.line_contact import carter_creep
-from tests.reference.rocking import shear_receptance, sticking_modes
-from tests.reference.rubbing import (
-    by_contact,
-    pressed_state,
     rub,
+    rub_contacts,
     rubbing_state,
     stretched_state,
     with_friction,
     without_springs,
 )
+from tests.reference.continua import carter_creep
+from tests.reference.kit import STEEL, copies, model, paper
+from tests.reference.modes import shear_receptance, sticking_modes
 
 
 def test_creep_follows_carter():

@@ -27,16 +27,23 @@ from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, read_scen
 from residual.evaluation import evaluate
 from residual.figures.run import energy_imbalance
 from residual.sources import read_result
-from tests.reference.budgets import budget_terms, energy_left
-from tests.reference.compiled_motion import assert_right, compiled, solved
+from tests.reference.compiled import assert_right, compiled, solved
 from tests.reference.forward_motion import simulate
-from tests.reference.ideal import HARRIS, PAPER, RUNNING
-from tests.reference.operation_tables import record_of
-from tests.reference.refusals import assert_refused
-from tests.reference.swinging import PEDESTAL, drive, ring_down
+from tests.reference.kit import (
+    HARRIS,
+    PAPER,
+    PEDESTAL,
+    RUNNING,
+    assert_refused,
+    budget_terms,
+    drive,
+    energy_left,
+    record_of,
+    ring_down,
+    stiffness_without_load,
+    whole_run,
+)
 from tests.reference.synthetic_run import make_run, run_variables, write_result
-from tests.reference.unloaded_stiffness import stiffness_without_load
-from tests.reference.whole_run import whole_run
 
 SENSOR: dict = {}  # its defaults: 15 kHz, 5 %
 

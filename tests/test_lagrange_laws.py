@@ -19,7 +19,7 @@ from lagrange.scene.faults import SceneError
 from lagrange.scene.run import fitted_law
 from lagrange.scene.scene import Scene, parse_scene_text, read_scene
 from residual.cli import main as check_main
-from tests.reference.ideal import DGBB_209, STEEL_207
+from tests.reference.kit import DGBB_209, STEEL_207
 
 PAPER = Scene().ideal_bearing()
 THICK = replace(PAPER, outside_radius=0.038)  # 10 mm behind the outer raceway

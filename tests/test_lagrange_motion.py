@@ -26,9 +26,9 @@ from lagrange.motion import (
 )
 from lagrange.scene.scene import Scene, parse_scene
 from lagrange.statics import static_equilibrium
-from tests.reference.ideal import DGBB_209
-from tests.reference.lagrange_equations import derived_equations
-from tests.reference.load_distribution import SJOVALL, stribeck_number
+from tests.reference.continua import SJOVALL, stribeck_number
+from tests.reference.forward_motion import derived_equations
+from tests.reference.kit import DGBB_209
 
 N = 3
 BEARING = replace(Scene().ideal_bearing(), n_rollers=N)

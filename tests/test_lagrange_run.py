@@ -21,7 +21,7 @@ from residual.cli import main as check_main
 from residual.evaluation import evaluate
 from residual.sources import read_result
 from residual.spectrum import rms
-from tests.reference.compiled_motion import FLOORS
+from tests.reference.compiled import FLOORS
 from tests.reference.forward_motion import simulate
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -42,10 +42,9 @@ from lagrange.tilt import (
     tilt_equations,
 )
 from tests.reference import forward_motion
-from tests.reference.compiled_motion import COMPARED, assert_right, compiled, simulation
-from tests.reference.forward_motion import simulate
-from tests.reference.ideal import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
-from tests.reference.lagrange_equations import derived_tilt_equations
+from tests.reference.compiled import COMPARED, assert_right, compiled, simulation
+from tests.reference.forward_motion import derived_tilt_equations, simulate
+from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
 ENERGY = 1e-8  # of the elastic energy
 MOUNTED = replace(

@@ -26,7 +26,7 @@ from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.commands import environment, started_as
+from tests.reference.kit import environment, started_as
 from tests.reference.live_server import SECONDS, ask, served, told
 
 

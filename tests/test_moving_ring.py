@@ -18,14 +18,25 @@ from lagrange.mounting import OF_HOUSING, Housing, Mounting, Sensor, Shaft
 from lagrange.scene.scene import parse_scene, read_scene
 from residual.evaluation import evaluate
 from residual.record import relative
-from tests.reference.budgets import budget_terms, energy_left
-from tests.reference.compiled_motion import assert_right, compiled, simulation, solved
+from tests.reference.compiled import assert_right, compiled, simulation, solved
 from tests.reference.forward_motion import simulate
-from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.ideal import HARRIS, PAPER, RUNNING, wavy
-from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
-from tests.reference.refusals import assert_refused
-from tests.reference.swinging import PEDESTAL, ring_down
+from tests.reference.kit import (
+    HARRIS,
+    LOADS,
+    PAPER,
+    PEDESTAL,
+    RAMP,
+    RUNNING,
+    assert_refused,
+    assert_same_bits,
+    budget_terms,
+    energy_left,
+    record_of,
+    rest_of_run,
+    ring_down,
+    scene_with,
+    wavy,
+)
 
 LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
 SENSOR = Sensor(frequency=15e3, damping_ratio=0.05)

@@ -45,12 +45,10 @@ from lagrange.scene.scene import parse_scene
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, mesh_of, quality
 from meshes.graded import graded_disc
 from meshes.shapes import make
-from tests.reference.bearings import arrays, copies, loop_arguments, operation, resolved_model, soft
 from tests.reference.compiled import press_contacts
-from tests.reference.contact_pressures import contact_pressures, layer_approach
-from tests.reference.half_plane import cubic_bspline, flamant, mcewen
-from tests.reference.resolved_roller import resolved_disc
-from tests.reference.whole_run import whole_run
+from tests.reference.continua import contact_pressures, cubic_bspline, flamant, layer_approach, mcewen
+from tests.reference.kit import arrays, copies, loop_arguments, operation, resolved_model, soft, whole_run
+from tests.reference.resolved import resolved_disc
 
 STANDING = ["operation.speed_rpm=0", "operation.gravity_m_s2=0", "contact.friction_coefficient=0"]
 

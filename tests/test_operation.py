@@ -18,11 +18,9 @@ from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
 from residual.check_vibration import main as vibration_main
 from residual.evaluation import evaluate
-from tests.reference import compiled_motion
-from tests.reference.budgets import budget_terms
+from tests.reference import compiled
 from tests.reference.forward_motion import simulate
-from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
-from tests.reference.unloaded_stiffness import stiffness_without_load
+from tests.reference.kit import LOADS, RAMP, budget_terms, record_of, scene_with, stiffness_without_load
 
 TURNING = ("operation.unbalance_g_mm=50", "operation.unbalance_deg=20", "operation.rotating_load_N=100")
 
@@ -350,7 +348,7 @@ def test_the_checker_turns_forces_at_edges_by_the_spring_alone():
     scene = Scene(model="lagrange", spall=[spall], damping={"hunt_crossley_s_m": 0.8}, operation={"speed_rpm": 9000.0})
     bearing = scene.ideal_bearing()
     damping = ContactDamping(hunt_crossley=0.8)
-    run = compiled_motion.solved(
+    run = compiled.solved(
         Problem(bearing, scene.ideal_operation(), contact_laws("harris", bearing), damping=damping), 2e-3, 2e-6
     )
     record = replace(record_of(scene, run), inner_damping_force=run.inner_damper, outer_damping_force=run.outer_damper)

@@ -18,11 +18,8 @@ from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
 from residual.evaluation import evaluate
 from residual.sources import read_result
-from tests.reference.budgets import budget_terms
-from tests.reference.compiled_motion import assert_right
-from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.operation_tables import LOADS, RAMP, scene_with
-from tests.reference.whole_run import whole_run
+from tests.reference.compiled import assert_right
+from tests.reference.kit import LOADS, RAMP, assert_same_bits, budget_terms, rest_of_run, scene_with, whole_run
 
 MODELS = ("lagrange", "reduced", "fem")
 SMOOTH = "time_ms,speed_rpm\n0,3000\n1,3200\n3,4500\n4,4700\n"  # in which rollers do not slip

@@ -8,7 +8,7 @@ from residual.evaluation import evaluate
 from residual.record import Record
 from residual.spectrum import power_spectrum
 from residual.vibration import order_spectra, tracking_of
-from tests.reference.operation_tables import scene_with
+from tests.reference.kit import scene_with
 
 BPFO, FTF = 13 * 9 / 23, 9 / 23  # 5.087 and 0.3913 per turn: geometry of the paper's bearing
 

@@ -21,7 +21,7 @@ from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coeffi
 from lagrange.rating.life import DutyCycle, basic_life
 from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
-from tests.reference.commands import environment
+from tests.reference.kit import environment
 
 PROMISED = (
     "C_N C0_N P_N s0 L10_Mrev L10_h a_ISO kappa L10r_Mrev peak_pressure_MPa operating_clearance_um stiffness_N_per_m "

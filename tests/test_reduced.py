@@ -32,12 +32,23 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import Scene, parse_scene, read_scene
-from tests.reference.bearings import LENGTH, STEEL, paper, ring
-from tests.reference.collocated_contact import approach
-from tests.reference.disc_impact import thrown_at_flat
-from tests.reference.free_vibration import disc_frequency, vibrations
-from tests.reference.reduced_runs import CLEARANCE, RATTLES, STILL, couplings, in_longer_steps, plan_of, ran, samples_of
-from tests.reference.whole_run import whole_run
+from tests.reference.continua import approach
+from tests.reference.kit import (
+    CLEARANCE,
+    LENGTH,
+    RATTLES,
+    STEEL,
+    STILL,
+    couplings,
+    in_longer_steps,
+    paper,
+    plan_of,
+    ran,
+    ring,
+    samples_of,
+    whole_run,
+)
+from tests.reference.modes import disc_frequency, thrown_at_flat, vibrations
 from tests.stability.random_scenes import random_scene
 
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")

@@ -29,9 +29,8 @@ from lagrange.files.hdf5 import HeldBack, read_numbers
 from lagrange.files.output import new_part, remove_left, replaced
 from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
-from tests.reference.commands import environment, started_as
+from tests.reference.kit import EARLIER, OPTIONS, SHORT, environment, names_in, same_data, started_as
 from tests.reference.recorded_disk import RecordedDisk
-from tests.reference.run_files import EARLIER, OPTIONS, SHORT, names_in, same_data
 from tests.reference.synthetic_run import make_run, write_result
 from tests.stability import forked
 from tests.waiting import GIVE_UP, no_endless_wait, wait_until
@@ -224,7 +223,7 @@ def test_a_full_disk_at_a_page_names_the_page(tmp_path, monkeypatch, capsys):
     from fem.commands.run_study import study_main
     from residual.report import TEMPLATE
     from residual.store import Page, write_folder
-    from tests.reference.small_study import TWO_SPEEDS
+    from tests.reference.kit import TWO_SPEEDS
 
     def full(path, data, real=Path.write_bytes):
         if data.startswith(b"<!DOCTYPE html>"):

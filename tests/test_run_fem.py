@@ -33,8 +33,7 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result
-from tests.reference.commands import command
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import command, whole_run
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1")
 

@@ -21,7 +21,7 @@ from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
 from lagrange.scene.scene import Scene
-from tests.reference.commands import start_run
+from tests.reference.kit import start_run
 from tests.waiting import GIVE_UP
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -53,7 +53,7 @@ def strict(monkeypatch):
 def case(request, monkeypatch):
     """Arguments of a case; the toy stands in the place of the Lagrangian model."""
     if request.param == "toy":
-        monkeypatch.setitem(SOLVERS, "lagrange", "tests.reference.toy_solver")
+        monkeypatch.setitem(SOLVERS, "lagrange", "tests.reference.compiled")
     return CASES[request.param]
 
 

@@ -14,7 +14,7 @@ from fem.solver.simulate import make_plan
 from lagrange.scene.scene import Scene, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.passages import COLUMNS, Passage, find_passages, spall_events
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import whole_run
 
 HALF = 0.01  # rad
 RUNNING = Scene().ideal_operation()

@@ -18,7 +18,7 @@ from fem.solver.solver import Samples
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import whole_run
 from tests.stability import forked, judged
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from tests.stability.machine_scenes import machine_scene

@@ -29,7 +29,7 @@ from fem.study.study_file import design_of, read_study
 from lagrange.files.output import read_sealed, write_sealed
 from lagrange.scene.scene import SceneError, read_scene
 from tests.documented import blocks
-from tests.reference.small_study import BASE, GRID, TWO_SPEEDS, many, same
+from tests.reference.kit import BASE, GRID, TWO_SPEEDS, many, same
 from tests.waiting import GIVE_UP, wait_until
 
 KEPT = Path("studies/study")

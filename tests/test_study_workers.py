@@ -15,7 +15,7 @@ import xarray
 
 from fem.commands.run_study import study_main
 from fem.study.folder import Folder
-from tests.reference.small_study import BASE, GRID, many, same
+from tests.reference.kit import BASE, GRID, many, same
 from tests.waiting import GIVE_UP, wait_until
 
 TWO = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'

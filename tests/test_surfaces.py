@@ -27,16 +27,12 @@ from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_tex
 from lagrange.statics import static_equilibrium as static_equilibrium_crossing_forces
 from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.faults import Spall, UnequalRoller, Waviness
-from tests.reference.compiled_motion import assert_right, solved
-from tests.reference.disc_impact import thrown_at_flat
-from tests.reference.ideal import DGBB_209, RUNNING, wavy
-from tests.reference.ideal import DOWN as DOWN_BALL_FAULTS
-from tests.reference.modal_bodies import Body
-from tests.reference.refusals import assert_refused, refusal
-from tests.reference.resolved_bodies import DOWN as DOWN_RESOLVED_CROSSING
-from tests.reference.resolved_bodies import FINE, Surface, roller_body, surface
-from tests.reference.resolved_crossing import Crossing, Run, crossing
-from tests.reference.whole_run import whole_run
+from tests.reference.compiled import assert_right, solved
+from tests.reference.kit import DGBB_209, RUNNING, assert_refused, refusal, wavy, whole_run
+from tests.reference.kit import DOWN as DOWN_BALL_FAULTS
+from tests.reference.modes import Body, thrown_at_flat
+from tests.reference.resolved import DOWN as DOWN_RESOLVED_CROSSING
+from tests.reference.resolved import FINE, Crossing, Run, Surface, crossing, roller_body, surface
 from tests.stability.random_surfaces import surface_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")

@@ -16,8 +16,7 @@ import pytest
 from fem.kernels.kernel_folder import cache_folder, version
 from lagrange.files.output import write_sealed
 from tests.reference.bare_system import LACKING, MODULES, bare, can_be_made_bare
-from tests.reference.commands import command, environment
-from tests.reference.run_files import same_data
+from tests.reference.kit import command, environment, same_data
 
 OPTIONS = ["--duration", "0.1", "--quiet"]
 COARSE = [*OPTIONS, "--mesh-size", "2"]

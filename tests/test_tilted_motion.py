@@ -27,8 +27,7 @@ from residual.figures.run import tilt as tilt_figure
 from residual.load_zone import largest_pressures
 from residual.sources import read_result
 from tests.reference.forward_motion import simulate
-from tests.reference.going_on import assert_same_bits, rest_of_run
-from tests.reference.tilted_runs import defects, missed, moved, moved_by, scene
+from tests.reference.kit import assert_same_bits, defects, missed, moved, moved_by, rest_of_run, scene
 
 
 def problem_of(found, **more):
@@ -105,7 +104,8 @@ def test_a_roller_that_may_stand_at_several_tilts_starts_without_their_rate(degr
     crowned = {"roller_profile": "crowned", "crown_um": 20.0, "slices": 9}
     light = {"operation__radial_load_N": 300.0, "operation__misalignment_mrad": 0.05}
     start = make_plan(scene("reduced", crowned, operation__first_roller_deg=degrees, **light)).start
-    assert np.abs(start.tilts.tilt_rate).max() < 1.0
+    # at most what tilts of equilibria 0.3° of the cage apart differ by: 44 µrad in 28 µs
+    assert np.abs(start.tilts.tilt_rate).max() < 1.6
 
 
 def test_a_roller_that_enters_a_spall_of_half_the_length_starts_with_the_rate_of_its_tilt():

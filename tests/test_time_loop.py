@@ -53,21 +53,22 @@ from lagrange import Material, contact_laws
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from meshes import Disc
-from tests.reference.bearings import (
+from tests.reference.continua import half_width, squeezed_disc_approach
+from tests.reference.kit import (
     LENGTH,
     STEEL,
     arrays,
+    assert_refused,
     block,
     disc,
     loop_arguments,
     model,
     operation,
     paper,
+    refusal,
     ring,
     run,
 )
-from tests.reference.line_contact import half_width, squeezed_disc_approach
-from tests.reference.refusals import assert_refused, refusal
 from tests.stability.random_scenes import random_scene
 from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 from tests.verification.runs import every_step, plan_of, record, without_spin

@@ -22,7 +22,7 @@ from residual.fault_finding import find_faults
 from residual.measured.diagnosis import Geometry
 from residual.sources import read_result
 from tests.reference.forward_motion import simulate
-from tests.reference.refusals import assert_refused
+from tests.reference.kit import assert_refused
 
 SPALL = {"width_mm": 1.0, "depth_um": 20.0}
 

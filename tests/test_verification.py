@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tests import measurements
-from tests.reference.bearings import STEEL
-from tests.reference.disc_impact import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
+from tests.reference.kit import STEEL
+from tests.reference.modes import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
 from tests.verification import __main__ as command
 from tests.verification.case import ANALYTIC, Case, Check, run_case
 

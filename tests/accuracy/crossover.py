@@ -20,7 +20,7 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
 from tests.measurements import DOCS, markdown_table, program
-from tests.reference.contact_pressures import contact_pressures, layer_approach
+from tests.reference.continua import contact_pressures, layer_approach
 
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)

@@ -18,7 +18,7 @@ from fem.solver.elements.plan import ElementPlan
 from fem.statics.exact_statics import tangential_compliance
 from lagrange import Bearing
 from tests.measurements import markdown_table, program
-from tests.reference.rocking import sticking_modes
+from tests.reference.modes import sticking_modes
 from tests.verification.runs import plan_of, record
 
 MESHES_MM = (2.0, 1.0, 0.5, 0.25)

@@ -4,7 +4,7 @@
 `python -m tests.accuracy.spall_crossing varied` what its yardstick's figures depend on, three.
 
 The paper's bearing under 2000 N, a deep spall on the outer ring at the load line, edges of 0.1 mm; the shaft so heavy
-that the hub stays, no friction, no gravity. The yardstick (`tests.reference.resolved_crossing`) has one roller between
+that the hub stays, no friction, no gravity. The yardstick (`tests.reference.resolved`) has one roller between
 both rings, all meshed with the spall, and finds the pressures of nodes 1.5 to 5 µm apart: no law below a grid, no
 half-plane, no sinkage. What the other rollers' loads do to the raceways under this one, 19 nm, is added to its hub.
 """
@@ -20,8 +20,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.surface.faults import Spall
 from tests.measurements import markdown_table, publish
-from tests.reference.resolved_bodies import FINE, Fineness
-from tests.reference.resolved_crossing import Run, crossing
+from tests.reference.resolved import FINE, Fineness, Run, crossing
 
 PAPER, OPERATION = Scene().ideal_bearing(), Scene().ideal_operation()
 RACEWAY = PAPER.outer_raceway_radius
@@ -132,7 +131,7 @@ def row(width: float, name: str, found: Strike, exact: Strike | None = None) -> 
 
 
 WORDS = """The paper's bearing under 2000 N at 4500 rpm, a spall 100 µm deep with edges of 0.1 mm on the outer ring at
-the load line; the hub stays, no friction, no gravity. The reference (`tests.reference.resolved_crossing`)
+the load line; the hub stays, no friction, no gravity. The reference (`tests.reference.resolved`)
 is a roller between both rings on meshes of quadratic triangles, the spall cut out of the outer ring, nodes
 1.5 to 5 µm apart in the contacts, modes up to 700 kHz. *Load*: before the spall. *Struck after*: from where
 the force has fallen to half of it until it has risen to half of it again. *Peak* and *impulse*: of all

@@ -28,7 +28,7 @@ from lagrange.surface.deviation import Turns, profiles
 from lagrange.surface.edges import softened
 from lagrange.surface.faults import Spall
 from tests.measurements import markdown_table, program
-from tests.reference.edge_contact import EdgeContact
+from tests.reference.continua import EdgeContact
 
 BEARING, OPERATION = Scene().ideal_bearing(), Scene().ideal_operation()
 LAWS = contact_laws("johnson", BEARING)
@@ -157,7 +157,7 @@ def compared() -> tuple[str, str]:
     words = (
         "A roller of the paper's bearing passes a spall with edges of 0.1 mm on the load line, the hub held where "
         "2000 N keep it. The reference is two half-planes that\nmeet wherever the bare profile lets them "
-        "(`tests.reference.edge_contact`). First the reference's values, then differences from it."
+        "(`tests.reference.continua`). First the reference's values, then differences from it."
     )
     return words, markdown_table(heads, table)
 

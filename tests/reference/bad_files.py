@@ -360,7 +360,8 @@ BAD_CHECKPOINTS = {
     "resumed from half a checkpoint": resumed(lambda run, state: cut(state, 0.5), "run.nc.checkpoint", "damaged"),
     "resumed from a checkpoint with a gap": resumed(
         lambda run, state: state.write_bytes(state.read_bytes()[:200] + bytes(200) + state.read_bytes()[400:]),
-        "run.nc.checkpoint", "damaged",
+        "run.nc.checkpoint",
+        "damaged",
     ),
     "resumed from nonsense": resumed(
         lambda run, state: state.write_bytes(b"nonsense"), "run.nc.checkpoint", "is no checkpoint"

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.reference.commands import ENTRIES, environment
+from tests.reference.kit import ENTRIES, environment
 
 LACKING = ("fork", "forkpty", "pwrite", "pread", "posix_fallocate", "geteuid", "sched_getaffinity", "sysconf", "mkfifo")
 MODULES = ("fcntl", "resource", "pwd", "grp", "termios")

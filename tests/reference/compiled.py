@@ -1,4 +1,8 @@
-"""ReportOptions of the time loop as kernels that Python can call, kept compiled as the time loop is."""
+"""Kernels called from Python, bodies and contacts that tests build for them."""
+
+from dataclasses import dataclass, replace
+from math import ceil
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -6,9 +10,23 @@ from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.kernels import columns, law, profiles
 from fem.kernels.elements import contacts as of_patches
 from fem.kernels.elements import discs, friction, loop, rings, samples, surfaces
+from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import kernel
 from fem.kernels.lanes import splat
 from fem.solver.elements.arrays import Arrays
+from fem.solver.rigid.lagrangian import LagrangianPlan
+from fem.solver.rigid.state import LagrangianState
+from fem.solver.solver import Block, Plan, RunState, Samples, sample_count
+from lagrange import BallBearing
+from lagrange.columns import PER_TIME, columns_of
+from lagrange.first_state import Problem
+from lagrange.mounting import ENERGIES
+from lagrange.scene.scene import Scene
+from lagrange.step_size import longest_step
+from tests.reference.forward_motion import simulate
+from tests.reference.kit import arrays, copies, model, operation, paper, resolved_model, soft
+
+# ---- ReportOptions of the time loop as kernels that Python can call, kept compiled as the time loop is.
 
 kick_disc, drift_disc = kernel(discs.kick), kernel(discs.drift)
 slow_disc, calm_ring = kernel(discs.slow_waves), kernel(rings.calm)
@@ -162,3 +180,323 @@ def contact_energy(state: Arrays) -> float:
     out = np.zeros(columns.CONTACT + 1)
     _energy(state.groups, state.contacts, state.bodies.rollers.n, out)
     return float(out[columns.CONTACT])
+
+
+# ---- Compiled runs of the Lagrangian model, and their judge, `forward_motion`, which shares no step with them.
+
+COMPARED = ("inner_x", "inner_y", "roller_rho", "inner_vy", "inner_ay", "roller_theta", "inner_force", "outer_force",
+            "work_external", "work_dissipated", "housing_y", "housing_ay", "sensor_ay")  # fmt: skip
+
+
+# m/s, m/s² and J, for motions of nanometres: 2e-5 of what a load of 2 kN makes of the hub; the reference's tolerance
+FLOORS = {"inner_vy": 1e-7, "inner_ay": 0.5, "housing_ay": 0.5, "sensor_ay": 0.5, "work_external": 1e-11}
+
+
+class Motion:
+    """A problem's motion under way."""
+
+    def __init__(self, problem: Problem, interval: float = 1e-5, time_step: float | None = None):
+        stride = ceil(interval / (longest_step(problem) if time_step is None else time_step) * (1.0 - 1e-12))
+        kind = "ball" if isinstance(problem.bearing, BallBearing) else "roller"
+        tilted = () if problem.axial is None else ("axial", *(("damping of tilt",) if problem.damping.acts else ()))
+        scene = SimpleNamespace(
+            cage=problem.cage,
+            ideal_cage=lambda: problem.cage,
+            model="lagrange",
+            bearing=SimpleNamespace(type=kind),
+            axial=problem.axial,
+            parts=(*problem.operation.mounting.parts, *(() if problem.cage is None else ("cage",)), *tilted),
+            numerics=SimpleNamespace(output_interval_us=1e6 * interval),
+        )
+        plan = LagrangianPlan(
+            scene=scene,
+            problem=problem,
+            n_samples=10**6,
+            stride=stride,
+            sections=None,
+            law_warning=None,
+        )
+        self.problem, self.state = problem, LagrangianState(plan)
+        self.trouble: str | None = None
+
+    @property
+    def time_step(self) -> float:
+        return self.state.plan.time_step
+
+    def advance(self, count: int) -> SimpleNamespace:
+        """The next samples by their names, their energy error, and a cage's by names of `CageSamples`."""
+        blocks: list[Samples] = []
+        end = self.state.done + count
+        while self.state.done < end and self.trouble is None:
+            block = self.state.advance(end - self.state.done)
+            blocks += [] if block.samples is None else [block.samples]
+            self.trouble = block.trouble
+        found = Samples.joined(blocks)
+        values = found.values
+        cage = {name.removeprefix("cage_"): value for name, value in values.items() if name.startswith("cage_")}
+        return SimpleNamespace(
+            **values,
+            energy_error=found.imbalance,
+            energy_moved=values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values),
+            cage=SimpleNamespace(**cage),
+            inner_damper=values["inner_damping_force"],
+            outer_damper=values["outer_damping_force"],
+            work_damping=values["work_damping_contact"],
+            time_step=self.time_step,
+            steps=round(values["time"][-1] / self.time_step),
+        )
+
+    def gone_on(self) -> "Motion":
+        """Another one that goes on from what a checkpoint would keep of this."""
+        arrays, numbers = self.state.to_keep()
+        found = Motion(self.problem, self.state.plan.interval, self.time_step)
+        found.state.done = self.state.done
+        found.state.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+        return found
+
+
+simulation = Motion
+
+
+def compiled(problem: Problem, count: int, interval: float = 1e-5, time_step: float | None = None) -> SimpleNamespace:
+    """The first samples, by compiled steps."""
+    return Motion(problem, interval, time_step).advance(count)
+
+
+def solved(problem: Problem, duration: float, interval: float) -> SimpleNamespace:
+    """As `tests.reference.forward_motion`, by compiled steps: for long motions."""
+    return compiled(problem, int(duration / interval + 1e-9) + 1, interval)
+
+
+def assert_right(
+    problem: Problem, count: int = 31, interval: float = 1e-5, share: float = 2e-3, finer: float = 2.0
+) -> None:
+    """The usual step, so many times shorter, makes the reference's motion to this share of every quantity."""
+    usual = Motion(problem, interval).time_step
+    found = compiled(problem, count, interval, usual / finer)
+    exact = simulate(problem, (count - 1) * interval, interval)
+    assert np.count_nonzero(np.ptp(exact.inner_force, axis=0) > 1.0) > 1  # something happens
+    for name in (name for name in COMPARED if hasattr(found, name)):
+        ours, right = (np.asarray(getattr(run, name)) for run in (found, exact))
+        allowed = share * np.abs(right).max() + FLOORS.get(name, 0.0)
+        np.testing.assert_allclose(ours, right, rtol=0.0, atol=allowed, err_msg=name)
+
+
+# ---- States of a bearing whose contacts are pressed at random, and what contacts do to their bodies.
+
+DT = 1e-7
+PRESSED = 5e-6  # m, typical overlap of the circles
+WAVY = 1e-6  # m, random displacement of every node: surfaces tilt by a milliradian
+
+
+def set_turns(state, roller_turn, ring_turn):
+    rollers = state.bodies.rollers
+    rollers.turn[: rollers.n] = roller_turn
+    rollers.cosine[:], rollers.sine[:] = np.cos(rollers.turn), np.sin(rollers.turn)
+    state.drive.frame[:] = ring_turn, np.cos(ring_turn), np.sin(ring_turn)
+
+
+def roller_field(state, flat):
+    """(n_nodes, 2, n) view of a flat roller array."""
+    return flat.reshape(state.bodies.disc.mass.size, 2, state.bodies.rollers.columns)[:, :, : state.bodies.rollers.n]
+
+
+def fill_ring(field, values):
+    """Put values into (rows, 2, n + 2 HALO) and close the seam."""
+    field[:, :, HALO:-HALO] = values
+    field[:, :, HALO - 1], field[:, :, -HALO:] = field[:, :, -HALO - 1], field[:, :, HALO : 2 * HALO]
+
+
+def random_state(seed, resolved=False, mesh_size=1e-3):
+    """Rollers pressed on both raceways and two on each other, everything turned and wavy at random."""
+    rng = np.random.default_rng(seed)
+    whole = resolved_model(soft(), 2e-4) if resolved else model(paper(), mesh_size)
+    state = copies(arrays(whole, operation(speed=300.0), DT, from_rest=True))
+    rollers, n = state.bodies.rollers, state.bodies.rollers.n
+    angle = np.cumsum(rng.uniform(0.95, 1.05, n)) * 2.0 * np.pi / n
+    angle[4] = angle[3] + 2.0 * np.arcsin((rollers.radius - 0.5 * PRESSED) / 0.023)  # 3 and 4 press on each other
+    rho = 0.023 + PRESSED * rng.uniform(-1.0, 1.0, n)
+    rho[4] = rho[3]
+    rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
+    state.drive.hub[:] = PRESSED * rng.uniform(-1.0, 1.0, 2)
+    set_turns(state, rng.uniform(-np.pi, np.pi, n), rng.uniform(-np.pi, np.pi))
+    roller_field(state, state.bodies.disc.u)[:] = WAVY * rng.standard_normal((state.bodies.disc.mass.size, 2, n))
+    for ring in (state.bodies.inner, state.bodies.outer):
+        fill_ring(ring.u, WAVY * rng.standard_normal((ring.radii.size, 2, ring.n_sectors)))
+    return state
+
+
+def press(state):
+    """Normal forces at a copy of a state with all velocities and impulses cleared."""
+    state = copies(state)
+    rollers, drive = state.bodies.rollers, state.drive
+    for entry in (
+        state.bodies.disc.w,
+        rollers.node_impulse,
+        rollers.body_impulse,
+        rollers.turn_kick,
+        drive.impulse,
+        state.bodies.inner.w,
+        state.bodies.outer.w,
+    ):
+        entry[:] = 0.0
+    drive.moment[:] = 0.0
+    state.contacts.forces.force[:] = 0.0
+    press_contacts(state)
+    push_surfaces(state)
+    return state
+
+
+def cartesian_resultant(ring, c=1.0, s=0.0):
+    """Momentum of a ring's velocities, N s, fixed axes."""
+    w = ring.w[:, :, HALO:-HALO] * ring.row_mass[:, None, None]
+    cosine, sine = ring.cosines[HALO:-HALO], ring.sines[HALO:-HALO]
+    x, y = np.sum(w[:, 0] * cosine - w[:, 1] * sine), np.sum(w[:, 0] * sine + w[:, 1] * cosine)
+    return np.array([c * x - s * y, s * x + c * y])
+
+
+def roller_resultants(state):
+    """Momentum of each roller's nodal velocities, (n, 2), fixed axes."""
+    rollers, n = state.bodies.rollers, state.bodies.rollers.n
+    x, y = np.sum(roller_field(state, state.bodies.disc.w) * state.bodies.disc.mass[:, None, None], axis=0)
+    c, s = rollers.cosine[:n], rollers.sine[:n]
+    return np.column_stack([c * x - s * y, s * x + c * y])
+
+
+def with_random_velocities(state, seed):
+    rng = np.random.default_rng(seed)
+    n = state.bodies.rollers.n
+    roller_field(state, state.bodies.disc.w)[:] = rng.standard_normal((state.bodies.disc.mass.size, 2, n))
+    fill_ring(
+        state.bodies.inner.w, rng.standard_normal((state.bodies.inner.radii.size, 2, state.bodies.inner.n_sectors))
+    )
+    fill_ring(
+        state.bodies.outer.w, rng.standard_normal((state.bodies.outer.radii.size, 2, state.bodies.outer.n_sectors))
+    )
+    state.bodies.rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
+    state.bodies.rollers.spin[:n] = 500.0 * rng.standard_normal(n)
+    return state
+
+
+# ---- States of random contacts that rub, with tangential springs and without.
+
+
+def by_contact(normal):
+    """(kind, 2, columns) as (kind, 13, 2)."""
+    return np.moveaxis(normal[:, :, :13], 1, 2)
+
+
+def rubbing_state(seed=1, mesh_size=1e-3):
+    state = pressed_state(seed, mesh_size)
+    push_surfaces(state)
+    state.drive.moment[0] = 0.0
+    return state
+
+
+def pressed_state(seed, mesh_size):
+    state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
+    state = with_friction(state, coefficient=0.1)
+    state.contacts.forces.force[:] = 0.0
+    state.drive.impulse[:] = 0.0
+    press_contacts(state)
+    for entry in (state.bodies.rollers.node_impulse, state.bodies.rollers.body_impulse, state.bodies.rollers.turn_kick):
+        entry[:] = 0.0
+    return state
+
+
+def with_friction(state, **changes):
+    return replace(state, contacts=state.contacts._replace(friction=state.contacts.friction._replace(**changes)))
+
+
+def without_springs(state):
+    """Contacts whose creep is solved for, as pressure points have it."""
+    return with_friction(state, shear=None)
+
+
+def rub(state):
+    """Friction at a copy; returns it, slips before and after, and the energy it takes, J."""
+    state = copies(state)
+    find_slips(state, state.bodies.rollers.turn_kick, state.contacts.friction.slip)
+    before = state.contacts.friction.slip.copy()
+    taken = rub_contacts(state)
+    after = np.zeros_like(before)
+    find_slips(state, state.bodies.rollers.turn_kick, after)
+    return state, before, after, taken
+
+
+def stretched_state():
+    """Springs of closed contacts stretched at random, some beyond what sliding stretches them by, and slipping."""
+    state, rng = rubbing_state(), np.random.default_rng(3)
+    shear, force = state.contacts.friction.shear, state.contacts.forces.force
+    shear.compliance[:] = 1e-9 * rng.uniform(1.0, 4.0, force.shape)
+    shear.stretch[:] = 0.1 * force * shear.compliance * rng.uniform(-1.5, 1.5, force.shape)
+    shear.stretch[rng.uniform(size=force.shape) < 0.2] = 0.0  # these have just closed
+    shear.creep[:] = 1e-3 * np.sign(shear.stretch)
+    shear.since[:] = DT * (shear.stretch != 0.0)
+    state.bodies.rollers.velocity[:] *= 0.05
+    return state
+
+
+# ---- A solver of next to nothing, as another one would be added: one module, one line in the registry. The hub
+# swings on a spring, one exact turn of a phase a step; rollers stand where kinematics has them.
+
+TURN = 0.1  # rad a sample
+GONE = 1e5  # rpm, from which on the spring breaks
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToyPlan(Plan):
+    scene: Scene
+    n_samples: int
+    model_name, lacks, expected_seconds = "toy", "all but a spring", 0.0
+    degrees_of_freedom = 1
+    time_step, critical_time_step = 1e-6, 2e-6
+
+    def first_state(self):
+        return ToyState(self)
+
+    def versions(self):
+        return {"toy": "1"}
+
+    def static_hub(self):
+        return np.zeros(2)
+
+    def rows(self):
+        return {"spring": "one"}
+
+
+class ToyState(RunState):
+    steps_per_sample = 10
+
+    def __init__(self, plan):
+        super().__init__(plan)
+        self.phase = np.array([1.0, 0.0])
+
+    def advance(self, most):
+        rows = []
+        c, s = np.cos(TURN), np.sin(TURN)
+        for _ in range(most):
+            rows.append(self.phase)
+            self.phase = np.array([c * self.phase[0] - s * self.phase[1], s * self.phase[0] + c * self.phase[1]])
+        n = self.plan.scene.bearing.rollers
+        values = {
+            name: np.zeros(most if dimensions == PER_TIME else (most, n))
+            for name, (dimensions, *_) in columns_of("").items()
+        }
+        values["time"] = self.plan.interval * np.arange(self.done, self.done + most)
+        values["inner_x"], values["inner_y"] = np.array(rows).T
+        self.done += most
+        self.wall += 1e-3
+        broken = abs(self.plan.scene.operation.speed_rpm) >= GONE and self.done > 20
+        samples = Samples(values=values, imbalance=np.zeros(most), exchanged=np.ones(most), error=np.zeros(most))
+        return Block(samples=samples, trouble="the spring has broken" if broken else None)
+
+    def to_keep(self):
+        return {"phase": self.phase}, {"note": "any"}
+
+    def take_back(self, arrays, numbers):
+        self.phase = arrays["phase"]
+
+
+def make_plan(scene):
+    return ToyPlan(scene=scene, n_samples=sample_count(scene))

@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from fem.live.player import Player
 from fem.live.server import LiveServer
 from lagrange.scene.scene import read_scene
-from tests.reference.commands import environment, started_as
+from tests.reference.kit import environment, started_as
 from tests.waiting import GIVE_UP
 
 SECONDS = GIVE_UP  # that an answer may take, where kernels are still to be compiled

@@ -23,11 +23,13 @@ from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing, Material
 from lagrange.contact.hertz import Pair
-from tests.reference.bearings import (
+from tests.reference.continua import half_width, squeezed_disc_approach
+from tests.reference.kit import (
     HALF_PITCH,
     LENGTH,
     LOAD,
     ON_A_ROLLER,
+    RESOLVED,
     SHAPES,
     STEEL,
     disc,
@@ -35,8 +37,6 @@ from tests.reference.bearings import (
     model,
     paper,
 )
-from tests.reference.line_contact import half_width, squeezed_disc_approach
-from tests.reference.resolved_bearing import RESOLVED
 from tests.verification.case import ANALYTIC, COMPUTED, CONSERVATION, Case, Check
 
 # what presses on a squeezed disc: it has no compliance and no mesh

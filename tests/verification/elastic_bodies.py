@@ -10,8 +10,8 @@ from scipy.sparse.linalg import eigsh
 
 from fem.elastic.bodies import DiscBody, RingBody
 from lagrange import Material
-from tests.reference.bearings import LENGTH, STEEL, disc, ring
-from tests.reference.free_vibration import disc_frequency, ring_frequency
+from tests.reference.kit import LENGTH, STEEL, disc, ring
+from tests.reference.modes import disc_frequency, ring_frequency
 from tests.verification.case import ANALYTIC, LITERATURE, Case, Check
 
 # ω R/c_T of the free disc at ν = 0.3 lies within 0.02 of these; pairs but for n = 0

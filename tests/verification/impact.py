@@ -18,10 +18,10 @@ from lagrange.contact.hertz import Pair
 from lagrange.first_state import Problem
 from meshes import Mesh
 from tests.reference import compiled
-from tests.reference.bearings import STEEL, STEEL_ON_STEEL
-from tests.reference.disc_impact import thrown_at_flat
+from tests.reference.continua import impact_on_rigid_flat
 from tests.reference.forward_motion import Motion
-from tests.reference.line_contact import impact_on_rigid_flat
+from tests.reference.kit import STEEL, STEEL_ON_STEEL
+from tests.reference.modes import thrown_at_flat
 from tests.verification.case import ANALYTIC, CONSERVATION, MODEL, Case, Check
 from tests.verification.runs import WIDE, collide
 

@@ -6,17 +6,16 @@ from math import pi
 import numpy as np
 
 from lagrange import Bearing
-from tests.reference.bearings import LENGTH, LOAD, ON_A_ROLLER, SHAPES, STEEL, fair_load, paper
-from tests.reference.line_contact import half_width
-from tests.reference.quadratic_statics import QuadraticStatics, quadratic_statics
-from tests.reference.resolved_bearing import RESOLVED
+from tests.reference.continua import half_width
+from tests.reference.kit import LENGTH, LOAD, ON_A_ROLLER, RESOLVED, SHAPES, STEEL, fair_load, paper
+from tests.reference.quadratic import QuadraticStatics, quadratic_statics
 from tests.verification.case import ANALYTIC, COMPUTED, Case, Check
 from tests.verification.contact_statics import ONE_MM, RESOLVED_SOURCE, TWO_MM, at_rest, by_series, compared
 
 QUICK, FINE = 5.0, 8.0  # elements per half-width
 QUADRATIC = "our own quadratic elements, {:g} per half-width"
 # of the hub and the loads: QUICK against FINE, measured, and the direction of pressures, which only a theory of
-# large rotations would settle (tests.reference.quadratic_statics)
+# large rotations would settle (tests.reference.quadratic)
 OWN, DIRECTION = 5e-4, 3e-4
 
 

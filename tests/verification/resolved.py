@@ -9,8 +9,7 @@ from fem.contacts.points import POINTS_PER_NODE
 from fem.contacts.resolved import ResolvedModel
 from lagrange import Bearing, Material
 from lagrange.kinematics import kinematics
-from tests.reference.contact_pressures import Pressures, contact_pressures
-from tests.reference.line_contact import half_width
+from tests.reference.continua import Pressures, contact_pressures, half_width
 from tests.verification.case import ANALYTIC, CONSERVATION, LITERATURE, MODEL, Case, Check
 from tests.verification.runs import plan_of, record
 

@@ -9,7 +9,7 @@ from fem.kernels.columns import INNER
 from fem.solver.elements.plan import ElementPlan
 from lagrange.kinematics import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
-from tests.reference.line_contact import carter_creep, half_width
+from tests.reference.continua import carter_creep, half_width
 from tests.verification.case import ANALYTIC, CONSERVATION, Case, Check
 from tests.verification.runs import plan_of, record, without_spin
 

@@ -14,9 +14,8 @@ from fem.solver.elements.start import rest_start
 from fem.solver.simulate import make_plan
 from lagrange import Bearing, Operation
 from lagrange.scene.scene import read_scene
-from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, loop_arguments, model
 from tests.reference.compiled import contact_energy, drift, elastic_energy, kick, kinetic_energy, remember
-from tests.reference.whole_run import whole_run
+from tests.reference.kit import LENGTH, STEEL_ON_STEEL, loop_arguments, model, whole_run
 
 # wide enough that rollers never reach a raceway
 WIDE = Bearing(

@@ -9,7 +9,7 @@ from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, static_equilibrium
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import read_scene
-from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
+from tests.reference.kit import LOAD, ON_A_ROLLER, paper
 from tests.verification.case import ANALYTIC, COMPUTED, MODEL, Case, Check
 from tests.verification.runs import RunSamples, plan_of, record
 

@@ -1,0 +1,618 @@
+"""Scenes, short runs, commands and files that tests share."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from math import pi
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from fem.contacts.model import Model
+from fem.contacts.resolved import ResolvedModel
+from fem.contacts.subgrid import SubgridModel
+from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
+from fem.elastic.continuum import patch_displacement, plane_compliance, ring_sections
+from fem.elastic.reciprocal_mass import LUMPED, SECOND, ReciprocalMass
+from fem.kernels.columns import BLOCKS, N_SCALARS
+from fem.kernels.elements.loop import advance
+from fem.kernels.elements.state import Drive
+from fem.solver import simulate
+from fem.solver.elements.arrays import Arrays, make_arrays
+from fem.solver.elements.start import Start, equilibrium_start, rest_start
+from fem.solver.rigid.reduced import ReducedPlan
+from fem.solver.simulate import make_plan
+from fem.solver.solver import Plan, RunState, Samples
+from fem.statics.exact_statics import HALF_WIDTH, ReducedBearing
+from lagrange import Bearing, ContactLaws, Material, Operation, static_equilibrium
+from lagrange.bearing import BallBearing
+from lagrange.columns import columns_of
+from lagrange.contact.laws import contact_laws
+from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM, SIGNATURE
+from lagrange.motion import State
+from lagrange.mounting import ENERGIES
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.surface.faults import Spall, UnequalRoller, Waviness
+from meshes import Annulus, Disc
+from residual.record import Record
+from tests.reference.continua import cubic_bspline_patch
+from tests.waiting import GIVE_UP, wait_until
+
+# ---- Bearings, bodies and loads that tests and verification share, each built once a session; states of the time
+# loop.
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+STEEL_ON_STEEL = {"roller": STEEL, "inner_ring": STEEL, "outer_ring": STEEL}
+LENGTH = 0.01  # of the paper's rollers, m
+LOAD = 2000.0  # N, the paper's
+ON_A_ROLLER = -0.5 * pi  # angle of the first roller: the load's direction
+HALF_PITCH = ON_A_ROLLER + pi / 13.0  # the paper's load between two rollers
+LARGEST_FORCE = 650.0  # N, about what the paper's load puts on one roller
+
+
+@cache
+def paper(**changes) -> Bearing:
+    """The paper's bearing: 13 rollers of 10 mm between 36 and 56 mm."""
+    return replace(read_scene().ideal_bearing(), **changes)
+
+
+SHAPES = {
+    "paper": paper(),
+    "clearance": paper(outer_raceway_radius=0.02801),
+    "preload": paper(outer_raceway_radius=0.027995),
+    "three rollers": paper(n_rollers=3),
+    "full complement": paper(n_rollers=14),
+    "ceramic rollers": paper(roller=Material(youngs_modulus=310e9, poisson_ratio=0.26, density=3200.0)),
+    "light-alloy housing": paper(outer_ring=Material(youngs_modulus=70e9, poisson_ratio=0.33, density=2700.0)),
+    "large": Bearing(
+        n_rollers=17, roller_radius=0.012, roller_length=0.03, inner_raceway_radius=0.06,
+        outer_raceway_radius=0.08402, bore_radius=0.045, outside_radius=0.1, **STEEL_ON_STEEL,
+    ),
+    "small": Bearing(
+        n_rollers=11, roller_radius=0.001, roller_length=0.003, inner_raceway_radius=0.004,
+        outer_raceway_radius=0.006, bore_radius=0.003, outside_radius=0.0075, **STEEL_ON_STEEL,
+    ),
+    "thin rings": paper(bore_radius=0.0155, outside_radius=0.0305),
+    "many rollers": Bearing(
+        n_rollers=31, roller_radius=0.004, roller_length=0.012, inner_raceway_radius=0.045,
+        outer_raceway_radius=0.053, bore_radius=0.037, outside_radius=0.06, **STEEL_ON_STEEL,
+    ),
+}  # fmt: skip
+
+
+def fair_load(bearing: Bearing) -> float:
+    """A load, N, that presses like the paper's 2000 N."""
+    return LOAD * bearing.roller_radius * bearing.roller_length / (0.005 * LENGTH)
+
+
+@cache
+def model(bearing: Bearing, mesh_size: float) -> Model:
+    return SubgridModel.build(bearing, mesh_size)
+
+
+@cache
+def disc(radius: float, layers: int, material: Material = STEEL) -> DiscBody:
+    """A roller of LENGTH with 6·layers surface nodes."""
+    return disc_body(Disc(radius=radius, layers=layers), material, LENGTH)
+
+
+@cache
+def ring(
+    inner: float, outer: float, sectors: int, layers: int, held_inside: bool, material: Material = STEEL
+) -> RingBody:
+    """A ring of LENGTH."""
+    shape = Annulus(inner_radius=inner, outer_radius=outer, sectors=sectors, layers=layers)
+    return ring_body(shape, material, LENGTH, held_inside)
+
+
+@cache
+def soft(**changes) -> Bearing:
+    """The paper's bearing of a plastic (5 GPa): its contacts are 0.3 mm wide on either side."""
+    plastic = replace(STEEL, youngs_modulus=5e9)
+    return paper(roller=plastic, inner_ring=plastic, outer_ring=plastic, **changes)
+
+
+@cache
+def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
+    return ResolvedModel.build(bearing, mesh_size)
+
+
+def operation(**changes) -> Operation:
+    """The paper's operating point."""
+    return replace(read_scene().ideal_operation(), **changes)
+
+
+def start_of(a_model: Model, how: Operation, from_rest: bool = False) -> Start:
+    return (rest_start if from_rest else equilibrium_start)(a_model, how)
+
+
+def arrays(
+    a_model: Model,
+    how: Operation,
+    dt: float,
+    friction: float = 0.0,
+    from_rest: bool = False,
+    ramp: float = 0.0,
+    mass: ReciprocalMass = LUMPED,
+) -> Arrays:
+    """Arrays of the time loop at t = 0."""
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, mass)
+
+
+def copies(state: Arrays) -> Arrays:
+    """An independent copy; what arrays its parts share they share in the copy."""
+    return deepcopy(state)
+
+
+def loop_arguments(state: Arrays) -> tuple:
+    return state.bodies, state.groups, state.contacts, state.drive, state.scratch
+
+
+def run(state: Arrays, n_samples: int, stride: int) -> np.ndarray:
+    """Run on and return the samples, (n_samples, n_columns); the state is left at its end."""
+    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
+    status, step, body = advance(*loop_arguments(state), 0, stride, samples)
+    assert (status, step, body) == (0, n_samples * stride, -2)
+    return samples
+
+
+def block(samples: np.ndarray, name: str) -> np.ndarray:
+    """One quantity of every roller, (n_samples, n_rollers)."""
+    n = (samples.shape[1] - N_SCALARS) // len(BLOCKS)
+    at = N_SCALARS + BLOCKS.index(name) * n
+    return samples[:, at : at + n]
+
+
+# ---- Ideal bearings, faults and operating points that tests of the Lagrangian model share.
+
+PAPER = Scene().ideal_bearing()
+RUNNING = Scene().ideal_operation()
+HARRIS = contact_laws("harris", PAPER)
+PRELOADED = replace(PAPER, outer_raceway_radius=0.02799)  # every contact stays closed: smooth forces
+DOWN = -0.5 * np.pi
+STEEL_207 = Material(youngs_modulus=207e9, poisson_ratio=0.3, density=7850.0)
+
+
+# the 209 deep-groove bearing of Harris' examples: 9 balls of 12.7 mm, grooves of 52 %
+DGBB_209 = BallBearing(
+    n_rollers=9, roller_radius=6.35e-3, roller_length=19e-3,
+    inner_raceway_radius=26.1455e-3, outer_raceway_radius=38.853e-3, bore_radius=22.5e-3, outside_radius=42.5e-3,
+    inner_groove_radius=6.604e-3, outer_groove_radius=6.604e-3,
+    roller=STEEL_207, inner_ring=STEEL_207, outer_ring=STEEL_207,
+)  # fmt: skip
+
+
+def spall(body, angle, width=1e-3, depth=1e-4):
+    """Of this width and depth, m, its middle at an angle on a ring or on roller 0."""
+    roller = 0 if body == "roller" else None
+    return Spall(body=body, roller=roller, angle=angle, width=width, depth=depth, edge_radius=1e-4)
+
+
+def wavy():
+    """Waves on all bodies, and a roller that is too thick."""
+    return (
+        Waviness(body="inner_ring", roller=None, order=12, amplitude=0.5e-6, phase=0.3),
+        Waviness(body="outer_ring", roller=None, order=5, amplitude=0.4e-6, phase=0.0),
+        Waviness(body="roller", roller=1, order=4, amplitude=0.3e-6, phase=0.0),
+        UnequalRoller(roller=3, diameter_deviation=1e-6),
+    )
+
+
+def state_of(run) -> State:
+    """Generalised coordinates of a trajectory whose outer ring stands still."""
+    return State(
+        x=run.inner_x, y=run.inner_y, rho=run.roller_rho, theta=run.roller_theta,
+        x_rate=run.inner_vx, y_rate=run.inner_vy, rho_rate=run.roller_rho_rate, theta_rate=run.roller_theta_rate,
+    )  # fmt: skip
+
+
+# ---- A run from its start to its end, kept in memory.
+
+
+def whole_run(plan: Plan, state: RunState | None = None, said: list[str] | None = None) -> Samples:
+    """All samples but those that a restart makes void.
+
+    `state` : the run's, where it is looked at afterwards; `said` : a list that gets why it restarted
+    """
+    blocks: list[Samples] = []
+    reasons = [] if said is None else said
+    simulate.run(plan, blocks.append, state=state, restart=lambda reason: (reasons.append(reason), blocks.clear()))
+    return Samples.joined(blocks)
+
+
+# ---- Runs whose files tests disturb: options of short ones, and what is left in a folder.
+
+EARLIER = SIGNATURE + b"an earlier result"
+OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
+SHORT = [*OPTIONS, "--duration", "2"]
+
+
+def same_data(left, right):
+    """Whether two result files hold the same numbers."""
+    with h5py.File(left) as a, h5py.File(right) as b:
+        return all(np.array_equal(a[name][:], b[name][:]) for name in columns_of(""))
+
+
+def names_in(folder):
+    """Names of what lies in a folder, sorted."""
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+# ---- A run that is kept half way and gone on with by another state of its plan, beside the one that nobody stopped.
+
+
+def rest_of_run(plan: Plan, first: int, rest: int) -> tuple[Samples, Samples]:
+    """The samples after the first so many, of the run that was not stopped and of the one that was."""
+    whole, half, later = (plan.first_state() for _ in range(3))
+    whole.advance(first)
+    half.advance(first)
+    arrays, numbers = half.to_keep()
+    later.done = half.done
+    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    return whole.advance(rest).samples, later.advance(rest).samples
+
+
+def assert_same_bits(found: Samples, expected: Samples) -> None:
+    """In every column."""
+    assert set(found.values) == set(expected.values)
+    for name in expected.values:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+# ---- What scenes are refused with.
+
+
+def refusal(given: dict | str | Sequence[str]) -> str:
+    """The sentences with which a scene's tables, its TOML text, or settings as of --set are refused."""
+    with pytest.raises(SceneError) as caught:
+        if isinstance(given, dict):
+            parse_scene(given, "scene.toml")
+        elif isinstance(given, str):
+            parse_scene_text(given, "scene.toml")
+        else:
+            read_scene(None, tuple(given))
+    return str(caught.value)
+
+
+def assert_refused(given: dict | str | Sequence[str], *words: str) -> None:
+    """A scene is refused with words that name what is wrong."""
+    told = refusal(given)
+    assert all(word in told for word in words), told
+
+
+# ---- What a run's forces and energies add up to.
+
+ROUND_OFF = 1e-9 * 2000.0  # N
+
+
+def budget_terms(found) -> list[dict[str, np.ndarray]]:
+    """Terms of the hub's two equations, which add up to their errors."""
+    for direction in found.directions:
+        terms = direction.budget.terms.values()
+        np.testing.assert_allclose(sum(terms), direction.budget.error, rtol=0.0, atol=ROUND_OFF)
+    return [direction.budget.terms for direction in found.directions]
+
+
+def energy_left(result) -> np.ndarray:
+    """What the energies and works of a run leave, J; constant where they balance."""
+    energies = result.energies
+    left = sum(energies[name] for name in energies if name.startswith("energy_"))
+    return left - energies["work_external"] + energies["work_dissipated"]
+
+
+def balance_of(result) -> float:
+    """The same, its largest change over what is exchanged and dissipated."""
+    left, energies = energy_left(result), result.energies
+    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
+    return np.abs(left - left[0]).max() / passed
+
+
+# ---- Scenes whose speed or load come from tables, and their records as the checker sees them.
+
+RAMP = "time_ms,speed_rpm\n0,1000\n2,1500\n6,5000\n8,6000\n"
+LOADS = "time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n10,-300,-2000\n"
+
+
+def scene_with(
+    folder: Path, *settings: str, speeds: str | None = None, loads: str | None = None, more: str = ""
+) -> Scene:
+    """A scene in a folder with its tables, texts; `settings` as --set takes them, `more` after [operation]."""
+    lines = ["[operation]"]
+    for key, text in (("speed_table", speeds), ("load_table", loads)):
+        if text is not None:
+            (folder / f"{key}.csv").write_text(text, encoding="utf-8")
+            lines.append(f'{key} = "{key}.csv"')
+    path = folder / "scene.toml"
+    path.write_text("\n".join([*lines, more]), encoding="utf-8")
+    return read_scene(path, settings)
+
+
+def record_of(scene: Scene, run: SimpleNamespace) -> Record:
+    """A Lagrangian run as a record."""
+    return Record(
+        name="run", source=Path("run"), scene=scene, time=run.time, inner_x=run.inner_x, inner_y=run.inner_y,
+        roller_x=run.roller_x, roller_y=run.roller_y, inner_ax=run.inner_ax, inner_ay=run.inner_ay,
+        inner_force=run.inner_force, outer_force=run.outer_force, attributes={"program": "run-fem"},
+    )  # fmt: skip
+
+
+# ---- Copies of result files whose content a test may change.
+
+
+def unchecked_copy(path, target):
+    """A copy without checksums."""
+    shutil.copy(path, target)
+    with h5py.File(target, "r+") as file:
+        file.attrs.pop(SCENE_CHECKSUM, None)
+        for variable in file.values():
+            variable.attrs.pop(CHECKSUM, None)
+    return target
+
+
+# ---- The commands as a user has them: a process started from any folder, in which nothing of it is imported from
+# there.
+
+ROOT = Path(__file__).resolve().parents[2]
+ENTRIES = {
+    "run-fem": "from fem.commands.entry import run_fem as main",
+    "render-fem": "from fem.commands.entry import render_fem as main",
+    "run-live": "from fem.commands.entry import run_live as main",
+    "run-study": "from fem.commands.entry import run_study as main",
+    "rate-bearing": "from fem.commands.entry import rate_bearing as main",
+    "check-residual": "from residual.entry import check_residual as main",
+}
+
+
+def started_as(name: str) -> list[str]:
+    """The first words of a command line."""
+    return [sys.executable, "-P", "-c", f"{ENTRIES[name]}\nmain()"]
+
+
+def environment(**more: object) -> dict[str, str]:
+    """This process's, with the program to be found and more variables."""
+    return {**os.environ, "PYTHONPATH": str(ROOT), **{name: str(value) for name, value in more.items()}}
+
+
+def command(name: str, *arguments: object, folder: Path | None = None, prepare=None, **variables: object):
+    """Run a command to its end in a folder; `prepare` is called in its process before it begins."""
+    return subprocess.run(
+        [*started_as(name), *map(str, arguments)],
+        cwd=folder,
+        env=environment(**variables),
+        preexec_fn=prepare,
+        capture_output=True,
+        text=True,
+        timeout=GIVE_UP,
+    )
+
+
+def start_run(path, *options, duration="2000"):
+    """The command in a process of its own, once it has committed samples."""
+    run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
+    command = [*run_fem, "--mesh-size", "2", "--duration", duration, "--output", str(path)]
+    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+
+    def has_committed() -> bool:
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                return file.attrs["committed_samples"] > 0
+        except (OSError, KeyError):
+            return False
+
+    wait_until(has_committed, process, pause=0.1)
+    assert process.poll() is None, process.communicate()
+    return process
+
+
+# ---- A study to be tried quickly: two speeds, a millisecond each of the Lagrangian model.
+
+TWO_SPEEDS = """
+[fixed]
+model = "lagrange"
+"numerics.duration_ms" = 1.0
+[parameters]
+"operation.speed_rpm" = [1500, 3000]
+[keep]
+quantities = ["hub_mean_y"]
+"""
+
+
+BASE = """
+[fixed]
+model = "lagrange"
+"numerics.duration_ms" = 1.0
+"""
+GRID = (
+    BASE
+    + """
+[sampling]
+method = "grid"
+[parameters]
+"operation.speed_rpm" = [1500.0, 3000.0, 4500.0]
+"bearing.outer_raceway_diameter_mm" = { from = 56.0, to = 56.02, count = 2 }
+[keep]
+quantities = ["hub_mean_y", "largest_force"]
+signals = ["inner_ay", "inner_force"]
+signal_rate_kHz = 25.0
+"""
+)
+
+
+def same(one, other):
+    """Whether two datasets hold the same bits but for the time that each point took."""
+    with xarray.open_dataset(one) as a, xarray.open_dataset(other) as b:
+        assert set(a.variables) == set(b.variables)
+        a, b = a.load(), b.load()
+    for name in set(a.variables) - {"seconds"}:
+        mine, theirs = a[name].values, b[name].values
+        assert mine.dtype == theirs.dtype and mine.shape == theirs.shape
+        equal = mine.tobytes() == theirs.tobytes() if mine.dtype.kind != "O" else np.array_equal(mine, theirs)
+        assert equal, name
+
+
+def many(n):
+    return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
+
+
+# ---- Short runs of the paper's bearing with rollers that tilt.
+
+
+def scene(model, axial=(), **changes):
+    """The paper's bearing for half a millisecond; `axial` : its table's keys, None: a plane section."""
+    keys = {} if axial is None else {f"axial.{key}": value for key, value in {"slices": 11, **dict(axial)}.items()}
+    fixed = {"model": model, "numerics.duration_ms": 0.5, "numerics.output_interval_us": 10.0}
+    return Scene().varied(fixed | keys | {key.replace("__", "."): value for key, value in changes.items()})
+
+
+def moved(found, said=None):
+    """Columns of a run by name; `said` : a list that gets why it restarted."""
+    return moved_by(make_plan(found), said)
+
+
+def moved_by(plan, said):
+    """The same of a plan."""
+    return whole_run(plan, said=said).values
+
+
+def missed(samples):
+    """Largest energy error over the contacts' energy."""
+    energy = sum(samples[f"energy_{kind}"] for kind in ("kinetic", "elastic", "contact"))
+    energy = energy + sum(samples[name] for name in ENERGIES if name in samples)
+    energy = energy - samples["work_external"] + samples["work_dissipated"]
+    return np.abs(energy - energy[0]).max() / samples["energy_contact"].max()
+
+
+def defects(half):
+    """Tables of spalls of part of the length by its keys `half`, of one of all of it, of waves and a larger roller."""
+    return {
+        "spall": [
+            {"body": "inner_ring", "angle_deg": -3.0, **half},
+            {"body": "roller", "roller": 1, "angle_deg": 20.0, **half},
+            {"body": "outer_ring", "angle_deg": 10.0, **half},
+            {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3},
+        ],
+        "waviness": [{"order": 11}],
+        "unequal_roller": [{"roller": 2}],
+    }
+
+
+# ---- Runs of the reduced model: plans of scenes, their samples, runs that restart with shorter steps.
+
+CLEARANCE = ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200")
+STILL = ("operation.speed_rpm=0", "contact.friction_coefficient=0")
+
+
+def plan_of(*settings: str, stride: int | None = None) -> ReducedPlan:
+    plan = make_plan(read_scene(None, ("model=reduced", *settings)))
+    return plan if stride is None else replace(plan, stride=stride)
+
+
+def samples_of(plan, change=lambda state: None, count: int | None = None) -> dict[str, np.ndarray]:
+    """All samples, of a start that `change` has changed; never restarted."""
+    state = plan.first_state()
+    change(state)
+    rows, status, *_ = state.take_steps((plan.n_samples if count is None else count) * plan.looks)
+    assert status == 0
+    read = state.reader.read(rows)
+    return read.values | {"imbalance": read.imbalance, "exchanged": read.exchanged}
+
+
+RATTLES = {
+    "model": "reduced",
+    "bearing": {"outer_raceway_diameter_mm": 56.04},
+    "operation": {"radial_load_N": 200.0},
+    "contact": {"friction_coefficient": 0.0},
+    "numerics": {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 20.0, "time_step_safety": 0.9},
+}
+
+
+def in_longer_steps(settings):
+    """A plan with steps half as long again as it would take: 0.68 of the critical one."""
+    plan = make_plan(parse_scene(settings, "test"))
+    assert (plan.stride, plan.looks) == (3, 1)
+    return replace(plan, stride=2)
+
+
+def ran(plan):
+    """Its state at the end, the last pass' samples of the hub's height, and what it was told."""
+    state, blocks, told = plan.first_state(), [], []
+
+    def restart(reason):
+        told.append((reason, state.void_steps))
+        blocks.clear()
+
+    simulate.run(plan, blocks.append, state=state, restart=restart)
+    return state, Samples.joined(blocks)["inner_y"], told
+
+
+def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:
+    """Of rollers at any angles, by the series themselves, (2, n, n), m/N."""
+    bearing, n = model.bearing, len(angle)
+    found = np.zeros((2, n, n))
+    for row, ring in enumerate(ring_sections(bearing)):
+        width = HALF_WIDTH * bearing.roller_radius
+        harmonics = np.arange(int(30.0 * ring.loaded / width))
+        series, load = plane_compliance(ring, harmonics), cubic_bspline_patch(harmonics, width, ring.loaded)
+        for i in range(n):
+            for j in range(i):
+                value = patch_displacement(series, load, 1.0, ring.loaded, float(angle[i] - angle[j]))
+                found[row, i, j] = found[row, j, i] = value / bearing.roller_length
+    return found
+
+
+# ---- Further bodies of the time loops on springs and dashpots: a drive for one alone, and how it rings down.
+
+PEDESTAL = {"kind": "housing"}  # its defaults: 12.638 kg, 15.1e6 N/m, 2210.7 N s/m
+
+
+def drive(dt: float, gravity: float = 0.0) -> Drive:
+    arrays = {name: np.zeros(6) for name in ("hub", "velocity", "frame", "impulse", "moment", "sums")}
+    numbers = {name: 0.0 for name in ("speed", "radial_load", "ramp")}
+    return Drive(
+        **arrays, **numbers, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0, gravity=gravity, dt=dt,
+        slowing=SECOND.at(dt).waves, calming=0.0,
+    )  # fmt: skip
+
+
+def ring_down(values: np.ndarray, dt: float) -> tuple[float, float]:
+    """Undamped frequency, Hz, and damping ratio of a decaying oscillation, by its crossings of 0 and its peaks."""
+    at = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    crossings = (at + values[at] / (values[at] - values[at + 1])) * dt
+    damped = (len(crossings) - 1) / (crossings[-1] - crossings[0])
+    peaks = [values[a:b].max() for a, b in pairwise(at)]
+    decrement = np.log(peaks[0] / peaks[-1]) / (len(peaks) - 1)
+    zeta = decrement / np.hypot(2.0 * np.pi, decrement)
+    return damped / np.sqrt(1.0 - zeta**2), zeta
+
+
+# ---- How stiff a bearing is that nothing loads, from statics alone.
+
+
+def stiffness_without_load(bearing: Bearing, operation: Operation, laws: ContactLaws, push: float) -> float:
+    """Secant stiffness, N/m, of the hub between a push and a pull of so many N from the side."""
+    still = replace(operation, history=None, radial_load=0.0, side_load=0.0)
+    low, high = (static_equilibrium(bearing, replace(still, side_load=side), laws).x for side in (-push, push))
+    return 2.0 * push / (high - low)
+
+
+# ---- Static equilibrium of the paper's bearing, resolved, computed independently of this project. Every body on its
+# own locally refined mesh of quadratic elements (six of them across the contact half-width), self-consistent Hertz
+# pressures; frictionless, weightless, standing; rigid bore (25 mm) and rigid outside diameter (65 mm); 2000 N.
+# Converged to 0.02 %.
+
+
+# angle of the first roller, rad; hub displacement along the load, µm; loads of the seven most loaded rollers, N
+RESOLVED = {
+    "on a roller": (-0.5 * pi, 3.6140, (628.5, 549.5, 549.5, 337.2, 337.2, 62.9, 62.9)),
+    "between rollers": (-0.5 * pi + pi / 13.0, 3.6012, (606.0, 606.0, 454.8, 454.8, 200.8, 200.8, 0.0)),
+}

@@ -24,7 +24,7 @@ IDENTIFIERS = re.compile(r"(?:^|_)(told|debts?|paid|stuck|put_down)(?:$|_)", re.
 DIARY = re.compile(r"\b(missed|commits? [0-9a-f]{7}|(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7,40})\b")
 LEANS = re.compile(r"(of|by which|over which|in which|from which|likewise)\b")  # what a description begins with
 LONGEST_LINE = 160
-MOST_LINES = 3300  # of the pages for readers, but for outputs of commands
+MOST_LINES = 3000  # of the pages for readers, but for outputs of commands
 
 
 def prose(page: Path) -> str:

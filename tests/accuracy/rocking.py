@@ -82,7 +82,7 @@ def table() -> tuple[str, str]:
     words = (
         f"A bearing with preload ({force:.0f} N on every contact) stands still; all rollers start with a spin of "
         f"{SPIN:g} rad/s. Frequencies of the time loop and their\ndifference from the exact ones: elastic discs "
-        "between elastic rings with inertia (Bessel functions, `tests/reference/rocking.py`)."
+        "between elastic rings with inertia (Bessel functions, `tests/reference/modes.py`)."
     )
     return words, markdown_table(("mesh", "tangential springs", "shifting, kHz", "rocking, kHz"), rows)
 

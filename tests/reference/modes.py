@@ -552,7 +552,7 @@ def sticking_modes(bearing: Bearing, force: float, low: float = 20e3, high: floa
         curvature = 1.0 / bearing.roller_radius + sign / section.loaded
         softness = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / section.material.plane_strain_modulus
         half_width = np.sqrt(4.0 * force * softness / (pi * curvature * bearing.roller_length))
-        static[i, i] = stick_approach(one, half_width) + stick_approach(ring, half_width)
+        static[i, i] = stick_approach(one, half_width) + stick_approach(section, half_width)
         static[i, 1 - i] = stick_approach(two, half_width) - stick_approach(one, half_width)
 
     def determinant(frequency: float) -> float:

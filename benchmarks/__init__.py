@@ -1,7 +1,7 @@
 """What measures speed, each a command that prints a table; run from the checkout's root. Correctness: `tests`.
 
 throughput      time of every phase of a step against the machine's ceilings, memory, start-up
-table_costs     what tables of a scene cost; what a scene does not need it does not pay for
+table_costs     time that each table of a scene adds; absent tables add none
 planning        what it takes to plan a scene after others
 expected_time   what --dry-run expects beside what a run takes
 studies         what a study adds to its points, and what a second process gives

@@ -178,9 +178,9 @@ class Tree:
         RuntimeError: it failed, with what it said.
         """
         command, environment = [sys.executable, "-m", module, *arguments], self.environment | environment
-        told = subprocess.run(command, cwd=self.room, env=environment, capture_output=True, text=True)
-        if told.returncode:
-            raise RuntimeError(f"{self.folder}: {module} {' '.join(arguments)}\n{told.stderr.strip()}")
+        done = subprocess.run(command, cwd=self.room, env=environment, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{self.folder}: {module} {' '.join(arguments)}\n{done.stderr.strip()}")
 
     def run(self, scene: Short) -> Path:
         """The result file of a scene."""

@@ -1,7 +1,7 @@
 """Arrays of the time loop's named tuples, declared once: their shape, and whether a run changes them.
 
 The annotation of a field is `state(shape)`, `given(shape)` or `room(shape)`; all else that arrays need follows from it:
-what they begin with (`filled`), what a checkpoint keeps, what a model's digest is of (`fem.solver.run_arrays`). A field
+what they begin with (`filled`), what a checkpoint keeps, what a model's digest is of (`fem.solver.row_state`). A field
 that is plainly an array stands for one that belongs to another tuple.
 """
 

@@ -45,10 +45,10 @@ def measured(folder: Path, tolerance: float, wide: dict[str, float]) -> None:
         found = diagnose(signal, geometry, shaft, 1e-2 * own)
         width = damage_width(signal, geometry, found)
         best, spent = found.findings[0], time.process_time() - begun
-        stated = "-" if width.value is None else f"{1e3 * width.value:.2f} ({1e3 * width.low:.2f}–{1e3 * width.high:.2f})"
+        wide = "-" if width.value is None else f"{1e3 * width.value:.2f} ({1e3 * width.low:.2f}–{1e3 * width.high:.2f})"
         true = label + ("" if label == "none" or not known > 0.0 else f", {known:.2f} mm")
         print(f"| {path.stem} | {true} | {found.verdict} | {best.name} {best.found:.2f} / {best.expected:.2f} | "
-              f"{best.clear:.1f} | {best.depth:.2f} | {stated} | {spent:.2f} |")  # fmt: skip
+              f"{best.clear:.1f} | {best.depth:.2f} | {wide} | {spent:.2f} |")  # fmt: skip
 
 
 def depth_of(truth: Truth, found: Diagnosis) -> float:

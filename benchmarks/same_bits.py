@@ -104,7 +104,7 @@ SCENES = (
     _scene("resolved", 0.02, f"{SOFT} contact.model=resolved numerics.mesh_size_mm=0.15"),
     _scene("lagrange", 5.0, "model=lagrange", report=True),
     _scene("lagrange-free", 2.0, "model=lagrange lagrange.angles=free lagrange.law=johnson numerics.start=rest"),
-    _scene("lagrange-damped", 1.0, "model=lagrange lagrange.damping_N_s_m=200"),
+    _scene("lagrange-damped", 1.0, "model=lagrange damping.contact_N_s_m=200"),
     _scene("lagrange-rattling", 5.0, "model=lagrange numerics.start=rest numerics.load_ramp_ms=0 "
            "bearing.outer_raceway_diameter_mm=56.1 operation.radial_load_N=20"),
     _scene(

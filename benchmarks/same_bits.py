@@ -302,7 +302,7 @@ def _unfuse(tree: Path) -> None:
 def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, float]:
     """Wall and processor time of one run-fem, s."""
     began, before = time.perf_counter(), processor_seconds(resource.RUSAGE_CHILDREN)
-    tree.command("fem", "--quiet", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
+    tree.command("fem", "--quiet", "--force", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
     return time.perf_counter() - began, processor_seconds(resource.RUSAGE_CHILDREN) - before
 
 

@@ -25,22 +25,11 @@ from pathlib import Path
 from urllib.request import urlopen
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = (  # the longest first, so that two at a time end together
-    "docs/recipes.md",
-    "docs/measured.md",
-    "docs/first_bearing.md",
-    "docs/vibration_tutorial.md",
-    "docs/studies.md",
-    "README.md",
-    "docs/design_tutorial.md",
-    "docs/stress_tutorial.md",
-    "docs/equations_tutorial.md",
-    "docs/tables.md",
-    "docs/spectra.md",
-    "docs/rating.md",
-    "docs/clearance.md",
-    "docs/lagrange.md",
-)
+PAGES = [  # the longest first, so that two at a time end together
+    "docs/recipes.md", "docs/measured.md", "docs/first_bearing.md", "docs/vibration_tutorial.md", "docs/studies.md",
+    "README.md", "docs/design_tutorial.md", "docs/stress_tutorial.md", "docs/equations_tutorial.md", "docs/tables.md",
+    "docs/spectra.md", "docs/rating.md", "docs/clearance.md", "docs/lagrange.md",
+]  # fmt: skip
 PROGRAMS = ("run-fem", "check-residual", "check-vibration", "render-fem", "run-live", "run-study", "rate-bearing")
 RUN = r"^```(?:sh\n|python\nimport h5py)"  # other examples in Python say which package they take
 PLACEHOLDER = re.compile(r"\b(NAME|PATH|tcp://host)\b")
@@ -55,9 +44,8 @@ QUANTITY = re.compile(  # after a key of a scene, or before its unit
     rf"(?:_(?P<key>[A-Za-z]+) ?= ?)?(?P<number>{NUMBER.pattern[1:-1]}) ?(?P<unit>(?:[A-Za-zµ°%][\w/·²³]*)?)"
 )
 RUN_TIME = re.compile(r"\bin \d[\d.]* (?:s|min|h)\b")
-NAMES = (
-    r"\b(?:[A-Z]{2,3}|[Ff]igure|Python|[A-Z]\w+(?= (?:19|20)\d\d)) \d[\d.]*(?: to \d[\d.]*)?"  # ISO 281, Johnson 1985
-)
+# ISO 281, Johnson 1985
+NAMES = r"\b(?:[A-Z]{2,3}|[Ff]igure|Python|[A-Z]\w+(?= (?:19|20)\d\d)) \d[\d.]*(?: to \d[\d.]*)?"
 NO_PROSE = re.compile(  # formulas, code, what docs/measurements has, targets of links, headings
     r"\$\$.*?\$\$|\$[^$\n]+\$|`[^`\n]*`|\[[^]\n]*\]\([^)\n]*measurements/[^)\n]*\)|\]\([^)]*\)|^#[^\n]*|" + NAMES,
     re.M | re.S,
@@ -77,8 +65,7 @@ def files(path: Path) -> dict[str, str]:
         if block[1] == "toml":
             before = re.search(r"`([\w-]+\.toml)`:\n\n$", text[: block.start()])
             own = tomllib.loads(block[2]).get("name")
-            if before or own:
-                found[before[1] if before else f"{own}.toml"] = block[2]
+            found |= {before[1] if before else f"{own}.toml": block[2]} if before or own else {}
     return found
 
 
@@ -108,17 +95,15 @@ def run_page(page: str, programs: Path, write: bool) -> list[str]:
     """Run a page; what went otherwise than it says, or, with `write`, what is left to be written by hand."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1"}
-    environment["COLUMNS"] = "110"
-    faults, printed = [], {}
+    path, faults, printed = ROOT / page, [], {}
     with tempfile.TemporaryDirectory(prefix="documented-") as folder:
-        for name, text in files(ROOT / page).items():
+        for name, text in files(path).items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        for command in commands(ROOT / page):
-            begun = time.monotonic()
-            where = {"cwd": folder, "env": environment, "text": True, "stderr": subprocess.STDOUT}
+        where = {"cwd": folder, "env": environment | {"COLUMNS": "110"}, "text": True, "stderr": subprocess.STDOUT}
+        for command in commands(path):
+            begun, may_end = time.monotonic(), (0, 1) if "--tolerance" in command else (0,)
             if command.startswith("run-live"):
-                code, told = _played(command, where)
-                fine = code in (0, 130)
+                (code, told), may_end = _played(command, where), (0, 130)
             else:
                 typed = ["python", "-c", command] if command.startswith("import") else ["bash", "-c", command]
                 try:
@@ -126,26 +111,22 @@ def run_page(page: str, programs: Path, write: bool) -> list[str]:
                     code, told = done.returncode, done.stdout
                 except subprocess.TimeoutExpired:
                     code, told = None, f"no end within {SECONDS} s"
-                fine = code == 0 or (code == 1 and "--tolerance" in command)
             first = command.splitlines()[0 if command.startswith("run") or "\n" not in command else -1]
             print(f"{page}: {first}: {code}, {time.monotonic() - begun:.1f} s", flush=True)
             printed[command] = told
-            if not fine:
-                faults.append(f"{page}: {command}: exit {code}\n{told[-2000:]}")
-    if faults:
-        return faults
-    if write:
-        text = (ROOT / page).read_text(encoding="utf-8")
-        (ROOT / page).write_text(rewritten(text, printed), encoding="utf-8")
-    text = (ROOT / page).read_text(encoding="utf-8")
-    return [f"{page}: {fault}" for fault in (*differences(text, printed), *unfounded(text))]
+            faults += [] if code in may_end else [f"{page}: {command}: exit {code}\n{told[-2000:]}"]
+    text = path.read_text(encoding="utf-8")
+    if write and not faults:
+        text = rewritten(text, printed)
+        path.write_text(text, encoding="utf-8")
+    return faults or [f"{page}: {fault}" for fault in (*differences(text, printed), *unfounded(text))]
 
 
 def outputs(text: str, printed: dict[str, str]) -> Iterator[tuple[str, list[str], list[str]]]:
     """Of each block of output its text, its lines and the lines that its commands print."""
     for block in OUTPUT.finditer(text):
-        lines = [block["commands"]] if block[1] == "python" else block["commands"].splitlines()
-        told = "".join(printed[line if block[1] == "python" else line.partition("#")[0].strip()] for line in lines)
+        lines = [line.partition("#")[0].strip() for line in block["commands"].splitlines()]
+        told = "".join(printed[line] for line in ([block["commands"]] if block[1] == "python" else lines))
         told = re.sub(r"^compiling .*\n", "", told, flags=re.M)  # where nothing is kept of earlier runs
         yield block["shown"], block["shown"].splitlines(), [line.rstrip() for line in told.strip("\n").splitlines()]
 
@@ -157,20 +138,17 @@ def words(line: str) -> str:
 
 def alike(shown: str, printed: str) -> re.Match | None:
     """Whether two lines have the same words; the match's groups are the numbers that are printed."""
-    pattern = [
-        NUMBER.pattern if k % 2 else re.escape(part).replace(LEFT_OUT, ".*")
-        for k, part in enumerate(NUMBER.split(words(shown)))
-    ]
+    parts = enumerate(NUMBER.split(words(shown)))
+    pattern = [NUMBER.pattern if k % 2 else re.escape(part).replace(LEFT_OUT, ".*") for k, part in parts]
     return re.fullmatch("".join(pattern), words(printed))
 
 
 def same(shown: str, printed: str) -> bool:
     """Whether two lines have the same words, and numbers within a unit of the last digit that is shown."""
-    found = alike(shown, printed)
-    pairs = zip(NUMBER.findall(words(shown)), found.groups(), strict=True) if found else ()
-    return found is not None and all(
-        abs(a - b) <= 1.001 * digit for (a, digit), (b, _) in (map(value, pair) for pair in pairs)
-    )
+    if (found := alike(shown, printed)) is None:
+        return False
+    pairs = zip(map(value, NUMBER.findall(words(shown))), map(value, found.groups()), strict=True)
+    return all(abs(a - b) <= 1.001 * digit for (a, digit), (b, _) in pairs)
 
 
 def value(number: str) -> tuple[float, float]:

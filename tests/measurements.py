@@ -15,6 +15,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
+from functools import wraps
 from itertools import pairwise
 from pathlib import Path
 
@@ -26,7 +27,6 @@ from lagrange.version import VERSION
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-MEASUREMENTS = "measurements"
 HEAD = re.compile(
     r"^\*Measured by `(?P<command>[^`]+)` on (?P<date>\d{4}-\d\d-\d\d) with version (?P<version>\d+\.\d+\.\d+), "
     r"result format (?P<format>\d+), (?P<processor>[^*]+?)\.(?P<older> Older than result format \d+\.)?\*$",
@@ -65,21 +65,32 @@ def publish(name: str, heading: str, command: str, *parts: str | Table, write: b
         console.print(part, soft_wrap=isinstance(part, str), markup=not isinstance(part, str))
     if write:
         text = "\n\n".join(markdown_of(part) if isinstance(part, Table) else part.strip() for part in parts)
-        write_section(DOCS / MEASUREMENTS / f"{name}.md", heading, f"{head(command)}\n\n{text}")
+        write_section(DOCS / "measurements" / f"{name}.md", heading, f"{head(command)}\n\n{text}")
 
 
-def program(about: str | None, module: str, *sections: tuple[str, str, Callable[[], Iterable[str | Table]]]) -> None:
-    """Run `python -m MODULE [--write]`: publish sections, each a page, a heading and what makes its parts."""
+def program(about: str | None, module: str, *sections: Callable[..., Iterable[tuple]]) -> None:
+    """Run `python -m MODULE [SECTION] [OPTIONS] [--write]`.
+
+    A section is a function whose parameters are the options; it yields a page, a heading and the parts below it as
+    often as it has some. Where there is only one its name is not typed.
+    """
     from cyclopts import App
 
+    typed = [word for word in sys.argv[1:] if word != "--write"]
+    command, write = " ".join(["python -m", module, *typed]), "--write" in sys.argv
+
+    def published(section: Callable[..., Iterable[tuple]]) -> Callable[..., None]:
+        @wraps(section)
+        def run(*given, **options) -> None:
+            for page, heading, *parts in section(*given, **options):
+                publish(page, heading, command, *parts, write=write)
+
+        return run
+
     app = App(help=about, help_format="markdown")
-
-    @app.default
-    def main(*, write: bool = False) -> None:
-        for page, heading, parts in sections:
-            publish(page, heading, f"python -m {module}", *parts(), write=write)
-
-    app()
+    for section in sections:
+        (app.command if len(sections) > 1 else app.default)(published(section))
+    app(typed)
 
 
 def head(command: str) -> str:
@@ -126,7 +137,8 @@ class Quote:
         ------
         ValueError: no such section, row or column, or fewer numbers in the cell than in the text.
         """
-        values = iter([_value(number) for number in NUMBER.findall(cell_of(self.target, self.anchor, self.cell))])
+        found = NUMBER.findall(cell_of(self.target, self.anchor, self.cell))
+        values = iter([float(number.replace("·10", "e").translate(PLAIN)) for number in found])
         try:
             return NUMBER.sub(lambda shown: _written(next(values), shown[0]), self.text)
         except StopIteration:
@@ -140,14 +152,16 @@ def quotes(page: Path, text: str | None = None) -> Iterator[Quote]:
         yield Quote(found[0], found["text"], target, found["anchor"], found["cell"])
 
 
+def sections_at(page: Path, anchor: str) -> list[str]:
+    """A page's sections of that anchor."""
+    sections = re.split(r"^(?=##+ )", page.read_text(encoding="utf-8"), flags=re.M)
+    return [text for text in sections if slug(text.partition("\n")[0].lstrip("# ")) == anchor]
+
+
 def heads(page: Path, text: str) -> list[re.Match]:
     """Where the numbers that a text of a page quotes are from, each head once."""
-    found = {}
-    for quote in quotes(page, text):
-        for section in re.split(r"^(?=##+ )", quote.target.read_text(encoding="utf-8"), flags=re.M):
-            if slug(section.partition("\n")[0].lstrip("# ")) == quote.anchor and (head := HEAD.search(section)):
-                found[head[0]] = head
-    return list(found.values())
+    every = (section for quote in quotes(page, text) for section in sections_at(quote.target, quote.anchor))
+    return list({found[0]: found for section in every if (found := HEAD.search(section))}.values())
 
 
 def measured_by(page: Path, section: str) -> str:
@@ -155,26 +169,18 @@ def measured_by(page: Path, section: str) -> str:
     found = heads(page, section)
     versions, processors = (list(dict.fromkeys(head[name] for head in found)) for name in ("version", "processor"))
     named = "; ".join(name.removeprefix("on ") for name in processors)
-    return f"*Measured with version {', '.join(sorted(versions, key=_parts))} on {named}.*"
-
-
-def _parts(version: str) -> list[int]:
-    return [int(part) for part in version.split(".")]
+    newest_last = sorted(versions, key=lambda version: [*map(int, version.split("."))])
+    return f"*Measured with version {', '.join(newest_last)} on {named}.*"
 
 
 def cell_of(page: Path, anchor: str, name: str) -> str:
     """A table's cell by `row: column`; a row is named by its first cells with ` · ` between them."""
     row, _, column = name.rpartition(": ")
     wanted = row.split(" · ")
-    text = page.read_text(encoding="utf-8")
-    for section in re.split(r"^(?=##+ )", text, flags=re.M):
-        if slug(section.partition("\n")[0].lstrip("# ")) != anchor:
-            continue
-        for headings, rows in tables(section):
-            if column in headings:
-                for cells in rows:
-                    if cells[: len(wanted)] == wanted:
-                        return cells[headings.index(column)]
+    for headings, rows in (table for section in sections_at(page, anchor) for table in tables(section)):
+        for cells in rows if column in headings else ():
+            if cells[: len(wanted)] == wanted:
+                return cells[headings.index(column)]
     raise ValueError(f"{page.name}#{anchor} has no cell {name!r}")
 
 
@@ -190,11 +196,6 @@ def tables(section: str) -> Iterator[tuple[list[str], list[list[str]]]]:
 def slug(heading: str) -> str:
     """Anchor of a heading, as the site and GitHub make it."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
-
-
-def _value(number: str) -> float:
-    """The value of a number as tables write it: -1.5, 2e-07, 7.3·10⁻⁸."""
-    return float(number.replace("·10", "e").translate(PLAIN))
 
 
 def _written(value: float, like: str) -> str:
@@ -229,23 +230,11 @@ def marked(page: Path) -> str:
     return HEAD.sub(mark, page.read_text(encoding="utf-8"))
 
 
-def reader_pages() -> list[Path]:
-    """The pages that quote measurements."""
-    return [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
-
-
-def measurement_pages() -> list[Path]:
-    """The pages that commands write."""
-    return sorted((DOCS / MEASUREMENTS).glob("*.md"))
-
-
-def main() -> None:
-    """Bring pages in line with their tables."""
-    for page in measurement_pages():
-        page.write_text(marked(page), encoding="utf-8")
-    for page in reader_pages():
-        page.write_text(refreshed(page), encoding="utf-8")
-
+READER_PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]  # they quote measurements
+MEASUREMENT_PAGES = sorted((DOCS / "measurements").glob("*.md"))  # commands write them
 
 if __name__ == "__main__":
-    main()
+    for page in MEASUREMENT_PAGES:
+        page.write_text(marked(page), encoding="utf-8")
+    for page in READER_PAGES:
+        page.write_text(refreshed(page), encoding="utf-8")

@@ -11,144 +11,121 @@ from scipy.integrate import cumulative_trapezoid
 from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
 from lagrange.errors import InputError
-from lagrange.scene.scene import Scene, read_scene
+from lagrange.scene.scene import read_scene
 from lagrange.surface.edges import Circles, sinkage
 from lagrange.surface.faults import Spall
+from residual import fault_finding
 from residual.cli import main
-from residual.fault_finding import (
-    Place,
-    RollerMotion,
-    SinkageMap,
-    ThreeSamples,
-    edge_sinkage,
-    find_faults,
-    roller_motion,
-)
+from residual.fault_finding import Place, SinkageMap, ThreeSamples, find_faults, roller_motion
 from residual.figures import save
 from residual.figures.run import search
 from residual.findings import reported_angle, search_sentences, unseen, unseen_in_words
 from residual.record import Record
-from tests.reference.kit import whole_run
+from tests.reference.kit import PAPER, RUNNING, whole_run
 
-RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
+PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
 
 
-def recorded(*settings, noise=0.0, milliseconds=50):
+def recorded(*settings, noise=0.0, milliseconds=40):
     """Record of a run of the reduced model: trajectories only, by its own integration of the rollers' spins."""
     sampled = "numerics.output_interval_us=10", f"numerics.duration_ms={milliseconds}"
     scene = read_scene(None, ("model=reduced", *sampled, *settings))
-    found = whole_run(make_plan(scene))
-    values = {name: found[name] for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin")}
-    values["roller_turn"] = cumulative_trapezoid(values.pop("roller_spin"), values["time"], axis=0, initial=0.0)
-    rng = np.random.default_rng(5)
-    for name in ("inner_x", "inner_y", "roller_x", "roller_y"):
-        values[name] = values[name] + noise * rng.standard_normal(values[name].shape)
-    return Record(name="run", source="run.nc", scene=scene, **values)
+    found, rng = whole_run(make_plan(scene)), np.random.default_rng(5)
+    values = {name: found[name] + noise * rng.standard_normal(found[name].shape) for name in PLACES}
+    turn = cumulative_trapezoid(found["roller_spin"], found["time"], axis=0, initial=0.0)
+    return Record(name="run", source="run.nc", scene=scene, time=found["time"], roller_turn=turn, **values)
 
 
-@pytest.mark.parametrize("meeting", RINGS)
+@pytest.mark.parametrize(("meeting", "own", "sign"), [("bore", 28e-3, -1.0), ("outside", 18e-3, 1.0)])
 @pytest.mark.parametrize("width", [0.3e-3, 1e-3, 3e-3])
-def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, width):
+def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, own, sign, width):
     """`lagrange.surface.edges` closes the profile point by point; the search has a closed form."""
-    own, sign = RINGS[meeting]
     spall = Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-3, edge_radius=1e-4)
-    along = np.linspace(0.0, spall.half_opening(5e-3), 50)
+    half = spall.half_opening(5e-3)
+    along = np.linspace(0.0, half, 50)
     expected = sinkage(spall, Circles(own, 5e-3, meeting, 5e-3), along / own)
-    found = edge_sinkage(spall.half_opening(5e-3) - along, 5e-3, own, sign)
+    found = fault_finding.edge_sinkage(half - along, 5e-3, own, sign)
     np.testing.assert_allclose(found, expected, rtol=0.03, atol=0.01 * expected.max())
 
 
-def flat_motion(rho, inner, outer, interval=1e-5):
-    """One roller's motion along circles at rest: given distances and overlaps, (n_times,), m; no pull."""
-    n, none = rho.size, np.zeros((rho.size, 1))
-    return RollerMotion(
-        bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0),
-        law=lambda overlap: 4e8 * overlap, load=(np.zeros(n), np.zeros(n)), interval=interval, rho=rho[:, None],
-        outer_angle=none, inner_angle=none, inner_turn=none, outer_turn=none, roller_turn=none, inner=inner[:, None],
+def flat_motion(aside, inner, outer):
+    """One roller's motion along circles at rest: how far beside the pitch circle, and overlaps, (n,), m; no pull."""
+    none = np.zeros((aside.size, 1))
+    return fault_finding.RollerMotion(
+        bearing=PAPER, operation=replace(RUNNING, gravity=0.0), law=lambda overlap: 4e8 * overlap,
+        load=(none[:, 0], none[:, 0]), interval=1e-5, rho=PAPER.pitch_radius + aside[:, None], outer_angle=none,
+        inner_angle=none, inner_turn=none, outer_turn=none, roller_turn=none, inner=inner[:, None],
         outer=outer[:, None],
     )  # fmt: skip
 
 
-def vibrating(sunk, amplitude):
-    """Exactly how a roller moves between two linear contacts of which the outer lies deeper, m, by its equation."""
-    bearing = Scene().ideal_bearing()
-    rate = np.sqrt(2.0 * 4e8 / bearing.roller_mass)
-    aside = 0.5 * sunk + amplitude * np.cos(rate * 1e-5 * np.arange(60) + 0.3)
-    return flat_motion(bearing.pitch_radius + aside, 5e-6 - aside, 5e-6 + aside)
-
-
 @pytest.mark.parametrize("amplitude", [0.0, 1e-6])
 def test_three_samples_tell_how_deep_a_surface_lies_under_a_roller_that_rattles(amplitude):
-    """Against the exact vibration of a mass between two springs: nothing is missed once the sinkage is right.
+    """Against the exact vibration of a mass between two springs, the outer 2 µm deeper: nothing is missed once the
+    sinkage is right.
 
     Up to 0.1 of the amplitude: leapfrog's vibration is 2 % too fast, over two half periods.
     """
-    motion = vibrating(2e-6, amplitude)
+    phase = np.sqrt(2.0 * 4e8 / PAPER.roller_mass) * 1e-5
+    aside = 1e-6 + amplitude * np.cos(phase * np.arange(60) + 0.3)
+    motion = flat_motion(aside, 5e-6 - aside, 5e-6 + aside)
     samples = ThreeSamples(motion, np.arange(1, 59), np.zeros(58, dtype=int))
     assert motion.stride == 1
     assert np.abs(samples.over([], (0.0, 2e-6))).max() < 0.1 * amplitude + 1e-12
-    circles = samples.over([])[0]
-    share = 2.0 * (1.0 - np.cos(np.sqrt(8e8 / motion.bearing.roller_mass) * 1e-5))
-    np.testing.assert_allclose(circles, share * 1e-6, rtol=0.03, atol=0.1 * amplitude)
+    share = 2.0 * (1.0 - np.cos(phase))
+    np.testing.assert_allclose(samples.over([])[0], share * 1e-6, rtol=0.03, atol=0.1 * amplitude)
 
 
 def test_a_roller_in_flight_misses_nothing():
     """Between both contacts, without a pull, it goes straight on."""
     aside = 1e-6 * np.linspace(-1.0, 1.0, 20)
-    motion = flat_motion(Scene().ideal_bearing().pitch_radius + aside, -5e-6 - aside, -5e-6 + aside)
-    samples = ThreeSamples(motion, np.arange(1, 19), np.zeros(18, dtype=int))
+    samples = ThreeSamples(
+        flat_motion(aside, -5e-6 - aside, -5e-6 + aside), np.arange(1, 19), np.zeros(18, dtype=int)
+    )
     assert np.abs(samples.over([])).max() < 1e-15
 
 
+ONE = [("outer_ring", None, 20.0, 0.6)]
+TWO = [("outer_ring", None, 15.0, 0.6), ("inner_ring", None, 100.0, 1.2)]
+
+
 @pytest.mark.parametrize(
-    ("body", "angle", "settings"),
-    [
-        ("outer_ring", 20.0, ("spall.0.width_mm=0.6",)),
-        pytest.param("inner_ring", -75.0, ("spall.0.width_mm=0.6",), marks=pytest.mark.slow),
-        ("roller", 140.0, ("spall.0.width_mm=0.8", "spall.0.roller=4")),
-    ],
-)
-def test_a_spall_is_found_in_noise_on_its_own_body_and_drawn(body, angle, settings, tmp_path):
-    """Within what docs/fault_finding.md states of random runs: 1° and 10 % of the width."""
-    record = recorded(*settings, f"spall.0.body={body}", f"spall.0.angle_deg={angle}", noise=10e-9, milliseconds=40)
-    searched = find_faults(record)
+    "spalls",
+    [ONE, pytest.param([("inner_ring", None, -75.0, 0.6)], marks=pytest.mark.slow), [("roller", 4, 140.0, 0.8)],
+     pytest.param(TWO, marks=pytest.mark.slow)],
+    ids=["outer ring", "inner ring", "roller", "two"],
+)  # fmt: skip
+def test_spalls_are_found_in_noise_on_their_own_bodies_and_drawn(spalls, tmp_path):
+    """Within what docs/fault_finding.md states of random runs: 1° and 10 % of the width; body, roller, degrees, mm."""
+    settings = []
+    for k, (body, roller, angle, width) in enumerate(spalls):
+        settings += [f"spall.{k}.body={body}", f"spall.{k}.angle_deg={angle}", f"spall.{k}.width_mm={width}"]
+        settings += [] if roller is None else [f"spall.{k}.roller={roller}"]
+    searched = find_faults(recorded(*settings, noise=10e-9))
     save(search(searched), tmp_path)
     assert (tmp_path / "fault_search.png").stat().st_size > 10_000
-    (found,), (spall,) = searched.found, record.bearing.faults
-    assert (found.place.body, found.place.roller) == (spall.body, spall.roller)
-    assert reported_angle(found.place, found.angle) == pytest.approx(angle, abs=1.0)
-    assert found.width == pytest.approx(spall.width, rel=0.1)
-    assert abs(reported_angle(found.place, found.angle) - angle) < 1.5 * np.degrees(found.angle_error)
-    assert abs(found.width - spall.width) < 1.5 * found.width_error
-
-
-@pytest.mark.slow
-def test_two_spalls_are_both_found():
-    record = recorded(
-        "spall.0.width_mm=0.6", "spall.0.angle_deg=15", "spall.1.body=inner_ring", "spall.1.width_mm=1.2",
-        "spall.1.angle_deg=100", noise=10e-9, milliseconds=40,
-    )  # fmt: skip
-    made = find_faults(record)
-    told = {each.place.body: each for each in made.found}
-    assert len(made.found) == 2 and not made.says_more
-    for body, angle, width in (("outer_ring", 15.0, 0.6e-3), ("inner_ring", 100.0, 1.2e-3)):
-        assert reported_angle(told[body].place, told[body].angle) == pytest.approx(angle, abs=1.0)
-        assert told[body].width == pytest.approx(width, rel=0.1)
-    assert "No other spall found" in " ".join(search_sentences(made))
+    found = {(each.place.body, each.place.roller): each for each in searched.found}
+    assert len(searched.found) == len(spalls) and not searched.says_more
+    for body, roller, angle, width in spalls:
+        told = found[body, roller]
+        off = abs(reported_angle(told.place, told.angle) - angle)
+        assert off < 1.0 and told.width == pytest.approx(1e-3 * width, rel=0.1)
+        if len(spalls) == 1:
+            assert off < 1.5 * np.degrees(told.angle_error) and abs(told.width - 1e-3 * width) < 1.5 * told.width_error
+    assert len(spalls) == 1 or "No other spall found" in " ".join(search_sentences(searched))
 
 
 @pytest.mark.parametrize(
     "settings",
     [
-        (),
-        ("waviness.0.order=16", "waviness.0.amplitude_um=0.8"),
+        (), ("waviness.0.order=16", "waviness.0.amplitude_um=0.8"),
         ("waviness.0.body=roller", "waviness.0.roller=2", "waviness.0.order=5", "unequal_roller.0.roller=7"),
     ],
     ids=["perfect", "wavy ring", "wavy and unequal rollers"],
-)
+)  # fmt: skip
 def test_surfaces_without_a_spall_have_none(settings):
-    made = find_faults(recorded(*settings, noise=10e-9, milliseconds=40))
+    made = find_faults(recorded(*settings, noise=10e-9))
     assert made.found == ()
     assert "No spall found" in search_sentences(made)[0]
 
@@ -156,13 +133,12 @@ def test_surfaces_without_a_spall_have_none(settings):
 def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
     """What it finds is the same to the last digit with the scene's tables and forces as without and with wrong ones."""
     told = recorded("spall.0.width_mm=0.5", "spall.0.angle_deg=10", milliseconds=30)
-    plain = read_scene(None, ("model=reduced", "numerics.duration_ms=30"))
-    wrong = read_scene(None, ("model=reduced", "numerics.duration_ms=30", "spall.0.body=inner_ring"))
+    keys = "model=reduced", "numerics.duration_ms=30"
+    plain, wrong = read_scene(None, keys), read_scene(None, (*keys, "spall.0.body=inner_ring"))
     forces = np.full_like(told.roller_x, 1e3)
-    blind = replace(told, scene=plain)
     misled = replace(told, scene=wrong, inner_force=forces, outer_force=forces, attributes={"faults": "[]"})
     (first,) = find_faults(told).found
-    for record in (blind, misled):
+    for record in (replace(told, scene=plain), misled):
         (found,) = find_faults(record).found
         np.testing.assert_array_equal(found.spall, first.spall)
         assert (found.angle_error, found.width_error) == (first.angle_error, first.width_error)
@@ -177,28 +153,21 @@ def test_rollers_of_a_table_turn_as_they_roll_on_the_outer_raceway():
 
 def test_only_the_deepest_place_of_a_map_that_stands_out_of_the_rest_does():
     angle = 2.0 * np.pi * (np.arange(3000) + 0.5) / 3000
-    waves = SinkageMap(place=OUTER, height=1e-6 * np.cos(40 * angle))
-    assert waves.deepest[1] == pytest.approx(1.0, rel=0.01)
-    height = waves.height.copy()
+    height = 1e-6 * np.cos(40 * angle)
+    assert SinkageMap(place=OUTER, height=height).deepest[1] == pytest.approx(1.0, rel=0.01)
     height[1200:1210] = 8e-6
-    where, ratio = replace(waves, height=height).deepest
+    where, ratio = SinkageMap(place=OUTER, height=height).deepest
     assert ratio == pytest.approx(8.0, rel=0.01) and where == pytest.approx(angle[1200], abs=0.01)
 
 
-def test_arcs_that_were_not_seen_are_told_as_scenes_count_angles():
+def test_arcs_that_were_not_seen_are_told_as_scenes_count_angles_and_of_many_the_longest():
     """Of a ring from the load's direction: NaN from +x to +y is 90° to 180°; across ±180° it is cut in two."""
-    height = np.zeros(360)
-    height[:90] = np.nan
+    height = np.where(np.arange(360) < 90, np.nan, 0.0)
     assert unseen(SinkageMap(place=OUTER, height=height)) == [(90.0, 180.0)]
-    across = np.roll(height, 45)
-    arcs = unseen(SinkageMap(place=OUTER, height=across))
-    assert arcs == [(-180.0, -135.0), (135.0, 180.0)]
+    assert unseen(SinkageMap(place=OUTER, height=np.roll(height, 45))) == [(-180.0, -135.0), (135.0, 180.0)]
     roller = Place(body="roller", roller=3, radius=5e-3)
     assert unseen(SinkageMap(place=roller, height=height)) == [(0.0, 90.0)]
     assert reported_angle(OUTER, radians(-90.0)) == pytest.approx(0.0)
-
-
-def test_of_many_arcs_that_were_not_seen_the_longest_are_listed():
     height = np.where(np.arange(360) % 10 < 5, np.nan, 0.0)  # every 10° an arc of 5°
     height[90:130] = np.nan  # from the load's direction 180 to 225°, cut in two at ±180°
     told = unseen_in_words(SinkageMap(place=OUTER, height=height))
@@ -208,25 +177,22 @@ def test_of_many_arcs_that_were_not_seen_the_longest_are_listed():
 
 def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():
     record = recorded(milliseconds=5)
-    standing = record.scene.model_copy(
-        update={"operation": record.scene.operation.model_copy(update={"speed_rpm": 0.0})}
-    )
+    operation = record.scene.operation.model_copy(update={"speed_rpm": 0.0})
     with pytest.raises(InputError, match="the bearing stands"):
-        find_faults(replace(record, scene=standing))
-    coarse = replace(record.samples(slice(None, None, 10)), roller_turn=None)
+        find_faults(replace(record, scene=record.scene.model_copy(update={"operation": operation})))
     with pytest.raises(InputError, match=r"mm from sample to sample.*store more often"):
-        find_faults(coarse)
+        find_faults(replace(record.samples(slice(None, None, 10)), roller_turn=None))
 
 
 @pytest.mark.usefixtures("plain_report")
 def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
-    path = tmp_path / "run.nc"
-    settings = ("model=reduced", "numerics.duration_ms=20", "numerics.output_interval_us=10")
-    settings += ("spall.0.width_mm=0.6", "spall.0.angle_deg=20")
-    assert run_main([*(word for each in settings for word in ("--set", each)), "--output", str(path), "--quiet"]) == 0
+    path, folder = tmp_path / "run.nc", tmp_path / "run-residual"
+    settings = "model=reduced numerics.duration_ms=20 numerics.output_interval_us=10 spall.0.width_mm=0.6 "
+    settings += "spall.0.angle_deg=20"
+    sets = [word for each in settings.split() for word in ("--set", each)]
+    assert run_main([*sets, "--output", str(path), "--quiet"]) == 0
     assert main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out
-    folder = tmp_path / "run-residual"
     (spall,) = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["faults"]
     assert (spall["body"], spall["roller"]) == ("outer_ring", None)
     assert spall["angle_interval_deg"][0] < 20.0 < spall["angle_interval_deg"][1]

@@ -1,4 +1,4 @@
-"""Clocks that jump change nothing, and no flipped bit of a file goes unnoticed."""
+"""Clocks that jump change nothing, and no flipped bit of a file goes unnoticed; histories of runs."""
 
 import itertools
 import os
@@ -22,12 +22,10 @@ from tests.stability import histories
 def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
     """The hour set, a laptop asleep, a virtual machine moved: no sample, no end and no memory depend on it."""
     numbers, now = np.random.default_rng(3), itertools.count()
-
-    def told():
-        if clock == "stands still":
-            return 5.0
-        return 3600.0 * next(now) if clock == "an hour a look" else float(numbers.uniform(-1e6, 1e6))
-
+    told = {
+        "back and forth": lambda: float(numbers.uniform(-1e6, 1e6)), "an hour a look": lambda: 3600.0 * next(now),
+        "stands still": lambda: 5.0,
+    }[clock]  # fmt: skip
     for name in ("time", "monotonic", "perf_counter"):
         monkeypatch.setattr(f"time.{name}", told)
     path = tmp_path / "run.nc"
@@ -36,63 +34,65 @@ def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
     assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
 
 
-@pytest.mark.parametrize("flips", [40, pytest.param(1000, marks=pytest.mark.slow)])
-def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path):
-    """Of its samples: the file is refused, or what is read from it is what was written."""
-    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.5")
-    plan = make_plan(read_scene(None, scene))
-    assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
-    good, sound = path.read_bytes(), read_result(path)
-    with h5py.File(path) as file:
-        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in columns_of("")]
-    numbers = np.random.default_rng(7)
-    places = numbers.choice(np.concatenate([np.arange(start, start + size) for start, size in blocks]), flips)
-    refused = 0
+def ran(path, duration, model="fem"):
+    """The plan of a short run, once it has been run."""
+    assert run_main([*OPTIONS, "--duration", str(duration), "--model", model, "--output", str(path)]) == 0
+    keys = "numerics.mesh_size_mm=2", f"numerics.duration_ms={duration}", f"model={model}"
+    return make_plan(read_scene(None, keys))
+
+
+def refusals(path, places, numbers, read, error, compare):
+    """How often a file with one bit of a byte flipped is refused by name; what is read otherwise is compared."""
+    good, count = path.read_bytes(), 0
     for place in places:
         spoilt = bytearray(good)
         spoilt[place] ^= 1 << int(numbers.integers(8))
         path.write_bytes(spoilt)
         try:
-            read = read_result(path)
-        except InputError as error:
-            assert str(path) in str(error)
-            refused += 1
-            continue
+            found = read()
+        except error as refused:
+            assert str(path) in str(refused)
+            count += 1
+        else:
+            compare(found)
+    return count
+
+
+@pytest.mark.parametrize("flips", [40, pytest.param(1000, marks=pytest.mark.slow)])
+def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path):
+    """Of its samples: the file is refused, or what is read from it is what was written."""
+    path = tmp_path / "run.nc"
+    plan, sound, numbers = ran(path, 0.5), read_result(path), np.random.default_rng(7)
+    with h5py.File(path) as file:
+        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in columns_of("")]
+    places = numbers.choice(np.concatenate([np.arange(start, start + size) for start, size in blocks]), flips)
+
+    def compare(read):
         assert read.scene == sound.scene == plan.scene
         for name in (*MOTION, *OPTIONAL):
             np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
         assert read.energies.keys() == sound.energies.keys()
         for name in sound.energies:
             np.testing.assert_array_equal(read.energies[name], sound.energies[name])
-    assert refused > flips // 5
+
+    assert refusals(path, places, numbers, lambda: read_result(path), InputError, compare) > flips // 5
 
 
 @pytest.mark.parametrize("model", ["fem", pytest.param("lagrange", marks=pytest.mark.slow)])
 def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(model, tmp_path):
-    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4", f"model={model}")
-    plan = make_plan(read_scene(None, scene))
-    assert run_main([*OPTIONS, "--duration", "0.4", "--model", model, "--output", str(path)]) == 0
-    good = checkpoint_path(path).read_bytes()
+    path, numbers = tmp_path / "run.nc", np.random.default_rng(8)
+    plan, kept = ran(path, 0.4, model), checkpoint_path(path)
     sound, stored = load_checkpoint(path, plan)
-    numbers, refused = np.random.default_rng(8), 0
-    for place in numbers.integers(0, len(good), 150):
-        spoilt = bytearray(good)
-        spoilt[place] ^= 1 << int(numbers.integers(8))
-        checkpoint_path(path).write_bytes(spoilt)
-        try:
-            state, same = load_checkpoint(path, plan)
-        except UsageError as error:
-            assert str(checkpoint_path(path)) in str(error)
-            refused += 1
-            continue
+
+    def compare(found):
+        state, same = found
         assert same == stored and state.progress == sound.progress
         (arrays, rest), (sound_arrays, sound_rest) = state.to_keep(), sound.to_keep()
         assert rest == sound_rest
         assert all(arrays[name].tobytes() == array.tobytes() for name, array in sound_arrays.items())
-    assert refused > 125
 
-
-# Histories of runs that something befalls
+    places = numbers.integers(0, kept.stat().st_size, 150)
+    assert refusals(kept, places, numbers, lambda: load_checkpoint(path, plan), UsageError, compare) > 125
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")

@@ -1,26 +1,19 @@
 """Measurements of the handbook: pages quote the numbers of their tables, and tables say where they are from."""
 
+import importlib
+import shlex
+
 import pytest
 
 from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
 from tests import measurements
-from tests.measurements import (
-    HEAD,
-    MEASURED,
-    QUOTE,
-    cell_of,
-    heads,
-    markdown_table,
-    marked,
-    measured_by,
-    measurement_pages,
-    quotes,
-    reader_pages,
-    refreshed,
-)
+from tests.documented import PROGRAMS
+from tests.measurements import HEAD, MEASURED, MEASUREMENT_PAGES, QUOTE, READER_PAGES, ROOT, quotes
 
-TABLE = markdown_table(("case", "model", "error"), [("steady", "fem", "+0.043 %"), ("", "reduced", "2.4·10⁻⁷ (3)")])
+TABLE = measurements.markdown_table(
+    ("case", "model", "error"), [("steady", "fem", "+0.043 %"), ("", "reduced", "2.4·10⁻⁷ (3)")]
+)
 
 
 @pytest.fixture
@@ -31,42 +24,27 @@ def page(tmp_path):
     path = tmp_path / "page.md"
     path.write_text(
         'Errors of [0.04 %](measurements/one.md#some-runs "steady · fem: error") and '
-        '[2·10⁻⁷](measurements/one.md#some-runs "steady · reduced: error").\n',
-        encoding="utf-8",
-    )
+        '[2·10⁻⁷](measurements/one.md#some-runs "steady · reduced: error").\n', encoding="utf-8"
+    )  # fmt: skip
     return path
 
 
-@pytest.mark.parametrize("page", reader_pages(), ids=lambda path: path.name)
+@pytest.mark.parametrize("page", READER_PAGES, ids=lambda path: path.name)
 def test_numbers_of_a_page_are_those_of_the_tables(page):
     for quote in quotes(page):
         assert quote.text == quote.right, f"{quote.cell}; python -m tests.measurements brings pages in line"
 
 
-def front_page():
-    """Sections of README that quote measurements."""
-    text = (measurements.ROOT / "README.md").read_text(encoding="utf-8")
-    return [each for each in text.split("\n## ") if QUOTE.search(each)]
-
-
-def test_the_front_page_says_which_version_on_which_processor_was_measured():
-    page = measurements.ROOT / "README.md"
-    assert len(front_page()) >= 2
-    for section in front_page():
-        assert [found[0] for found in MEASURED.finditer(section)] == [measured_by(page, section)]
-
-
-def test_the_front_page_quotes_measurements_of_this_version():
-    page = measurements.ROOT / "README.md"
-    for section in front_page():
-        for head in heads(page, section):
+def test_the_front_page_quotes_this_version_and_says_on_which_processor_it_was_measured():
+    page = ROOT / "README.md"
+    sections = [each for each in page.read_text(encoding="utf-8").split("\n## ") if QUOTE.search(each)]
+    assert len(sections) >= 2 and len(list(quotes(page))) >= 5
+    for section in sections:
+        assert [found[0] for found in MEASURED.finditer(section)] == [measurements.measured_by(page, section)]
+        for head in measurements.heads(page, section):
             assert head["version"] == VERSION, f"{head['command']} measures it again"
             assert "not recorded" not in head["processor"]
-
-
-def test_the_pages_quote_measurements():
-    quoted = {page.name: len(list(quotes(page))) for page in reader_pages()}
-    assert quoted["README.md"] >= 5 and sum(quoted.values()) >= 60
+    assert sum(len(list(quotes(page))) for page in READER_PAGES) >= 60
 
 
 def test_a_changed_digit_is_found_on_the_page_and_in_the_table(page):
@@ -76,16 +54,14 @@ def test_a_changed_digit_is_found_on_the_page_and_in_the_table(page):
     assert [(quote.text, quote.right) for quote in wrong] == [("0.05 %", "0.04 %")]
     table = page.parent / "measurements" / "one.md"
     table.write_text(table.read_text().replace("2.4·10", "2.6·10"))
-    assert "[0.04 %](" in refreshed(page) and "[3·10⁻⁷](" in refreshed(page)
+    refreshed = measurements.refreshed(page)
+    assert "[0.04 %](" in refreshed and "[3·10⁻⁷](" in refreshed
+    for cell in ("steady · fem: mean", "steady · lagrange: error", "transient: error"):
+        with pytest.raises(ValueError, match=cell):
+            measurements.cell_of(table, "some-runs", cell)
 
 
-@pytest.mark.parametrize("cell", ["steady · fem: mean", "steady · lagrange: error", "transient: error"])
-def test_a_cell_that_is_gone_is_named(page, cell):
-    with pytest.raises(ValueError, match=cell):
-        cell_of(page.parent / "measurements" / "one.md", "some-runs", cell)
-
-
-@pytest.mark.parametrize("page", measurement_pages(), ids=lambda path: path.name)
+@pytest.mark.parametrize("page", MEASUREMENT_PAGES, ids=lambda path: path.name)
 def test_every_table_says_where_it_is_from_and_whether_it_is_old(page):
     text = page.read_text(encoding="utf-8")
     sections = text.split("\n## ")[1:]
@@ -95,7 +71,25 @@ def test_every_table_says_where_it_is_from_and_whether_it_is_old(page):
         assert tuple(map(int, found["version"].split("."))) <= tuple(map(int, VERSION.split(".")))
         assert int(found["format"]) <= FORMAT_VERSION
     assert sections or page.stem == "index"
-    assert marked(page) == text, "older than the result format; python -m tests.measurements marks it"
+    assert measurements.marked(page) == text, "older than the result format; python -m tests.measurements marks it"
+
+
+@pytest.mark.parametrize("page", MEASUREMENT_PAGES, ids=lambda path: path.name)
+def test_the_commands_that_tables_are_from_are_there(page):
+    for found in HEAD.finditer(page.read_text(encoding="utf-8")):
+        python, *words = shlex.split(found["command"])
+        if words[:2] == ["-m", "pytest"]:
+            assert [name for name in words[2:] if not (ROOT / name).is_file()] == [], found[0]
+        elif words[:1] == ["-m"]:
+            module = importlib.util.find_spec(words[1])
+            assert module, found[0]
+            module = importlib.util.find_spec(f"{words[1]}.__main__") if module.submodule_search_locations else module
+            text, section = ROOT.joinpath(module.origin).read_text(encoding="utf-8"), (words[2:] or ["--write"])[0]
+            if section.startswith("-") or words[1] == "tests.verification":
+                continue
+            assert section.isupper() or f"def {section.replace('-', '_')}(" in text or f'"{section}"' in text, found[0]
+        else:  # a program of ours, a script of a page, or words
+            assert python in PROGRAMS or python != "python" or words[0] == "spalls.py", found[0]
 
 
 def test_a_table_older_than_the_result_format_is_marked(tmp_path, monkeypatch):
@@ -104,9 +98,9 @@ def test_a_table_older_than_the_result_format_is_marked(tmp_path, monkeypatch):
     path.parent.mkdir()
     path.write_text("# One\n")
     measurements.publish("one", "Runs", "python -m some.command", TABLE, write=True)
-    assert marked(path) == path.read_text(encoding="utf-8")
+    assert measurements.marked(path) == path.read_text(encoding="utf-8")
     monkeypatch.setattr(measurements, "FORMAT_VERSION", FORMAT_VERSION + 1)
-    assert f"Older than result format {FORMAT_VERSION + 1}.*" in marked(path)
+    assert f"Older than result format {FORMAT_VERSION + 1}.*" in measurements.marked(path)
 
 
 def test_a_section_is_replaced_and_its_neighbours_stay(tmp_path):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lagrange.scene.scene import read_scene
+from tests.paper import __main__ as page
 from tests.paper import variants
-from tests.paper.page import harris_force, rattle, sinking_frequency, span, text
 from tests.paper.variants import SUPPORTED, VARIANTS, strongest
 
 
@@ -19,22 +19,21 @@ def test_few_supports_let_the_hub_down(monkeypatch):
 
 
 def test_the_papers_sink_and_its_rattle_are_one_frequency():
-    assert sinking_frequency() == pytest.approx(2080.0, abs=5.0)
-    assert rattle() == pytest.approx(sinking_frequency(), rel=0.06)
-    assert harris_force() > 10e3, "N, of one roller, under 2 kN"
+    assert page.sinking_frequency() == pytest.approx(2080.0, abs=5.0)
+    assert page.rattle() == pytest.approx(page.sinking_frequency(), rel=0.06)
+    assert page.harris_force() > 10e3, "N, of one roller, under 2 kN"
 
 
 def test_every_variant_is_a_scene():
     every = (*VARIANTS, *SUPPORTED)
     assert len({v.name for v in every}) == len(every)
-    for variant in every:
-        scene = read_scene(None, variant.settings)
-        assert scene.operation == read_scene().operation
+    assert all(read_scene(None, variant.settings).operation == read_scene().operation for variant in every)
 
 
 def test_numbers_are_written_plainly():
-    assert text(-2639.9) == "−2640" and text(1.2e7) == "1.2e7" and text(54321.0) == "54321" and text(-0.0) == "0"
-    assert span((-1e-6, 2.5e-6), 1e6) == "−1 … 2.5"
+    numbers = {-2639.9: "−2640", 1.2e7: "1.2e7", 54321.0: "54321", -0.0: "0"}
+    assert {number: page.text(number) for number in numbers} == numbers
+    assert page.span((-1e-6, 2.5e-6), 1e6) == "−1 … 2.5"
 
 
 def test_the_strongest_line_is_found_below_a_frequency():

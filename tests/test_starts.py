@@ -16,39 +16,27 @@ from lagrange.statics import static_equilibrium
 from lagrange.surface.deviation import UNTURNED
 from tests.accuracy.starts import CLOSE, Reference, problem_of, solution
 
-NU206 = {"designation": "NU206"}
-SPRINGS = {"shaft": "springs", "shaft_stiffness_N_per_m": 2e4}
+
+def light(bearing, load, more=None, **operation):
+    """A scene's tables: a standard bearing, or a table, under a load, N."""
+    table = bearing if isinstance(bearing, dict) else {"designation": bearing}
+    return {"bearing": table, "operation": {"radial_load_N": load, **operation}} | (more or {})
+
+
+WIDE, WEIGHTLESS = {"clearance_um": 40.0}, {"gravity_m_s2": 0.0}
 LIGHT = {
-    "NU206": {"bearing": NU206, "operation": {"radial_load_N": 200.0}},
-    "NU205": {"bearing": {"designation": "NU205"}, "operation": {"radial_load_N": 150.0}},
-    "NU212": {
-        "bearing": {"designation": "NU212"},
-        "operation": {"radial_load_N": 300.0, "inner_ring_and_shaft_kg": 3.0},
-    },
-    "clearance": {"bearing": {"clearance_um": 40.0}, "operation": {"radial_load_N": 100.0}},
-    "soft shaft": {"bearing": {"clearance_um": 40.0}, "operation": {"radial_load_N": 100.0, **SPRINGS}},
-    "balls": {"bearing": {"type": "ball", "clearance_um": 20.0}, "operation": {"radial_load_N": 20.0}},
-    "few balls": {"bearing": {"type": "ball", "rollers": 7, "clearance_um": 30.0}, "operation": {"radial_load_N": 5.0}},
-    "free angles": {
-        "bearing": NU206,
-        "operation": {"radial_load_N": 200.0},
-        "lagrange": {"angles": "free"},
-    },
-    "housing": {"bearing": NU206, "operation": {"radial_load_N": 200.0}, "support": {"kind": "housing"}},
-    "three rollers": {
-        "bearing": {"rollers": 3, "clearance_um": 10.0},
-        "operation": {"radial_load_N": 500.0},
-    },
-    "vertical shaft": {
-        "bearing": NU206,
-        "operation": {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "unbalance_g_mm": 200.0, "unbalance_deg": 30.0},
-    },
-    "no load": {"bearing": NU206, "operation": {"radial_load_N": 0.0, "gravity_m_s2": 0.0}},
-    "turning load": {
-        "bearing": NU206,
-        "operation": {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "rotating_load_N": 100.0},
-    },
-}
+    "NU206": light("NU206", 200.0), "NU205": light("NU205", 150.0),
+    "NU212": light("NU212", 300.0, inner_ring_and_shaft_kg=3.0), "clearance": light(WIDE, 100.0),
+    "soft shaft": light(WIDE, 100.0, shaft="springs", shaft_stiffness_N_per_m=2e4),
+    "balls": light({"type": "ball", "clearance_um": 20.0}, 20.0),
+    "few balls": light({"type": "ball", "rollers": 7, "clearance_um": 30.0}, 5.0),
+    "free angles": light("NU206", 200.0, {"lagrange": {"angles": "free"}}),
+    "housing": light("NU206", 200.0, {"support": {"kind": "housing"}}),
+    "three rollers": light({"rollers": 3, "clearance_um": 10.0}, 500.0),
+    "vertical shaft": light("NU206", 0.0, unbalance_g_mm=200.0, unbalance_deg=30.0, **WEIGHTLESS),
+    "no load": light("NU206", 0.0, **WEIGHTLESS),
+    "turning load": light("NU206", 0.0, rotating_load_N=100.0, **WEIGHTLESS),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", LIGHT)
@@ -60,14 +48,10 @@ def test_a_light_start_does_not_shock_the_bearing(name):
     assert own.max() < (1.0 + CLOSE) * reference.forces(moving=False, duration=short).max()
 
 
-def solved(model, tables, duration=4.0):
-    scene = tables | {"model": model, "numerics": {"duration_ms": duration}}
-    return simulate(parse_scene(scene, "scene"))
-
-
 def test_a_hub_balanced_on_one_roller_starts_without_velocity_and_the_run_says_so():
     """Bounds: by another integration 5.23 × 0.92 µm and 246 N; a jump taken for a velocity made 70 µm and 6381 N."""
-    run = solved("lagrange", LIGHT["NU206"], 20.0)
+    scene = LIGHT["NU206"] | {"model": "lagrange", "numerics": {"duration_ms": 20.0}}
+    run = simulate(parse_scene(scene, "scene"))
     assert abs(run["inner_vx"][0]) < 1e-6
     assert np.ptp(run["inner_x"]) == pytest.approx(5.23e-6, rel=0.02)
     assert np.ptp(run["inner_y"]) == pytest.approx(0.92e-6, rel=0.02)
@@ -77,12 +61,10 @@ def test_a_hub_balanced_on_one_roller_starts_without_velocity_and_the_run_says_s
 
 def test_a_loaded_start_keeps_the_velocity_of_its_equilibrium_and_says_nothing():
     problem = problem_of({"operation": {"radial_load_N": 2000.0, "first_roller_deg": 5.0}})
-    state, warning = problem.first_state
-    shift = 1e-5
-    turn = shift * state.theta_rate
+    (state, warning), shift = problem.first_state, 1e-5
     ahead, behind = (
-        static_equilibrium(problem.bearing, problem.operation, problem.laws, angles=state.theta + way)
-        for way in (turn, -turn)
+        static_equilibrium(problem.bearing, problem.operation, problem.laws, angles=state.theta + turn)
+        for turn in (shift * state.theta_rate, -shift * state.theta_rate)
     )
     assert warning is None
     assert state.x_rate == pytest.approx((ahead.x - behind.x) / (2.0 * shift), rel=1e-3)
@@ -92,11 +74,11 @@ def test_a_loaded_start_keeps_the_velocity_of_its_equilibrium_and_says_nothing()
 @pytest.mark.parametrize("load", [300.0, 2000.0])
 def test_stiffness_at_a_start_is_what_loads_find(load):
     """Of statics of rigid rings and of elastic bodies, by equilibria under other loads."""
-    tables, more = {"operation": {"radial_load_N": load, "first_roller_deg": 10.0, "gravity_m_s2": 0.0}}, 1e-4 * load
+    tables, more = light({}, load, first_roller_deg=10.0, **WEIGHTLESS), 1e-4 * load
 
     def softness(place, operation):
-        def under(aside, down):
-            return place(replace(operation, side_load=aside, radial_load=load + down))
+        def under(across, down):
+            return np.array(place(replace(operation, side_load=across, radial_load=load + down)))
 
         pulls = ((more, 0.0), (0.0, -more))
         return np.column_stack([under(x, y) - under(-x, -y) for x, y in pulls]) / (2.0 * more)
@@ -105,7 +87,7 @@ def test_stiffness_at_a_start_is_what_loads_find(load):
 
     def rigid(operation):
         found = static_equilibrium(problem.bearing, operation, problem.laws)
-        return np.array([found.x, found.y])
+        return found.x, found.y
 
     stiffness = static_equilibrium(problem.bearing, problem.operation, problem.laws).stiffness
     np.testing.assert_allclose(stiffness @ softness(rigid, problem.operation), np.eye(2), atol=2e-3)
@@ -120,14 +102,13 @@ def test_stiffness_at_a_start_is_what_loads_find(load):
 
 def test_a_hub_follows_only_what_holds_it():
     problem = problem_of({})
-    passage = problem.bearing.n_rollers * kinematics(problem.bearing, problem.operation.speed).cage
-    limit = problem.operation.inner_mass * passage**2
-    assert followed(np.diag([1.01 * limit, 2.0 * limit]), problem.bearing, problem.operation)[0].size == 2
-    values, directions = followed(np.diag([0.99 * limit, 2.0 * limit]), problem.bearing, problem.operation)
+    bearing, operation = problem.bearing, problem.operation
+    limit = operation.inner_mass * (bearing.n_rollers * kinematics(bearing, operation.speed).cage) ** 2
+    assert followed(np.diag([1.01 * limit, 2.0 * limit]), bearing, operation)[0].size == 2
+    values, directions = followed(np.diag([0.99 * limit, 2.0 * limit]), bearing, operation)
     assert values == pytest.approx([2.0 * limit])
     np.testing.assert_allclose(np.abs(directions), [[0.0], [1.0]])
-    still = replace(problem.operation, speed=0.0)
-    assert followed(np.diag([-1.0, 0.0]), problem.bearing, still)[0].size == 0
+    assert followed(np.diag([-1.0, 0.0]), bearing, replace(operation, speed=0.0))[0].size == 0
 
 
 def test_the_reduced_model_starts_still_where_its_hub_cannot_follow():
@@ -139,7 +120,11 @@ def test_the_reduced_model_starts_still_where_its_hub_cannot_follow():
 def test_a_start_that_shocks_the_bearing_is_told_of(monkeypatch):
     """A hub at 0.9 m/s, as a jump between two equilibria once gave it, strikes with v √(k M): far above the load."""
     scene = parse_scene({"model": "lagrange", **LIGHT["NU206"], "numerics": {"duration_ms": 1.0}}, "scene")
-    assert not [sentence for sentence in simulate(scene).warnings if "largest static force" in sentence]
+
+    def shocks():
+        return [sentence for sentence in simulate(scene).warnings if "largest static force" in sentence]
+
+    assert not shocks()
     right = Problem.first_state.func
 
     def wrong(problem):
@@ -147,5 +132,5 @@ def test_a_start_that_shocks_the_bearing_is_told_of(monkeypatch):
         return found._replace(state=replace(found.state, x_rate=-0.9))
 
     monkeypatch.setattr(Problem, "first_state", property(wrong))
-    (told,) = [sentence for sentence in simulate(scene).warnings if "largest static force" in sentence]
+    (told,) = shocks()
     assert "within 0.5 ms of the start" in told

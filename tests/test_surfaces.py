@@ -33,7 +33,7 @@ from tests.reference.kit import DOWN as DOWN_BALL_FAULTS
 from tests.reference.modes import Body, thrown_at_flat
 from tests.reference.resolved import DOWN as DOWN_RESOLVED_CROSSING
 from tests.reference.resolved import FINE, Crossing, Run, Surface, crossing, roller_body, surface
-from tests.stability.random_surfaces import surface_scene
+from tests.stability.random_scenes import surface_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")
 # so that all scenes here share one compiled time loop: profiles on rings and rollers
@@ -155,7 +155,7 @@ def test_meshes_whose_contacts_are_points_are_refused():
     "number", [*range(0, 20, 4), *(pytest.param(n, marks=pytest.mark.slow) for n in (*range(2, 20, 4), 20, 22))]
 )  # the last two compile a time loop of their own
 def test_energy_is_balanced_in_random_scenes(number):
-    """The first of `python -m tests.stability.random_surfaces` that are the paper's bearing."""
+    """The first of `python -m tests.stability --surfaces` that are the paper's bearing."""
     plan = make_plan(parse_scene(surface_scene(1, number), "scene"))
     block = plan.first_state().advance(plan.n_samples)
     assert block.trouble is None and len(block.samples["time"]) == plan.n_samples

@@ -20,33 +20,27 @@ def limit_processor_time(seconds: float) -> None:
     import resource  # of POSIX alone, as are those who call this
 
     used = resource.getrusage(resource.RUSAGE_SELF)
-    most = math.ceil(used.ru_utime + used.ru_stime + seconds)
-    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    most, hard = math.ceil(used.ru_utime + used.ru_stime + seconds), resource.getrlimit(resource.RLIMIT_CPU)[1]
     resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
 
 
-def wait_until(condition: Callable[[], object], process: subprocess.Popen | None = None, pause: float = 0.01) -> None:
-    """Wait for a condition, or for the process that is to bring it about to end.
+def give_up(*_) -> None:
+    raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
 
-    Errors
-    ------
-    TimeoutError: neither in GIVE_UP.
-    """
+
+def wait_until(condition: Callable[[], object], process: subprocess.Popen | None = None, pause: float = 0.01) -> None:
+    """Wait for a condition, or for the process that is to bring it about to end; TimeoutError: neither in GIVE_UP."""
     until = time.monotonic() + GIVE_UP
     while not condition() and (process is None or process.poll() is None):
         if time.monotonic() > until:
-            raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
+            give_up()
         time.sleep(pause)
 
 
 @contextmanager
 def no_endless_wait() -> Iterator[None]:
     """Raise TimeoutError in this thread where what is done here, such as the opening of a pipe, does not end."""
-
-    def give_up(number, frame):
-        raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
-
     before = signal.signal(signal.SIGALRM, give_up)
     signal.setitimer(signal.ITIMER_REAL, GIVE_UP)
     try:

@@ -2,14 +2,55 @@
 
 The tables stand in docs/measurements/ (`tests.measurements`):
 
-convergence    observed orders in mesh size, time step and output interval
-crossover      from meshes far coarser than a contact to meshes that resolve it
-reduced        the reduced model against finite elements, and its energy by the step
-reduced_waves  the reduced model on rattling bearings, and of the hub by bands of frequency
-reduced_random the reduced model on random bearings
-reduced_steps  how long the reduced model's steps may be
-fault_finding  spalls found in random runs
+convergence    observed orders in mesh size, time step and output interval; meshes from far coarser than a contact to
+               those that resolve it; processors
+reduced        the reduced model against finite elements: steady, in clearance, on random bearings; its steps
+fault_finding  spalls found in random runs and by a sensor
+spalls         one crossing of a spall against half-planes and resolved contacts; the line of a measured bearing
 rocking        vibration of rollers that stick to both raceways
-spall_edges    one crossing of a spall by the contact law, against half-planes
-spall_crossing one crossing of a spall by all models, against resolved contacts
+tilted         rollers that tilt, on meshes, over spalls and their edges
+cage, starts   what a cage does; light starts of the Lagrangian model against another integration
 """
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.solver.simulate import run
+from fem.solver.solver import Plan, RunState, Samples
+from lagrange.errors import RunFailed
+
+
+class Found(NamedTuple):
+    """A run to its end, whatever that was."""
+
+    samples: Samples | None  # None: stopped before the first
+    state: RunState
+    restarts: int
+    trouble: str | None
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.samples[name]
+
+    @property
+    def imbalance(self) -> float:
+        """Largest, of the exchanged energy."""
+        return float(np.abs(self.samples.imbalance).max()) / self.samples.exchanged[-1]
+
+    @property
+    def largest(self) -> float:
+        """Contact force, N."""
+        return float(max(self[name].max() for name in ("inner_force", "outer_force"))) if self.samples else 0.0
+
+
+def found(plan: Plan, halving: bool = True) -> Found:
+    """Run a plan; without `halving` a reduced model keeps its step whatever its energy does."""
+    blocks, restarts, state, trouble = [], [], plan.first_state(), None
+    if not halving:
+        state.restarts["halvings"] = 99  # none is left
+    plan.prepare()
+    try:
+        run(plan, blocks.append, state=state, restart=lambda reason: (restarts.append(reason), blocks.clear()))
+    except RunFailed as error:
+        trouble = str(error)
+    return Found(Samples.joined(blocks) if any(map(len, blocks)) else None, state, len(restarts), trouble)

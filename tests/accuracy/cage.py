@@ -1,20 +1,20 @@
-"""What a cage does, beside what theory says: python -m tests.accuracy.cage [--random N]. Minutes.
+"""What a cage does, beside what theory says: `python -m tests.accuracy.cage [--random N]`. Minutes.
 
 Slip, spacing and whirl; tractions of frictionless pockets under drag and where rollers begin to slide; slip of lightly
 loaded bearings; with --random so many bearings with cages on coarse meshes, whose energies are judged.
 """
 
-import argparse
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from fem.solver.simulate import make_plan
-from fem.solver.solver import Samples
-from lagrange.errors import RunFailed, UsageError
+from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene, SceneError, parse_scene
+from tests.accuracy import found
+from tests.measurements import markdown_table, program
 
 FRICTION = 0.1
 PRELOADED = {"outer_raceway_diameter_mm": 55.99}
@@ -22,6 +22,10 @@ PRELOADED = {"outer_raceway_diameter_mm": 55.99}
 STIFF_POCKETS = {"pocket_clearance_mm": 0.002, "damping_N_s_m": 1000.0, "friction_coefficient": 0.0, "mass_kg": 1.0}
 HEAVY_HUB = {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "inner_ring_and_shaft_kg": 1000.0}
 LOOSE = {"guidance": "rollers", "mass_kg": 0.02, "pocket_clearance_mm": 0.2, "stiffness_N_per_m": 1e8}  # if not said
+LARGE = {
+    "rollers": 23, "roller_diameter_mm": 10.0, "inner_raceway_diameter_mm": 70.0, "outer_raceway_diameter_mm": 90.01,
+    "bore_diameter_mm": 55.0, "outside_diameter_mm": 105.0,
+}  # fmt: skip
 LIMIT = 1e-3  # of the exchanged energy and of the dissipated one: more is a run not to be trusted
 
 
@@ -44,31 +48,20 @@ class Run:
     @property
     def spacing(self) -> float:
         """The most that neighbouring rollers' distance along the pitch circle, seen from the cage, is off, m."""
-        x = self.values["roller_x"] - self.values["cage_x"][:, None]
-        y = self.values["roller_y"] - self.values["cage_y"][:, None]
+        x, y = (self.values[f"roller_{axis}"] - self.values[f"cage_{axis}"][:, None] for axis in "xy")
         angle, bearing = np.unwrap(np.arctan2(y, x), axis=0), self.scene.ideal_bearing()
         apart = np.diff(np.concatenate([angle, angle[:, :1] + 2.0 * pi], axis=1), axis=1)
         apart = (apart + pi) % (2.0 * pi) - pi
         return float(np.abs(apart - 2.0 * pi / bearing.n_rollers).max()) * bearing.pitch_radius
 
 
-def run(scene: dict) -> Run:
+def run(tables: dict) -> Run:
     """Run a scene in this process."""
-    parsed = parse_scene(scene, "scene")
-    plan = make_plan(parsed)
-    state, blocks, trouble = plan.first_state(), [], None
-    while state.done < plan.n_samples and trouble is None:
-        block = state.advance(min(500, plan.n_samples - state.done))
-        if block.restarts:
-            blocks = []
-            continue
-        trouble = block.trouble
-        if block.samples is not None and len(block.samples):
-            blocks.append(block.samples)
-    found = Samples.joined(blocks)
-    passed = found.exchanged.max() + found["work_dissipated"].max()
-    imbalance = np.abs(found.imbalance).max() / passed
-    return Run(scene=parsed, values=found.values, imbalance=float(imbalance), trouble=trouble)
+    scene = parse_scene(tables, "scene")
+    ended = found(make_plan(scene))
+    passed = ended.samples.exchanged.max() + ended["work_dissipated"].max()
+    off = float(np.abs(ended.samples.imbalance).max() / passed)
+    return Run(scene=scene, values=ended.samples.values, imbalance=off, trouble=ended.trouble)
 
 
 def caged(model: str, duration: float, cage: dict, **tables) -> Run:
@@ -77,59 +70,49 @@ def caged(model: str, duration: float, cage: dict, **tables) -> Run:
     return run({"model": model, "cage": LOOSE | cage, "numerics": numerics, **tables})
 
 
-def heads(title: str, *names: str) -> None:
-    """Print a title and the head of a table."""
-    print(f"\n{title}\n| {' | '.join(names)} |\n{'|---' * len(names)}|")
-
-
-def print_free_running() -> None:
-    heads("Without drag: slip of cage and rollers, spacing, how far the centre goes (0.1 mm pockets), 340 ms",
-          "guidance", "friction", "gravity, m/s2", "cage's slip, %", "rollers' slip, %", "spacing off by, µm",
-          "centre, µm")  # fmt: skip
+def free_running() -> str:
+    rows = []
     for guidance in ({"guidance": "rollers"}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.1}):
         for friction, gravity in ((0.0, 0.0), (0.05, 0.0), (0.0, 9.81), (0.05, 9.81)):
             cage = {"pocket_clearance_mm": 0.1, "friction_coefficient": friction, **guidance}
-            found = caged("reduced", 340.0, cage, operation={"gravity_m_s2": gravity})
-            off = np.hypot(found.values["cage_x"], found.values["cage_y"]).max()
-            print(
-                f"| {guidance['guidance']} | {friction} | {gravity} | {100 * found.slip(0.0):.4f} | "
-                f"{100 * found.slip(0.0, 'rollers'):.4f} | {1e6 * found.spacing:.1f} | {1e6 * off:.1f} |"
-            )
+            ran = caged("reduced", 340.0, cage, operation={"gravity_m_s2": gravity})
+            off = 1e6 * np.hypot(ran.values["cage_x"], ran.values["cage_y"]).max()
+            slips = f"{100 * ran.slip(0.0):.4f}", f"{100 * ran.slip(0.0, 'rollers'):.4f}"
+            rows.append([guidance["guidance"], f"{friction}", f"{gravity}", *slips, f"{1e6 * ran.spacing:.1f}",
+                         f"{off:.1f}"])  # fmt: skip
+    return markdown_table(("guidance", "friction", "gravity, m/s2", "cage's slip, %", "rollers' slip, %",
+                           "spacing off by, µm", "centre, µm"), rows)  # fmt: skip
 
 
-def print_shared_tractions() -> None:
-    print("\nPreloaded, no load, no weight, frictionless pockets: tractions under drag, and where gross slip begins")
+def shared_tractions() -> tuple[str, str, str]:
     scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
     still = caged("reduced", 1.0, STIFF_POCKETS, **scene)
     bearing = still.scene.ideal_bearing()
     load = float(0.5 * (still.values["inner_force"][0] + still.values["outer_force"][0]).mean())
     limit = 2.0 * FRICTION * load
-    torque = limit * bearing.n_rollers * bearing.pitch_radius
-    print(f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m")
-    heads("", "F over 2 mu Q", "inner traction over F", "outer", "cage slows down, rad/s2")
-    sliding = []
+    torque, rows, sliding = limit * bearing.n_rollers * bearing.pitch_radius, [], []
     for share in (0.25, 0.5, 0.9, 0.98, 1.05, 1.1, 1.2, 1.3):
-        found = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene)
-        values, late = found.values, slice(len(found.values["time"]) // 2, None)
-        force = share * limit
-        inner, outer = (values[name][late].mean() / force for name in ("inner_traction", "outer_traction"))
+        values = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene).values
+        late = slice(len(values["time"]) // 2, None)
+        taken = [values[name][late].mean() / (share * limit) for name in ("inner_traction", "outer_traction")]
         slowing = -np.polyfit(values["time"][late], values["cage_speed"][late], 1)[0]
-        if share > 1.0:
-            sliding.append((share, slowing))
-        print(f"| {share} | {inner:.4f} | {outer:.4f} | {slowing:.4g} |")
+        sliding += [(share, slowing)] if share > 1.0 else []
+        rows.append([f"{share}", *(f"{each:.4f}" for each in taken), f"{slowing:.4g}"])
     slope, offset = np.polyfit(*np.array(sliding).T, 1)
-    print(f"gross slip begins at {-offset / slope:.4f} of 2 mu Q (straight line through the sliding ones)")
+    table = markdown_table(("F over 2 mu Q", "inner traction over F", "outer", "cage slows down, rad/s2"), rows)
+    return (
+        f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m", table,
+        f"Gross slip begins at {-offset / slope:.4f} of 2 mu Q (straight line through the sliding ones).",
+    )  # fmt: skip
 
 
-def print_light_loads() -> None:
-    heads("23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load", "load, N", "cage's slip, %")
-    bearing = {"rollers": 23, "roller_diameter_mm": 10.0, "inner_raceway_diameter_mm": 70.0,
-               "outer_raceway_diameter_mm": 90.01, "bore_diameter_mm": 55.0, "outside_diameter_mm": 105.0}  # fmt: skip
+def light_loads() -> str:
+    cage, rows = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}, []
     for load in (50.0, 100.0, 200.0, 500.0, 2000.0):
         operation = {"speed_rpm": 10000.0, "radial_load_N": load, "inner_ring_and_shaft_kg": 0.5}
-        cage = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}
-        found = caged("reduced", 300.0, cage, bearing=bearing, operation=operation)
-        print(f"| {load:g} | {100 * found.slip(0.5):.3g} |{' ' + found.trouble if found.trouble else ''}")
+        ran = caged("reduced", 300.0, cage, bearing=LARGE, operation=operation)
+        rows.append([f"{load:g}", f"{100 * ran.slip(0.5):.3g}{' ' + ran.trouble if ran.trouble else ''}"])
+    return markdown_table(("load, N", "cage's slip, %"), rows)
 
 
 def random_scene(random: np.random.Generator) -> dict:
@@ -152,34 +135,38 @@ def random_scene(random: np.random.Generator) -> dict:
     return {"cage": cage, "operation": operation, "numerics": numerics, "bearing": clearance}
 
 
-def print_random(count: int) -> None:
-    heads(f"{count} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)",
-          "guidance", "rpm", "load, N", "drag, N m", "imbalance", "cage's slip, %", "outcome")  # fmt: skip
-    random, silent, worst = np.random.default_rng(17), 0, 0.0
-    for _ in range(count):
-        scene = random_scene(random)
-        cage, operation = scene["cage"], scene["operation"]
-        told = f"| {cage['guidance']} | {operation['speed_rpm']:.0f} | {operation['radial_load_N']:.0f} "
-        told += f"| {cage['drag_torque_N_m']:.2g} "
+def judged(count: int) -> tuple[str, str]:
+    """Random bearings with cages, seed 17."""
+    random, silent, worst, rows = np.random.default_rng(17), 0, 0.0, []
+    for scene in (random_scene(random) for _ in range(count)):
+        cage, how = scene["cage"], scene["operation"]
+        told = [cage["guidance"], f"{how['speed_rpm']:.0f}", f"{how['radial_load_N']:.0f}",
+                f"{cage['drag_torque_N_m']:.2g}"]  # fmt: skip
         try:
-            found = run({"model": "fem", **scene})
-        except (SceneError, UsageError, RunFailed) as error:
-            print(f"{told}| - | - | refused: {error} |", flush=True)
-            continue
-        wrong = found.trouble is None and not found.imbalance <= LIMIT
-        silent, worst = silent + wrong, max(worst, found.imbalance)
-        outcome = found.trouble or ("SILENTLY WRONG" if wrong else "sound")
-        print(f"{told}| {found.imbalance:.1e} | {100 * found.slip(0.5):.2g} | {outcome} |", flush=True)
-    print(f"silently wrong: {silent}; largest imbalance {worst:.1e} of what was exchanged and dissipated")
+            ran = run({"model": "fem", **scene})
+        except (SceneError, UsageError) as error:
+            rows.append([*told, "-", "-", f"refused: {error}"])
+        else:
+            wrong = ran.trouble is None and not ran.imbalance <= LIMIT
+            silent, worst = silent + wrong, max(worst, ran.imbalance)
+            ending = ran.trouble or ("SILENTLY WRONG" if wrong else "sound")
+            rows.append([*told, f"{ran.imbalance:.1e}", f"{100 * ran.slip(0.5):.2g}", ending])
+        print(*rows[-1], flush=True)
+    words = f"Silently wrong: {silent}; largest imbalance {worst:.1e} of what was exchanged and dissipated."
+    heads = ("guidance", "rpm", "load, N", "drag, N m", "imbalance", "cage's slip, %", "outcome")
+    return markdown_table(heads, rows), words
+
+
+def cage(*, random: int = 0):
+    """With `random` so many random bearings, and nothing else."""
+    if random:
+        yield "parts", f"{random} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)", *judged(random)
+        return
+    heading = "Cage without drag: slip of cage and rollers, spacing, its centre (0.1 mm pockets), 340 ms"
+    yield "parts", heading, free_running()
+    yield "parts", "Cage with frictionless pockets, preload, no load: tractions under drag", *shared_tractions()
+    yield "parts", "Cage of 23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load", light_loads()
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--random", type=int, default=0, help="number of random bearings, and nothing else")
-    chosen = parser.parse_args()
-    if chosen.random:
-        print_random(chosen.random)
-    else:
-        print_free_running()
-        print_shared_tractions()
-        print_light_loads()
+    program(__doc__, "tests.accuracy.cage", cage)

@@ -1,9 +1,9 @@
-"""Spalls found in random runs of finite elements: `python -m tests.accuracy.fault_finding --seed N`.
+"""Spalls found in random runs of finite elements: `python -m tests.accuracy.fault_finding random --seed N`.
 
-`--write` puts the tables into docs/measurements/fault_finding.md; twenty minutes. The search's numbers
-were set on other runs; these are drawn by their own seed and searched once. With `--keep FOLDER` trajectories stay
-there, and a search that is changed can be tried again without solving; `--no-write` then leaves the page alone.
-`sensor` judges seeded spalls by the record of a simulated sensor instead, in three minutes.
+`--write` puts the tables into docs/measurements/fault_finding.md; twenty minutes. The search's numbers were set on
+other runs; these are drawn by their own seed and searched once. With `--keep FOLDER` trajectories stay there, and a
+search that is changed can be tried again without solving. `sensor` judges seeded spalls by the record of a simulated
+sensor instead, in three minutes.
 """
 
 import tempfile
@@ -15,8 +15,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from cyclopts import App
-from rich.console import Console
 
 from fem.commands.run_fem import run_main
 from fem.interface import simulate
@@ -27,9 +25,8 @@ from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
 from residual.measured.signals import Signal
 from residual.record import Record
 from residual.sources import read_result
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 
-KINDS = ("spalled", "perfect", "wavy", "two spalls")
 BODIES = ("outer_ring", "inner_ring", "roller")
 TURNS, SHORTEST = 2.5, 0.08  # of the cage; s
 NOISE = 10e-9  # m
@@ -38,65 +35,50 @@ RUNS = {"spalled": 70, "perfect": 10, "wavy": 20, "two spalls": 20}
 ANGLE, WIDTH = 1.0, 0.1  # degrees; of the width
 SAME = np.radians(20.0)  # two spalls of one body lie farther apart
 
-app = App(help=__doc__)
-
 
 def random_settings(rng: np.random.Generator, kind: str) -> list[str]:
     """One random scene: speeds and loads by their logarithm."""
-    speed = _between(rng, 1000.0, 9000.0)
-    cage = speed / 60.0 * 18.0 / 46.0
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    def on(table: str, body: str) -> dict:
+        return {f"{table}.body": body} | ({f"{table}.roller": int(rng.integers(13))} if body == "roller" else {})
+
+    def spall(k: int) -> dict:
+        return on(f"spall.{k}", rng.choice(BODIES)) | {
+            f"spall.{k}.angle_deg": rng.uniform(-180.0, 180.0), f"spall.{k}.width_mm": between(0.3, 3.0),
+            f"spall.{k}.depth_um": between(30.0, 200.0), f"spall.{k}.edge_radius_mm": rng.uniform(0.02, 0.2),
+        }  # fmt: skip
+
+    speed = between(1000.0, 9000.0)
     chosen = {
         "numerics.mesh_size_mm": 2.0, "numerics.output_interval_us": 10.0,
-        "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / cage), "operation.speed_rpm": speed,
-        "operation.radial_load_N": _between(rng, 300.0, 4000.0),
+        "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / (speed / 60.0 * 18.0 / 46.0)),
+        "operation.speed_rpm": speed, "operation.radial_load_N": between(300.0, 4000.0),
         "operation.first_roller_deg": rng.uniform(0.0, 360.0 / 13.0),
         "bearing.outer_raceway_diameter_mm": 56.0 + rng.uniform(0.0, 0.03),
     }  # fmt: skip
     if kind == "spalled":
-        chosen |= _spall(rng, "spall.0", rng.choice(BODIES))
-    if kind == "two spalls":
-        chosen |= _two_spalls(rng)
+        chosen |= spall(0)
+    if kind == "two spalls":  # on any two bodies, or 90° to 270° apart on one
+        first, second = spall(0), spall(1)
+        bodies = [(each[f"spall.{k}.body"], each.get(f"spall.{k}.roller")) for k, each in enumerate((first, second))]
+        if bodies[0] == bodies[1]:
+            apart = first["spall.0.angle_deg"] + rng.uniform(90.0, 270.0)
+            second["spall.1.angle_deg"] = (apart + 180.0) % 360.0 - 180.0
+        chosen |= first | second
     if kind == "wavy":
         for k in range(rng.integers(1, 3)):
             body = rng.choice(BODIES)
-            chosen |= _on(rng, f"waviness.{k}", body) | {
-                f"waviness.{k}.order": int(_between(rng, 2.0, 12.0 if body == "roller" else 40.0)),
-                f"waviness.{k}.amplitude_um": _between(rng, 0.05, 1.0),
-                f"waviness.{k}.phase_deg": rng.uniform(0.0, 360.0),
-            }
+            chosen |= on(f"waviness.{k}", body) | {
+                f"waviness.{k}.order": int(between(2.0, 12.0 if body == "roller" else 40.0)),
+                f"waviness.{k}.amplitude_um": between(0.05, 1.0), f"waviness.{k}.phase_deg": rng.uniform(0.0, 360.0),
+            }  # fmt: skip
         if rng.random() < 0.5:
-            chosen |= {
-                "unequal_roller.0.roller": int(rng.integers(13)),
-                "unequal_roller.0.diameter_deviation_um": rng.uniform(-2.0, 2.0),
-            }
+            chosen |= {"unequal_roller.0.roller": int(rng.integers(13)),
+                       "unequal_roller.0.diameter_deviation_um": rng.uniform(-2.0, 2.0)}  # fmt: skip
     return [f"{key}={value:.6g}" if isinstance(value, float) else f"{key}={value}" for key, value in chosen.items()]
-
-
-def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Evenly over the decades."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def _spall(rng: np.random.Generator, table: str, body: str) -> dict:
-    return _on(rng, table, body) | {
-        f"{table}.angle_deg": rng.uniform(-180.0, 180.0), f"{table}.width_mm": _between(rng, 0.3, 3.0),
-        f"{table}.depth_um": _between(rng, 30.0, 200.0), f"{table}.edge_radius_mm": rng.uniform(0.02, 0.2),
-    }  # fmt: skip
-
-
-def _two_spalls(rng: np.random.Generator) -> dict:
-    """On any two bodies, or 90° to 270° apart on one."""
-    first, second = (_spall(rng, f"spall.{k}", rng.choice(BODIES)) for k in (0, 1))
-    bodies = [(each[f"spall.{k}.body"], each.get(f"spall.{k}.roller")) for k, each in enumerate((first, second))]
-    if bodies[0] == bodies[1]:
-        apart = first["spall.0.angle_deg"] + rng.uniform(90.0, 270.0)
-        second["spall.1.angle_deg"] = (apart + 180.0) % 360.0 - 180.0
-    return first | second
-
-
-def _on(rng: np.random.Generator, table: str, body: str) -> dict:
-    """The body of a fault, and which roller."""
-    return {f"{table}.body": body} | ({f"{table}.roller": int(rng.integers(13))} if body == "roller" else {})
 
 
 def random_record(seed: int, kind: str, number: int, folder: Path | None) -> Record:
@@ -106,7 +88,7 @@ def random_record(seed: int, kind: str, number: int, folder: Path | None) -> Rec
         with np.load(path) as kept:
             scene = parse_scene_text(str(kept["scene"]), str(path))
             return Record(name=path.stem, source=path, scene=scene, **{name: kept[name] for name in TRAJECTORIES})
-    rng = np.random.default_rng((seed, KINDS.index(kind), number))
+    rng = np.random.default_rng((seed, list(RUNS).index(kind), number))
     options = [word for each in random_settings(rng, kind) for word in ("--set", each)]
     with tempfile.TemporaryDirectory() as scratch:
         result = Path(scratch) / "run.nc"
@@ -127,9 +109,8 @@ def noisy(record: Record, rng: np.random.Generator) -> Record:
         name: getattr(record, name) + NOISE * rng.standard_normal(getattr(record, name).shape)
         for name in ("inner_x", "inner_y", "roller_x", "roller_y")
     }
-    turn = record.roller_turn
-    aside = NOISE / record.bearing.roller_radius * rng.standard_normal(turn.shape)
-    return replace(record, **shaken, roller_turn=turn + aside)
+    along = NOISE / record.bearing.roller_radius * rng.standard_normal(record.roller_turn.shape)
+    return replace(record, **shaken, roller_turn=record.roller_turn + along)
 
 
 class Told(NamedTuple):
@@ -181,15 +162,14 @@ class Case(NamedTuple):
     @property
     def rows(self) -> list[list[str]]:
         """A row for each spall that is there, and for each that is not but was told; one where there is neither."""
-        first, rows = f"{self.kind} {self.number}", []
+        cells = []
         for spot in self.spots:
             seen = ["missed, more is said to be there" if self.more else "missed", "", ""]
             if spot.told is not None:
                 seen = [_named(spot.told), f"{spot.angle:+.2f}°", f"{100 * spot.width:+.1f} %"]
-            rows.append([first, f"{_named(spot.truth)}, {1e3 * spot.truth.width:.2f} mm", *seen, self.scene])
-        for each in self.false:
-            rows.append([first, "none", f"{_named(each)}, {1e3 * each.width:.2f} mm", "", "", self.scene])
-        return rows or [[first, "none", "none", "", "", self.scene]]
+            cells.append([f"{_named(spot.truth)}, {1e3 * spot.truth.width:.2f} mm", *seen])
+        cells += [["none", f"{_named(each)}, {1e3 * each.width:.2f} mm", "", ""] for each in self.false]
+        return [[f"{self.kind} {self.number}", *row, self.scene] for row in cells or [["none", "none", "", ""]]]
 
 
 def _apart(one: float, other: float) -> float:
@@ -215,24 +195,11 @@ def case(kind: str, number: int, record: Record) -> Case:
     return Case(kind, number, tuple(spots), tuple(left), search.says_more, words)
 
 
-def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, Case]:
+def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, ...]:
     """One run as it is, and with noise."""
     seed, kind, number, folder = task
     record = random_record(seed, kind, number, folder)
     return tuple(case(kind, number, each) for each in (record, noisy(record, np.random.default_rng((seed, number, 1)))))
-
-
-def campaign(seed: int, runs: dict[str, int], folder: Path | None, processes: int) -> dict[str, list[Case]]:
-    """All runs as they are, and with noise."""
-    tasks = [(seed, kind, number, folder) for kind, count in runs.items() for number in range(count)]
-    cases = {"as computed": [], "10 nm noise": []}
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for pair in pool.map(searched, tasks):
-            for (name, mine), each in zip(cases.items(), pair, strict=True):
-                mine.append(each)
-                for row in each.rows:
-                    Console().print(" | ".join([name, *row]), soft_wrap=True)
-    return cases
 
 
 def scores(campaigns: dict[str, list[Case]]) -> str:
@@ -243,47 +210,48 @@ def scores(campaigns: dict[str, list[Case]]) -> str:
         parts = {body: [c for c in single if c.spots and c.spots[0].truth.body == body] for body in BODIES}
         parts |= {"none (perfect, wavy, unequal)": [c for c in single if not c.spots], "**all**": single}
         parts |= {"**two spalls**": double} if double else {}
-        rows += [[name, label.replace("_", " "), *_cells(part)] for label, part in parts.items()]
-    headings = ("trajectories", "spall on", "right bodies, nothing else", "within 1°", "within 10 % of the width",
-                "intervals hold: angle, width", "all right")  # fmt: skip
-    return markdown_table(headings, rows)
+        for label, part in parts.items():
+            matched, cells = [s for c in part for s in c.spots if s.told is not None], ["", "", ""]
+            if matched:
+                angles, widths = (np.abs([getattr(spot, what) for spot in matched]) for what in ("angle", "width"))
+                inside = np.mean([abs(spot.angle) <= np.degrees(spot.told.angle_error) for spot in matched])
+                over = np.mean([abs(spot.width) * spot.truth.width <= spot.told.width_error for spot in matched])
+                count = sum(len(c.spots) for c in part)
+                cells = [f"{np.sum(angles <= ANGLE)} of {count}, median {np.median(angles):.2f}°",
+                         f"{np.sum(widths <= WIDTH)} of {count}, median {100 * np.median(widths):.1f} %",
+                         f"{100 * inside:.0f} %, {100 * over:.0f} %"]  # fmt: skip
+            bodies, right = (f"{sum(getattr(c, of) for c in part)} of {len(part)}" for of in ("right_bodies", "right"))
+            rows.append([name, label.replace("_", " "), bodies, *cells, right])
+    heads = ("trajectories", "spall on", "right bodies, nothing else", "within 1°", "within 10 % of the width",
+             "intervals hold: angle, width", "all right")  # fmt: skip
+    return markdown_table(heads, rows)
 
 
-def _cells(part: list[Case]) -> list[str]:
-    matched, total, cells = [s for c in part for s in c.spots if s.told is not None], len(part), ["", "", ""]
-    if matched:
-        angles, widths = (np.abs([getattr(spot, what) for spot in matched]) for what in ("angle", "width"))
-        inside = np.mean([abs(spot.angle) <= np.degrees(spot.told.angle_error) for spot in matched])
-        over = np.mean([abs(spot.width) * spot.truth.width <= spot.told.width_error for spot in matched])
-        count = sum(len(c.spots) for c in part)
-        cells = [
-            f"{np.sum(angles <= ANGLE)} of {count}, median {np.median(angles):.2f}°",
-            f"{np.sum(widths <= WIDTH)} of {count}, median {100 * np.median(widths):.1f} %",
-            f"{100 * inside:.0f} %, {100 * over:.0f} %",
-        ]  # fmt: skip
-    return [f"{sum(c.right_bodies for c in part)} of {total}", *cells, f"{sum(c.right for c in part)} of {total}"]
-
-
-@app.default
-def main(*, seed: int, keep: Path | None = None, write: bool = False, processes: int = 2, part: float = 1.0) -> None:
+def random(*, seed: int, keep: Path | None = None, processes: int = 2, part: float = 1.0):
     """Draw a part of the runs of each kind, search each once in so many processes, and print the scores.
 
     Runs whose seed the search has not been tried on tell what it is worth; `keep` is a folder for trajectories, which
     are solved only where they do not lie there.
     """
     runs = {kind: max(1, round(part * count)) for kind, count in RUNS.items()}
-    found, command = campaign(seed, runs, keep, processes), f"python -m tests.accuracy.fault_finding --seed {seed}"
+    tasks = [(seed, kind, number, keep) for kind, count in runs.items() for number in range(count)]
+    cases: dict[str, list[Case]] = {"as computed": [], "10 nm noise": []}
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for pair in pool.map(searched, tasks):
+            for (name, mine), each in zip(cases.items(), pair, strict=True):
+                mine.append(each)
+                for row in each.rows:
+                    print(name, *row, sep=" | ", flush=True)
     words = (
         f"{runs['spalled']} runs with a spall, {runs['perfect']} of perfect bearings, {runs['wavy']} with waves and "
         f"rollers of another size, {runs['two spalls']} with two spalls on any two bodies or on one; finite\nelements "
         f"of 2 mm, each of {TURNS:g} turns of the cage, at least {1e3 * SHORTEST:g} ms, sampled every 10 µs."
     )
-    publish("fault_finding", "Random runs", command, words, scores(found), write=write)
+    yield "fault_finding", "Random runs", words, scores(cases)
     called = {"as computed": "as computed", "10 nm noise": "noise"}
-    wrong = [[called[name], *row] for name, cases in found.items() for c in cases if not c.right for row in c.rows]
-    headings = ("", "run", "truth", "found", "angle", "width", "scene")
-    missed = markdown_table(headings, wrong) if wrong else "None."
-    publish("fault_finding", "Wrong answers", command, missed, write=write)
+    wrong = [[called[name], *row] for name, mine in cases.items() for c in mine if not c.right for row in c.rows]
+    heads = ("", "run", "truth", "found", "angle", "width", "scene")
+    yield "fault_finding", "Wrong answers", markdown_table(heads, wrong) if wrong else "None."
 
 
 SEEDED = tuple(product((0.8, 1.5, 2.5), ("outer_ring", "inner_ring"), (1450.0, 2700.0), (0.5, 1.0)))
@@ -306,8 +274,7 @@ def diagnosis_of_sensor(width: float, body: str, rpm: float, seconds: float) -> 
     return diagnose(signal, Geometry.of(scene.ideal_bearing()), rpm / 60.0)
 
 
-@app.command
-def sensor(*, write: bool = False) -> None:
+def sensor():
     """Judge 24 seeded spalls by the record of a sensor on the housing, as check-vibration does."""
     rows, right, missed = [], 0, 0
     for width, body, rpm, seconds in SEEDED:
@@ -315,14 +282,13 @@ def sensor(*, write: bool = False) -> None:
         right, missed, line = right + (found.verdict == body), missed + (found.verdict == "none"), found.findings[0]
         clear = f"{line.name}, {line.off:+.2f} %, {line.clear:.1f} σ"
         rows.append([f"{width:g} mm", body.replace("_", " "), f"{rpm:g}", f"{seconds:g}", found.verdict, clear])
-    headings = "spall", "on", "rpm", "s", "verdict", "first line, from its kinematic place"
+    heads = "spall", "on", "rpm", "s", "verdict", "first line, from its kinematic place"
     words = (
         f"{right} of {len(SEEDED)} right, {missed} with no sign of damage. NU206 with its default cage in the housing "
         "of the vibration tutorial, 0.05 g of noise."
     )
-    command, table = "python -m tests.accuracy.fault_finding sensor", markdown_table(headings, rows)
-    publish("fault_finding", "Seeded spalls at a sensor", command, words, table, write=write)
+    yield "fault_finding", "Seeded spalls at a sensor", words, markdown_table(heads, rows)
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "tests.accuracy.fault_finding", random, sensor)

@@ -1,11 +1,10 @@
-"""Starts of the Lagrangian model against another integration of the equations: python -m tests.accuracy.starts.
+"""Starts of the Lagrangian model against another integration of the equations: `python -m tests.accuracy.starts`.
 
 Random bearings (--count, --seed) under 0 to 5 % of the static load rating, in clearance, of rollers and balls, held and
 free, some in a housing or on a shaft's springs, over 2 ms. Two references by scipy's DOP853, of equations written anew:
 from the same start, which judges the steps, and with the hub standing, which judges the start. Minutes.
 """
 
-import argparse
 from math import pi
 from time import process_time
 
@@ -18,6 +17,7 @@ from lagrange.errors import RunFailed
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene
+from tests.measurements import program
 
 DURATION, INTERVAL = 2e-3, 2e-6  # s
 STANDARD = [f"NU{number}" for number in range(204, 217)]
@@ -65,18 +65,15 @@ class Reference:
     """The equations of motion in the fixed frame, written anew; held elements on rays about the outer ring's centre."""
 
     def __init__(self, problem: Problem):
-        self.problem = problem
-        self.bearing, self.operation = problem.bearing, problem.operation
-        self.n, self.held = problem.bearing.n_rollers, problem.angles == "kinematic"
-        self.first = problem.operation.first_roller_angle + 2.0 * pi * np.arange(self.n) / self.n
+        self.problem, self.bearing, self.operation = problem, problem.bearing, problem.operation
+        n, self.held = problem.bearing.n_rollers, problem.angles == "kinematic"
+        self.first = problem.operation.first_roller_angle + 2.0 * pi * np.arange(n) / n
         self.cage = kinematics(problem.bearing, problem.operation.speed).cage
-        mounting = problem.operation.mounting
-        self.housing, self.shaft = mounting.housing, mounting.shaft
+        self.housing, self.shaft = problem.operation.mounting.housing, problem.operation.mounting.shaft
 
     def packed(self, moving: bool) -> np.ndarray:
         """The problem's own start, with its velocities or without those of the hub and along the radii."""
-        s = self.problem.first_state.state
-        share = 1.0 if moving else 0.0
+        s, share = self.problem.first_state.state, 1.0 if moving else 0.0
         ring = np.array([s.ring_x, s.ring_y])
         hub, rate = ring + np.array([s.x, s.y]), share * np.array([s.x_rate, s.y_rate])
         elements, rates, turn = s.rho, share * s.rho_rate, np.exp(1j * s.theta)
@@ -88,22 +85,19 @@ class Reference:
 
     def contacts(self, time: float, q: np.ndarray):
         """Inner and outer forces, N, their directions on the elements, and the rays, (2, n) each."""
-        hub, ring, angle = q[:2], q[2:4], self.first + self.cage * time
-        rays = np.array([np.cos(angle), np.sin(angle)])
-        place = ring[:, None] + q[4:] * rays if self.held else q[4:].reshape(2, -1)
+        b, laws, hub, ring = self.bearing, self.problem.laws, q[:2], q[2:4]
+        angle = self.first + self.cage * time
+        place = ring[:, None] + q[4:] * np.array([np.cos(angle), np.sin(angle)]) if self.held else q[4:].reshape(2, -1)
         from_hub, from_ring = place - hub[:, None], place - ring[:, None]
         near, far = np.sqrt((from_hub**2).sum(axis=0)), np.sqrt((from_ring**2).sum(axis=0))
-        b = self.bearing
         inner = np.maximum(b.inner_raceway_radius + b.roller_radius - near, 0.0)
         outer = np.maximum(far - (b.outer_raceway_radius - b.roller_radius), 0.0)
-        laws = self.problem.laws
         return laws.inner.force(inner), laws.outer.force(outer), from_hub / near, from_ring / far
 
     def rate(self, time: float, state: np.ndarray) -> np.ndarray:
         half, o = state.size // 2, self.operation
         q, v = state[:half], state[half:]
         inner, outer, outward, ray = self.contacts(time, q)
-        on_elements = inner * outward - outer * ray
         acting = o.at(time)
         hub = np.array([float(acting.side_load), -float(acting.radial_load)]) - (inner * outward).sum(axis=1)
         if self.shaft is not None:
@@ -112,19 +106,16 @@ class Reference:
         if self.housing is not None:
             push = (outer * ray).sum(axis=1) - self.housing.stiffness * q[2:4] - self.housing.damping * v[2:4]
             ring_acc = push / (self.housing.mass + self.bearing.outer_ring_mass) - [0.0, o.gravity]
-        acc = on_elements / self.bearing.roller_mass - np.array([[0.0], [o.gravity]])
+        acc = (inner * outward - outer * ray) / self.bearing.roller_mass - np.array([[0.0], [o.gravity]])
         elements = ((acc - ring_acc[:, None]) * ray).sum(axis=0) + self.cage**2 * q[4:] if self.held else acc.ravel()
         return np.concatenate([v, hub_acc, ring_acc, elements])
 
     def forces(self, moving: bool = True, duration: float = DURATION) -> np.ndarray:
         """The largest contact force at every sample, N."""
         times = INTERVAL * np.arange(round(duration / INTERVAL) + 1)
-        longest = 1e-5  # s: no contact closes and opens between steps
-        found = solve_ivp(
-            self.rate, (0.0, times[-1]), self.packed(moving), "DOP853", times, rtol=1e-8, atol=1e-13, max_step=longest
-        )
-        half = found.y.shape[0] // 2
-        both = (self.contacts(t, q)[:2] for t, q in zip(found.t, found.y[:half].T, strict=True))
+        exact = {"rtol": 1e-8, "atol": 1e-13, "max_step": 1e-5}  # s: no contact closes and opens between steps
+        found = solve_ivp(self.rate, (0.0, times[-1]), self.packed(moving), "DOP853", times, **exact)
+        both = (self.contacts(t, q)[:2] for t, q in zip(found.t, found.y[: len(found.y) // 2].T, strict=True))
         return np.array([max(inner.max(), outer.max()) for inner, outer in both])
 
 
@@ -148,7 +139,8 @@ def judged(tables: dict) -> tuple[float, float, float, str | None]:
     return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), "; ".join(said) or None
 
 
-def main(count: int, seed: int) -> None:
+def starts(*, count: int = 40, seed: int = 1):
+    """So many random bearings."""
     random, errors, loud, missed, refused, began = np.random.default_rng(seed), [], [], [], 0, process_time()
     for k in range(count):
         tables = random_tables(random)
@@ -164,17 +156,14 @@ def main(count: int, seed: int) -> None:
             missed.append(k)
             print(f"{k}: {100 * error:.3g} % off, {over_first:.3g} of the first force, {over_still:.3g} of a standing "
                   f"hub's, {said}: {tables}", flush=True)  # fmt: skip
-    print(
-        f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {100 * np.median(errors):.2g}, "
-        f"99 % {100 * np.quantile(errors, 0.99):.2g}, largest {100 * max(errors):.3g}; over a standing hub's at most "
+    median, most = 100 * np.median(errors), 100 * np.quantile(errors, 0.99)
+    yield "lagrange", "Light starts", (
+        f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {median:.2g}, "
+        f"99 % {most:.2g}, largest {100 * max(errors):.3g}; over a standing hub's at most "
         f"{max(loud):.3g}; refused {refused}; beyond {CLOSE:.0%} or {LOUD:g} times: {missed}; "
         f"{process_time() - began:.0f} s"
     )
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=1)
-    chosen = parser.parse_args()
-    main(chosen.count, chosen.seed)
+    program(__doc__, "tests.accuracy.starts", starts)

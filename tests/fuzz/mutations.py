@@ -47,7 +47,7 @@ def table(data: bytes, random: Random) -> bytes:
     """Change, scale, drop and double cells, columns and rows of a table."""
     text = data.decode("utf-8", errors="replace")
     delimiter = "\t" if "\t" in text else ","
-    rows = [line.split(delimiter) for line in text.split("\n")]
+    rows, is_damaged = [line.split(delimiter) for line in text.split("\n")], False
     for _ in range(random.choice((1, 1, 2, 4))):
         at = random.randrange(len(rows))
         column = random.randrange(len(rows[0])) if rows[0] else 0
@@ -63,12 +63,12 @@ def table(data: bytes, random: Random) -> bytes:
         elif kind == 6:
             rows.insert(random.randrange(len(rows) + 1), list(rows[at]))
         elif kind == 7:
-            for row in rows:
-                if column < len(row):
-                    row.pop(column)
+            rows = [row[:column] + row[column + 1 :] for row in rows]
         else:
-            return damaged("\n".join(delimiter.join(row) for row in rows).encode("utf-8", errors="replace"), random)
-    return "\n".join(delimiter.join(row) for row in rows).encode("utf-8", errors="replace")
+            is_damaged = True
+            break
+    content = "\n".join(delimiter.join(row) for row in rows).encode("utf-8", errors="replace")
+    return damaged(content, random) if is_damaged else content
 
 
 def damaged(data: bytes, random: Random) -> bytes:
@@ -95,11 +95,11 @@ def damaged(data: bytes, random: Random) -> bytes:
 
 def facts(data: bytes, random: Random) -> bytes:
     """Change a value somewhere in the JSON about a study, or bytes of it."""
-    if random.random() < 0.3:
-        return damaged(data, random)
     try:
-        whole = json.loads(data)
+        whole = json.loads(data) if random.random() >= 0.3 else None
     except (ValueError, RecursionError):
+        whole = None
+    if whole is None:
         return damaged(data, random)
     place, key = {"": whole}, ""
     while isinstance(place[key], dict | list) and place[key] and random.random() < 0.8:
@@ -110,17 +110,10 @@ def facts(data: bytes, random: Random) -> bytes:
 
 
 MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
-    "scene": scene,
-    "heights": table,
-    "speeds": table,
-    "loads": table,
-    "study": scene,
-    "folder": facts,
-    "table": table,
-    "record_text": table,
-    "record_wav": damaged,
-    "record_numpy": damaged,
-}
+    **dict.fromkeys(("scene", "study"), scene), "folder": facts,
+    **dict.fromkeys(("heights", "speeds", "loads", "table", "record_text"), table),
+    **dict.fromkeys(("record_wav", "record_numpy"), damaged),
+}  # fmt: skip
 
 
 def _number(text: str, random: Random) -> str:

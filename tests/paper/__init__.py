@@ -2,5 +2,5 @@
 
 variants   what could make the paper's numbers, each as a run; what is measured of it
 figures    docs/paper.png, docs/paper-variants.png
-page       docs/paper.md
+__main__   docs/measurements/paper.md
 """

@@ -1,7 +1,8 @@
 """What could make the paper's numbers, each as a run of its scene; what is read off a run, and off the paper."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,7 +34,6 @@ BAND = 300.0  # Hz, of figures 10 and 11
 MESH = 1e-3  # m
 HALF_SUPPORT = 3e-3  # m, along the outside; much less would be a hinge
 POSITIONS = 4  # of the rollers over one pitch
-
 SUPPORTS = {  # degrees from the load
     "all around": None, "top": (180.0,), "bottom": (0.0,), "both sides": (90.0, 270.0),
     "top and 120° off": (180.0, 300.0, 60.0),
@@ -41,48 +41,7 @@ SUPPORTS = {  # degrees from the load
 OUTSIDE_MM = (65.0, 62.0, 60.0)  # 4.5 mm behind the raceway, as in this project; 3 mm; 2 mm
 
 
-@dataclass(frozen=True, kw_only=True)
-class Held:
-    """Positions of the hub under 2000 N while the rollers pass over one pitch, µm."""
-
-    supports: str
-    outside_mm: float
-    x: tuple[float, float]
-    y: tuple[float, float]
-    loaded: tuple[int, int]
-    widest: float  # largest displacement of the raceway
-
-
-def held(outside_mm: float, name: str) -> Held:
-    """Solve one ring with one of SUPPORTS."""
-    mesh = f"numerics.mesh_size_mm={1e3 * MESH:g}"
-    model, scene = model_of(read_scene(None, (*settings_held(outside_mm, name), mesh))), read_scene()
-    load, pitch = scene.operation.radial_load_N, 2.0 * np.pi / model.bearing.n_rollers
-    first = scene.ideal_operation().first_roller_angle
-    hubs, counts, widest = [], [], 0.0
-    for angle in first + pitch * np.arange(POSITIONS) / POSITIONS:
-        found = equilibrium(model, standing(model.bearing, angle), Loads(load))
-        hubs.append(1e6 * found.hub)
-        counts.append(int(np.count_nonzero(found.inner_force)))
-        widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))
-    x, y = np.array(hubs).T
-    return Held(
-        supports=name, outside_mm=outside_mm, x=(x.min(), x.max()), y=(y.min(), y.max()),
-        loaded=(min(counts), max(counts)), widest=widest,
-    )  # fmt: skip
-
-
-def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:
-    """What of the paper's scene differs."""
-    angles, outside = SUPPORTS[name], f"bearing.outside_diameter_mm={outside_mm}"
-    if angles is None:
-        return (outside,)
-    given = f"support.angles_deg={list(angles)}", f"support.width_mm={2e3 * HALF_SUPPORT:g}"
-    return outside, "support.kind=points", *given
-
-
-@dataclass(frozen=True, kw_only=True)
-class Variant:
+class Variant(NamedTuple):
     """One run of the paper's scene."""
 
     name: str
@@ -90,48 +49,68 @@ class Variant:
     settings: tuple[str, ...] = ()
 
 
+def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:
+    """What of the paper's scene differs."""
+    angles, outside = SUPPORTS[name], f"bearing.outside_diameter_mm={outside_mm}"
+    given = f"support.angles_deg={list(angles or ())}", f"support.width_mm={2e3 * HALF_SUPPORT:g}"
+    return (outside,) if angles is None else (outside, "support.kind=points", *given)
+
+
 def _faceted(size_mm: float, *more: str) -> tuple[str, ...]:
     return "contact.model=faceted", f"numerics.mesh_size_mm={size_mm}", *more
 
 
-_PENALTY = "contact.model=penalty"
-_SOFT = f"contact.penalty_stiffness_N_per_m={SOFT}"
+def _stiffness(newton_per_metre: str) -> str:
+    return f"contact.penalty_stiffness_N_per_m={newton_per_metre}"
+
+
+_PENALTY, _SOFT = "contact.model=penalty", _stiffness(f"{SOFT}")
 _REST = ("numerics.start=rest", "numerics.load_ramp_ms=0.4")
 _SMALL_STEPS = "numerics.time_step_safety=0.4"  # rattling facets of 1 mm and more need them for their energy balance
-
 VARIANTS = (
-    Variant(name="ours", title="this program's default"),
-    Variant(name="rest", title="the same, load ramped up in 0.4 ms", settings=_REST),
-    Variant(name="clearance", title="0.28 mm of clearance", settings=("bearing.outer_raceway_diameter_mm=56.28",)),
-    Variant(name="penalty", title="stiff penalty, 1e9 N/m", settings=(_PENALTY,)),
-    Variant(name="soft", title="soft penalty, 8.3e6 N/m", settings=(_PENALTY, _SOFT)),
-    Variant(name="soft-rest", title="soft penalty, load ramped up in 0.4 ms", settings=(_PENALTY, _SOFT, *_REST)),
-    Variant(name="facets-0.5", title="facets of 0.5 mm, 1e9 N/m", settings=_faceted(0.5)),
-    Variant(name="facets-1", title="facets of 1 mm, 1e9 N/m", settings=_faceted(1.0, _SMALL_STEPS)),
-    Variant(name="facets-2", title="facets of 2 mm, 1e9 N/m", settings=_faceted(2.0, _SMALL_STEPS)),
-    Variant(name="soft-facets-0.5", title="facets of 0.5 mm, 8.3e6 N/m", settings=_faceted(0.5, _SOFT)),
-    Variant(
-        name="soft-facets-1", title="facets of 1 mm, 1.2e7 N/m",
-        settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=1.2e7"),
-    ),
-    Variant(
-        name="less-soft-facets-1", title="facets of 1 mm, 2e7 N/m",
-        settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=2e7"),
-    ),
-)  # fmt: skip
+    Variant("ours", "this program's default"),
+    Variant("rest", "the same, load ramped up in 0.4 ms", _REST),
+    Variant("clearance", "0.28 mm of clearance", ("bearing.outer_raceway_diameter_mm=56.28",)),
+    Variant("penalty", "stiff penalty, 1e9 N/m", (_PENALTY,)),
+    Variant("soft", "soft penalty, 8.3e6 N/m", (_PENALTY, _SOFT)),
+    Variant("soft-rest", "soft penalty, load ramped up in 0.4 ms", (_PENALTY, _SOFT, *_REST)),
+    Variant("facets-0.5", "facets of 0.5 mm, 1e9 N/m", _faceted(0.5)),
+    Variant("facets-1", "facets of 1 mm, 1e9 N/m", _faceted(1.0, _SMALL_STEPS)),
+    Variant("facets-2", "facets of 2 mm, 1e9 N/m", _faceted(2.0, _SMALL_STEPS)),
+    Variant("soft-facets-0.5", "facets of 0.5 mm, 8.3e6 N/m", _faceted(0.5, _SOFT)),
+    Variant("soft-facets-1", "facets of 1 mm, 1.2e7 N/m", _faceted(1.0, _stiffness("1.2e7"))),
+    Variant("less-soft-facets-1", "facets of 1 mm, 2e7 N/m", _faceted(1.0, _stiffness("2e7"))),
+)
+HELD = (65.0, "both sides"), (65.0, "top and 120° off"), (65.0, "top"), (60.0, "top")
+SUPPORTED = tuple(  # rings held at points
+    Variant(f"held-{i}", f"{outside:g} mm, {name}", settings_held(outside, name))
+    for i, (outside, name) in enumerate(HELD)
+)
 
-SUPPORTED = tuple(
-    Variant(name=f"held-{i}", title=f"{outside:g} mm, {name}", settings=settings_held(outside, name))
-    for i, (outside, name) in enumerate(
-        ((65.0, "both sides"), (65.0, "top and 120° off"), (65.0, "top"), (60.0, "top"))
-    )
-)  # rings held at points
+
+def held(outside_mm: float, name: str) -> SimpleNamespace:
+    """Positions of the hub under 2000 N in a ring with one of SUPPORTS while the rollers pass over one pitch, µm.
+
+    `x`, `y`: ranges; `loaded`: least and largest number of loaded rollers; `widest`: the raceway's largest displacement
+    """
+    mesh = f"numerics.mesh_size_mm={1e3 * MESH:g}"
+    model, scene = model_of(read_scene(None, (*settings_held(outside_mm, name), mesh))), read_scene()
+    load, pitch = scene.operation.radial_load_N, 2.0 * np.pi / model.bearing.n_rollers
+    hubs, counts, widest = [], [], 0.0
+    for angle in scene.ideal_operation().first_roller_angle + pitch * np.arange(POSITIONS) / POSITIONS:
+        found = equilibrium(model, standing(model.bearing, angle), Loads(load))
+        hubs.append(1e6 * found.hub)
+        counts.append(int(np.count_nonzero(found.inner_force)))
+        widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))
+    x, y, loaded = (_range(np.array(values)) for values in (*np.array(hubs).T, counts))
+    loaded = tuple(map(int, loaded))
+    return SimpleNamespace(supports=name, outside_mm=outside_mm, x=x, y=y, loaded=loaded, widest=widest)
+
 
 Range = tuple[float, float]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Measured:
+class Measured(NamedTuple):
     """Ranges of a run, smallest and largest; SI."""
 
     x: Range
@@ -146,7 +125,7 @@ class Measured:
     frequency: float  # Hz, the strongest of the hub's y
     peaks: tuple[float, float]  # Hz, the strongest below BAND of the left sides
     cage: float  # Hz
-    imbalance: float  # largest error of the energy balance over the largest energy stored
+    imbalance: float  # largest error of the energy balance over the largest energy that bodies and contacts store
 
 
 def record_of(variant: Variant, folder: Path) -> Record:
@@ -154,8 +133,7 @@ def record_of(variant: Variant, folder: Path) -> Record:
     path = folder / f"{variant.name}.nc"
     if not path.exists():
         words = [word for setting in variant.settings for word in ("--set", setting)]
-        code = run_main([*words, "--output", str(path), "--quiet"])
-        if code != 0:
+        if (code := run_main([*words, "--output", str(path), "--quiet"])) != 0:
             raise RuntimeError(f"{variant.title}: run-fem ended with {code}")
     return read_result(path)
 
@@ -171,29 +149,23 @@ def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
     return checked.x.budget.error, checked.record.operation.radial_load - checked.y.budget.error
 
 
-def imbalance(found: Record) -> float:
-    """Largest error of the energy balance over the largest energy that bodies and contacts store."""
-    kinetic, elastic, contact, work, dissipated = (found.energies[name] for name in ENERGIES)
-    kept = kinetic + elastic + contact - work + dissipated
-    return float(np.abs(kept - kept[0]).max() / (elastic + contact).max())
-
-
 def measure(found: Record, every: int = 1) -> Measured:
     """Ranges of a run of which only each so many samples are kept."""
     kept = found.samples(slice(None, None, every))
     first = int(np.searchsorted(kept.time, SKIPPED))
     by_harris, by_fit = (evaluate(kept, law=law, start=SKIPPED) for law in ("harris", "fitted"))
     roller = chosen_roller(by_harris.budget.loaded, 1)
-    rho, velocity, acceleration = (_range(radial(kept, roller, order)[first:]) for order in range(3))
     harris, fitted = left_sides(by_harris), left_sides(by_fit)
     loaded = np.count_nonzero(kept.inner_force[first:] > 0.0, axis=1)
+    kinetic, elastic, contact, work, dissipated = (kept.energies[name] for name in ENERGIES)
+    balance = kinetic + elastic + contact - work + dissipated
     return Measured(
-        x=_range(kept.inner_x[first:]), y=_range(kept.inner_y[first:]), rho=rho, velocity=velocity,
-        acceleration=acceleration, loaded=(int(loaded.min()), int(loaded.max())), usual=int(np.median(loaded)),
-        harris=tuple(map(_range, harris)), fitted=tuple(map(_range, fitted)),
-        frequency=strongest(kept.inner_y[first:], kept.interval),
-        peaks=tuple(strongest(side, kept.interval, BAND) for side in harris),
-        cage=abs(kept.cage_speed) / (2.0 * np.pi), imbalance=imbalance(kept),
+        _range(kept.inner_x[first:]), _range(kept.inner_y[first:]),
+        *(_range(radial(kept, roller, order)[first:]) for order in range(3)),
+        (int(loaded.min()), int(loaded.max())), int(np.median(loaded)), tuple(map(_range, harris)),
+        tuple(map(_range, fitted)), strongest(kept.inner_y[first:], kept.interval),
+        tuple(strongest(side, kept.interval, BAND) for side in harris), abs(kept.cage_speed) / (2.0 * np.pi),
+        float(np.abs(balance - balance[0]).max() / (elastic + contact).max()),
     )  # fmt: skip
 
 

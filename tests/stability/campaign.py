@@ -1,26 +1,35 @@
-"""One random scene after another, each watched to its end; a line of CSV for each."""
+"""How a random scene ends, what is wrong with it that it has not said itself, and the process that runs one by one."""
 
 import csv
 import math
 import multiprocessing
+import re
 import signal
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.errors import RunFailed, UsageError
-from lagrange.scene.scene import SceneError, parse_scene
+from lagrange.contact.laws import contact_laws
+from lagrange.equations import contact_resultant
+from lagrange.errors import InputError, RunFailed, UsageError
+from lagrange.mounting import ENERGIES
+from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
+from residual.evaluation import Evaluation, evaluate
+from residual.laws import moment_resultant
+from residual.record import Record
+from residual.sources import read_result
 from tests.waiting import ASLEEP, limit_processor_time
 
-COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
+ENDINGS = COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
 LARGEST_IMBALANCE = 0.01  # of the exchanged energy
 ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
@@ -42,57 +51,80 @@ class Outcome:
     seconds: float = 0.0  # of wall time, set-up included
     scene: dict[str, Any] = field(default_factory=dict)
 
+    def columns(self, with_scene: bool) -> dict[str, Any]:
+        """Cells of its line: how a scene ended, then the scene itself."""
+        line = {each.name: getattr(self, each.name) for each in fields(self)[:-1]}
+        line |= {name: f"{line[name]:.3g}" for name in ("imbalance", "of_stored", "seconds")}
+        line["what"] = " ".join(line["what"].split())
+        scene = flat(self.scene) if with_scene else {}
+        return line | {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in scene.items() if k != "name"}
+
+    @classmethod
+    def read(cls, row: Sequence[str]) -> "Outcome":
+        """Of a line's cells, without its scene."""
+        return cls(**{each.name: each.type(cell) for each, cell in zip(fields(cls)[:-1], row, strict=False)})
+
+
+class Lines:
+    """A CSV file that gains a line with each trial, so that another process can go on with it; None: no file."""
+
+    def __init__(self, path: Path | None):
+        self.path, self.rows = path, list[list[str]]()
+        if path is not None and path.exists():
+            with path.open(newline="", encoding="utf-8") as file:
+                self.rows = [row for row in csv.reader(file) if row]
+
+    def add(self, *cells: Any) -> None:
+        self.rows.append([str(cell) for cell in cells])
+        if self.path is not None:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", newline="", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerow(cells)
+
 
 class Watch:
     """Looks at the samples of a run as they come."""
 
     def __init__(self, plan: ElementPlan):
-        self._plan = plan
-        self.count = 0
-        self.faults: list[str] = []
-        self._stored, self._exchanged, self._kinetic, self._imbalance = 0.0, 0.0, 0.0, 0.0
+        self.bearing, self.count, self.faults = plan.model.bearing, 0, list[str]()
+        self._largest = dict.fromkeys(("stored", "kinetic", "exchanged", "imbalance"), 0.0)  # J
 
     def write(self, samples: Samples) -> None:
         if not len(samples):
             return
         self.count += len(samples)
-        for name, values in samples.values.items():
-            if not np.all(np.isfinite(values)):
-                self.faults.append(f"{name} is not finite")
-        bearing = self._plan.model.bearing
-        give = ASTRAY * bearing.roller_radius
-        hub_x, hub_y = samples["inner_x"], samples["inner_y"]
-        if np.max(samples["roller_rho"]) > bearing.outer_raceway_radius - bearing.roller_radius + give:
-            self.faults.append("a roller is in the outer ring")
-        from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None])
-        if np.min(from_hub) < bearing.inner_raceway_radius + bearing.roller_radius - give:
-            self.faults.append("a roller is in the inner ring")
-        if np.max(np.hypot(hub_x, hub_y)) > 2.0 * (abs(bearing.radial_clearance) + give):
-            self.faults.append("the hub has left the bearing")
-        for name in ("inner_force", "outer_force", "roller_roller_force"):
-            if np.min(samples[name]) < 0.0:
-                self.faults.append(f"{name} pulls")
-        self._stored = max(self._stored, float(np.max(samples["energy_elastic"] + samples["energy_contact"])))
-        self._kinetic = max(self._kinetic, float(np.max(samples["energy_kinetic"])))
-        self._exchanged = max(self._exchanged, float(samples.exchanged[-1]))
-        self._imbalance = max(self._imbalance, float(np.max(np.abs(samples.imbalance))))
+        b, x, y = self.bearing, samples["inner_x"], samples["inner_y"]
+        give, (inside, outside) = ASTRAY * b.roller_radius, _roller_limits(b)
+        from_hub = np.hypot(samples["roller_x"] - x[:, None], samples["roller_y"] - y[:, None])
+        wrong = {f"{name} is not finite": not np.all(np.isfinite(of)) for name, of in samples.values.items()}
+        wrong |= {
+            "a roller is in the outer ring": np.max(samples["roller_rho"]) > outside + give,
+            "a roller is in the inner ring": np.min(from_hub) < inside - give,
+            "the hub has left the bearing": np.max(np.hypot(x, y)) > 2.0 * (abs(b.radial_clearance) + give),
+        }
+        forces = "inner_force", "outer_force", "roller_roller_force"
+        wrong |= {f"{name} pulls": np.min(samples[name]) < 0.0 for name in forces}
+        self.faults += [name for name, is_so in wrong.items() if is_so]
+        stored = samples["energy_elastic"] + samples["energy_contact"]
+        seen = stored, samples["energy_kinetic"], samples.exchanged[-1:], np.abs(samples.imbalance)
+        for name, values in zip(self._largest, seen, strict=True):
+            self._largest[name] = max(self._largest[name], float(np.max(values)))
 
-    @property
-    def imbalance(self) -> float:
-        """Largest imbalance so far, as a share of the exchanged energy."""
-        return self._imbalance / max(self._exchanged, ROUND_OFF * self._kinetic, 1e-30)
+    def imbalance(self, of: str = "exchanged") -> float:
+        """Largest imbalance so far, as a share of the exchanged energy or of the largest stored one."""
+        return self._largest["imbalance"] / max(self._largest[of], ROUND_OFF * self._largest["kinetic"], 1e-30)
 
-    @property
-    def of_stored(self) -> float:
-        """Largest imbalance so far, as a share of the largest stored energy."""
-        return self._imbalance / max(self._stored, ROUND_OFF * self._kinetic, 1e-30)
+
+def _roller_limits(bearing) -> tuple[float, float]:
+    """Least distance of a roller's centre from the hub and largest from the outer ring's centre, undeformed, m."""
+    radius = bearing.roller_radius
+    return bearing.inner_raceway_radius + radius, bearing.outer_raceway_radius - radius
 
 
 def try_scene(seed: int, number: int, tables: dict[str, Any]) -> Outcome:
     """Run a scene to its end, whatever that is."""
-    outcome = Outcome(seed=seed, number=number, scene=tables)
+    outcome, watch = Outcome(seed=seed, number=number, scene=tables), None
     began = time.perf_counter()
-    watch = None
     try:
         plan = make_plan(parse_scene(tables, "scene"))
         outcome.degrees_of_freedom, outcome.steps = plan.model.degrees_of_freedom, plan.steps
@@ -101,25 +133,21 @@ def try_scene(seed: int, number: int, tables: dict[str, Any]) -> Outcome:
         outcome.ending = COMPLETE
         if watch.count != plan.n_samples:
             watch.faults.append(f"{watch.count} samples instead of {plan.n_samples}")
-        if not watch.imbalance <= LARGEST_IMBALANCE:
-            watch.faults.append(f"energy imbalance {100 * watch.imbalance:.2g} % unnoticed")
+        if not watch.imbalance() <= LARGEST_IMBALANCE:
+            watch.faults.append(f"energy imbalance {100 * watch.imbalance():.2g} % unnoticed")
     except (SceneError, UsageError) as error:
         outcome.ending, outcome.what = REFUSED, str(error)
     except RunFailed as error:
         outcome.ending, outcome.what = STOPPED, str(error)
     except Exception as error:  # that is what is looked for
-        outcome.what = f"{type(error).__name__}: {error} at {_place(error)}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        outcome.what = f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
     outcome.seconds = time.perf_counter() - began
     if watch is not None:
-        outcome.imbalance, outcome.of_stored = watch.imbalance, watch.of_stored
+        outcome.imbalance, outcome.of_stored = watch.imbalance(), watch.imbalance("stored")
         if watch.faults:
             outcome.ending, outcome.what = FAILED, "; ".join(dict.fromkeys(watch.faults)) + " " + outcome.what
     return outcome
-
-
-def _place(error: Exception) -> str:
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{Path(frame.filename).name}:{frame.lineno}"
 
 
 class Lost(Exception):
@@ -137,14 +165,11 @@ class Worker:
     """A process that does one task after another, so that a hang or a crash of one is an outcome, not the end."""
 
     def __init__(self, work: Callable[..., Any] = try_scene):
-        self._context = multiprocessing.get_context("spawn")
-        self._process = None
-        self._does = work
+        self._context, self._process, self._does = multiprocessing.get_context("spawn"), None, work
 
-    def __call__(self, seed: int, number: int, tables: dict[str, Any], limit: float | None = None) -> Outcome:
-        """Outcome of a scene; FAILED after `limit` s of its processor time (default: TIME_LIMIT per 5 ms)."""
-        if limit is None:
-            limit = TIME_LIMIT * max(1.0, tables["numerics"]["duration_ms"] / 5.0)
+    def __call__(self, seed: int, number: int, tables: dict[str, Any]) -> Outcome:
+        """Outcome of a scene; FAILED after TIME_LIMIT s of its processor time per 5 ms."""
+        limit = TIME_LIMIT * max(1.0, tables["numerics"]["duration_ms"] / 5.0)
         try:
             return self.do(seed, number, tables, limit=limit)
         except Lost as error:
@@ -180,39 +205,165 @@ def flat(tables: dict[str, Any], prefix: str = "") -> dict[str, Any]:
     """Make one table of nested ones, keys joined by dots."""
     out = {}
     for key, value in tables.items():
-        if isinstance(value, dict):
-            out |= flat(value, f"{prefix}{key}.")
-        else:
-            out[prefix + key] = value
+        out |= flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
     return out
 
 
-def append_csv(path: Path, outcome: Outcome) -> None:
-    """Add a line: how a scene ended, then the scene itself. A new file gets its header."""
-    line = {f.name: getattr(outcome, f.name) for f in fields(outcome) if f.name != "scene"}
-    line |= {name: f"{line[name]:.3g}" for name in ("imbalance", "of_stored", "seconds")}
-    line["what"] = " ".join(line["what"].split())
-    scene = flat(outcome.scene)
-    line |= {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in scene.items() if k != "name"}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = not path.exists() or path.stat().st_size == 0
-    with path.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(line), lineterminator="\n")
-        if fresh:
-            writer.writeheader()
-        writer.writerow(line)
+# What is wrong with a complete run by its file alone, as the checker reads it; the hub's place at the start is compared
+# with sums of its own for rigid bodies, with the other model's statics (meshes against series) for elastic ones.
+
+SUM = 1e-9  # of the load, or of the largest term: what the checker's terms may miss of its errors
+BALANCE = {  # of the largest force: what the hub's momentum may miss at a sample
+    "lagrange": 1e-6,  # round-off of positions
+    "reduced": 1e-3,  # kicks are means over a step; where shocks are shorter than it can follow the run says so
+}
+KICKS = re.compile(r"gives the hub up to (\S+) N more or less")  # the reduced model's note on its steps
+ROUNDED = 1.01  # its three digits, and what the rest of the balance misses
+STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
+LAWFUL = 1e-6  # of the largest force or moment, what a Lagrangian run's may be off its own law at its own places
+OTHER_MODEL = {"fem": "reduced", "reduced": "fem"}
+MESH = 0.05  # of the hub's place, what coarse meshes of soft rings may miss of series
+GROWTH = 0.01  # of what rings grow by as they spin
+NOTHING = 1e-10  # m, an atom's radius
 
 
-def read_csv(path: Path) -> list[Outcome]:
-    """Read the outcomes written so far, of their scenes only the duration."""
-    if not path.exists():
+def faults_of(path: Path) -> list[str]:
+    """What is wrong with a run's result, or nothing."""
+    try:
+        record = read_result(path)
+        check = evaluate(record)
+    except InputError as error:  # values that are not finite, or nowhere near
+        return [f"the checker refuses it: {error}"]
+    notes, model, found = record.notes, record.scene.model, []
+
+    def says(*phrases: str) -> bool:
+        return any(phrase in note for note in notes for phrase in phrases)
+
+    if not says("beyond Hertz's theory", "is so wide that its law"):
+        found += _misplaced(record)
+    forces = {"inner_force": record.inner_force, "outer_force": record.outer_force}
+    found += [f"{name} pulls" for name, force in forces.items() if force is not None and np.min(force) < 0.0]
+    imbalance, exchanged, kinetic = _energy(record)
+    if not imbalance <= LARGEST_IMBALANCE * max(exchanged, ROUND_OFF * kinetic, 1e-30):
+        if not says("energy balance is off"):
+            found.append(f"energy imbalance {100.0 * imbalance / max(exchanged, 1e-30):.2g} % unnoticed")
+    load = max(float(np.max(check.force)), record.operation.inner_mass * float(np.max(np.abs(record.inner_ay))), 1.0)
+    kicks = [ROUNDED * float(kick[1]) for note in notes if (kick := KICKS.search(note))]
+    may_miss = max([BALANCE.get(model, math.inf) * load, *kicks])  # N, of momentum
+    if says("impacts excite elastic waves"):
+        may_miss = math.inf
+    for direction in check.directions:
+        terms = direction.budget.terms
+        missed = float(np.max(np.abs(direction.budget.error - sum(terms.values()))))
+        if not missed <= SUM * load:
+            found.append(f"error_{direction.name} is {missed:.2g} N off the sum of its terms")
+        missed = float(np.max(np.abs(terms["ring_flexibility"])))
+        if model in BALANCE and not missed <= may_miss:
+            found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
+    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record)
+
+
+def _misplaced(record: Record) -> list[str]:
+    """Rollers that are in a ring."""
+    bearing, (inside, outside) = record.bearing, _roller_limits(record.bearing)
+    give = ASTRAY * bearing.roller_radius + 1e-6 * max((spall.depth_um for spall in record.scene.spall), default=0.0)
+    hub = np.hypot(record.roller_x - record.inner_x[:, None], record.roller_y - record.inner_y[:, None])
+    wrong = {
+        "outer": np.max(np.hypot(record.roller_x, record.roller_y)) > outside + give,
+        "inner": np.min(hub) < inside - give,
+    }
+    return [f"a roller is in the {ring} ring" for ring, is_so in wrong.items() if is_so]
+
+
+def _energy(record: Record) -> tuple[float, float, float]:
+    """Largest imbalance, exchanged energy and largest kinetic one, J."""
+    e = record.energies
+    stored = e["energy_elastic"] + e["energy_contact"]
+    moved = e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e)
+    left = stored + moved - e["work_external"] + e["work_dissipated"]
+    exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))
+    if record.scene.model == "lagrange":  # what its own verdict goes by
+        exchanged = np.max(stored) + np.ptp(moved) + e["work_dissipated"][-1]
+    return float(np.max(np.abs(left - left[0]))), float(exchanged), float(np.max(e["energy_kinetic"]))
+
+
+def _unlawful(check: Evaluation, load: float) -> list[str]:
+    """Whether a Lagrangian run's forces and moments are not those of its law, which the checker has from its places."""
+    scene, record = check.record.scene, check.record
+    if scene.model != "lagrange" or (check.tilt is not None and scene.damping.contacts.acts):  # dampers by rates
         return []
-    types = {f.name: f.type for f in fields(Outcome) if f.name != "scene"}
-    with path.open(encoding="utf-8", newline="") as file:
-        return [
-            Outcome(
-                **{name: kind(line[name]) for name, kind in types.items()},
-                scene={"numerics": {"duration_ms": float(line["numerics.duration_ms"])}},
-            )
-            for line in csv.DictReader(file)
-        ]
+    off = [("force", "N", np.array([direction.budget.terms["contact_law"] for direction in check.directions]), load)]
+    if check.tilt is not None:
+        moments = [moment for moment in (record.inner_moment, record.outer_moment) if moment is not None]
+        off.append(("moment", "N m", check.tilt.contact_law, max(float(np.max(np.abs(moment))) for moment in moments)))
+    return [
+        f"the contacts' {name} is {np.max(np.abs(missed)):.2g} {unit} off their law, of {largest:.3g} {unit}"
+        for name, unit, missed, largest in off
+        if np.max(np.abs(missed)) > LAWFUL * largest
+    ]
+
+
+def _unstatic(record: Record) -> list[str]:
+    """Whether the first sample of a Lagrangian run from equilibrium is none, by sums of its own.
+
+    Each roller is balanced between its two contacts by bisection (centrifugal force, weight), at the run's own hub and
+    angles; the hub's forces must then add up. The program finds hub and rollers together, by Newton's method. Where
+    rollers tilt, the run's own forces and moments are added up, which `_unlawful` has compared with the law.
+    """
+    scene, operation = record.scene, record.acting
+    steady = record.operation.history is None and scene.numerics.load_ramp_ms == 0.0
+    if scene.model != "lagrange" or scene.numerics.start != "equilibrium" or record.bearing.faults or not steady:
+        return []
+    if scene.axial is None:
+        pushes = _pushes(record)
+    else:  # of rollers that tilt, at the first sample
+        straight = contact_resultant(record.contacts, record.inner_force)
+        slanted = moment_resultant(record, record.contacts, record.inner_moment)
+        pushes = np.array([float(push[0] + more[0]) for push, more in zip(straight, slanted, strict=True)])
+    if (shaft := operation.mounting.shaft) is not None:
+        pushes -= shaft.stiffness * np.array(record.hub)[:, 0]
+    wanted = [-operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity]
+    missed, load = float(np.max(np.abs(pushes - wanted))), max(float(np.max(np.abs(wanted))), 1.0)
+    return [f"the start is no equilibrium: {missed:.2g} N of {load:.3g} N"] if not missed <= STATIC * load else []
+
+
+def _pushes(record: Record) -> np.ndarray:
+    """Force of the rollers on the hub at the first sample, (2,), N, each balanced between its contacts."""
+    bearing, operation = record.bearing, record.acting
+    laws = contact_laws(record.scene.lagrange.law, bearing)
+    x, y = record.inner_x[0], record.inner_y[0]
+    cage = 0.5 * operation.speed * bearing.inner_raceway_radius / bearing.pitch_radius
+    inside, outside = _roller_limits(bearing)
+    pushes = np.zeros(2)
+    for angle in np.arctan2(record.roller_y[0], record.roller_x[0]):
+        along, across = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
+
+        def outward(rho, angle=angle, along=along, across=across):
+            distance = np.hypot(rho - along, across)
+            inner, outer = float(laws.inner.force(inside - distance)), float(laws.outer.force(rho - outside))
+            drag = bearing.roller_mass * (rho * cage**2 - operation.gravity * np.sin(angle))
+            return inner * (rho - along) / distance - outer + drag, inner
+
+        low, high = 0.9 * bearing.pitch_radius, 1.1 * bearing.pitch_radius
+        rho = brentq(lambda rho: outward(rho)[0], low, high, xtol=1e-16)
+        place = np.array([rho * np.cos(angle) - x, rho * np.sin(angle) - y])
+        pushes -= outward(rho)[1] * place / np.hypot(*place)
+    return pushes
+
+
+def _unlike(record: Record) -> list[str]:
+    """Whether an elastic bearing's hub does not start where the other elastic model has it at rest."""
+    scene, x, y = record.scene, record.inner_x[0], record.inner_y[0]
+    if scene.model not in OTHER_MODEL or scene.numerics.start != "equilibrium":
+        return []
+    other = OTHER_MODEL[scene.model]
+    try:
+        plan = make_plan(parse_scene_text(scene.model_copy(update={"model": other}).to_toml(), "scene", scene.files))
+    except (SceneError, UsageError, RuntimeError):  # not for this scene
+        return []
+    wanted = plan.start.hub if other == "reduced" else plan.start.equilibrium.hub
+    clearance = abs(record.bearing.radial_clearance)  # of which the hub may have what growing rings leave
+    if np.hypot(x - wanted[0], y - wanted[1]) <= MESH * float(np.hypot(*wanted)) + GROWTH * clearance + NOTHING:
+        return []
+    places = [f"{1e6 * place[0]:.4g}, {1e6 * place[1]:.4g} µm" for place in ((x, y), wanted)]
+    return [f"the hub starts at {places[0]}, by {other} at {places[1]}"]

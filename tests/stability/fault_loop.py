@@ -13,28 +13,26 @@ command must have
 As SQLite is tested: https://www.sqlite.org/testing.html#i_o_error_testing
 """
 
-import csv
 import hashlib
 import json
 import os
+import re
 import shutil
 import sys
 import tempfile
 import time
 import zipfile
-from collections import Counter
-from dataclasses import dataclass
+from collections import Counter, defaultdict
+from collections.abc import Hashable
 from pathlib import Path
 
 import numpy as np
 from cyclopts import App
-from rich.console import Console
 
-from fem.kernels.kernel_folder import cache_folder
 from tests.measurements import markdown_table
 from tests.stability import forked
-from tests.stability.fault_calls import CALLS, COUNTED, calls_of, ends
-from tests.stability.samples import differing, samples_of
+from tests.stability.campaign import Lines
+from tests.stability.forked import samples_of
 
 EXITS = {0, 1, 2, 130, 143}
 TIME_LIMIT = 120.0  # s of processor time, of one trial
@@ -46,37 +44,63 @@ COMMANDS = {
     "check": ["check-residual", "runs/s.nc", "--no-figures", "--quiet"],
     "render": ["render-fem", "runs/s.nc", "--output", "s.png"],
 }
+CALLS = {
+    "open": (("open", "openat", "creat"), "EACCES"), "read": (("read", "pread64"), "EIO"),
+    "write": (("write", "pwrite64"), "ENOSPC"), "sync": (("fsync", "fdatasync"), "EIO"),
+    "rename": (("rename", "renameat", "renameat2"), "EACCES"), "room": (("fallocate", "ftruncate"), "ENOSPC"),
+    "removal": (("unlink", "unlinkat"), "EPERM"), "memory": (("mmap",), "ENOMEM"),
+}  # fmt: skip
+STEPS = CALLS["sync"][0] + CALLS["rename"][0]  # what divides a command's work into stretches
+CALL = re.compile(r"^(\d+) +(\w+)\((.*)")  # thread, name, arguments and what it gave
+DRAWN = re.compile(r"[0-9a-f]{8,}|[a-z0-9_]{8}(?=\.part)")  # what is another each time in a file's name
+LOG = "strace.log"
 
-app = App(help=__doc__)
+
+def calls_of(log: Path, kind: str, mine: str) -> dict[int, Hashable]:
+    """Numbers of the first thread's calls of a kind that concern files below a folder, and what is alike in them.
+
+    Reads and writes are alike that are of the same file and of the same order of length, and between the same two
+    syncs or renames of the command. No other call is like another.
+    """
+    names, first, number, stretch, found = CALLS[kind][0], None, 0, 0, dict[int, Hashable]()
+    for match in filter(None, map(CALL.match, log.read_text(errors="replace").splitlines())):
+        thread, name, arguments = match.groups()
+        first = first or thread
+        if thread == first:
+            stretch += name in STEPS
+            number += name in names
+            if name in names and _concerns(arguments, kind, mine):
+                found[number] = number
+                if kind in ("read", "write"):
+                    file, length = re.search(r"<([^>]*)>", arguments), re.search(r", (\d+)(, \d+)?\) += ", arguments)
+                    size = int(length[1]).bit_length() if length else 0
+                    found[number] = stretch, name, DRAWN.sub("#", file[1]) if file else "", size
+    return found
 
 
-@dataclass(frozen=True)
-class Desk:
-    """A folder with a scene and an earlier result, and caches of its own."""
+def _concerns(arguments: str, kind: str, mine: str) -> bool:
+    """Whether a call is of the command's own files; of memory, that which the loader of libraries does not ask for."""
+    if kind == "memory":
+        return "MAP_ANONYMOUS" in arguments and "MAP_FIXED" not in arguments
+    arguments = arguments.split("AT_FDCWD", 1)[-1]
+    path = re.sub(r"^<[^>]*>", "", arguments)  # the current folder is not what is opened
+    named = re.search(r'"([^"]*)"', path) if kind in ("open", "rename", "removal") else None
+    place = os.path.join(mine, "work", named[1]) if named else arguments
+    return mine in place and "site-packages" not in place
 
-    folder: Path
 
-    @property
-    def result(self) -> Path:
-        return self.folder / "work" / "runs" / "s.nc"
-
-    def prepared(self, model: "Desk | None") -> None:
-        """Make it anew, as another one is."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        if model is not None:
-            shutil.copytree(model.folder, self.folder, symlinks=True)
-        else:
-            (self.folder / "work").mkdir(parents=True)
-            (self.folder / "work" / "s.toml").write_text(SCENE, encoding="utf-8")
-
-    def run(self, command: list[str], strace: list[str] | None = None) -> forked.Ended:
-        return forked.run(command, self.folder / "work", TIME_LIMIT, strace)
+def ends(calls: dict[int, Hashable]) -> list[int]:
+    """The first and the last of calls that are alike."""
+    groups = defaultdict(list)
+    for number, alike in calls.items():
+        groups[alike].append(number)
+    return sorted({number for numbers in groups.values() for number in (numbers[0], numbers[-1])})
 
 
 def state_of(folder: Path) -> str:
     """A digest of all files of a folder, without the times of day in them."""
     text = hashlib.sha256()
-    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "strace.log"):
+    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.name != LOG):
         text.update(str(path.relative_to(folder)).encode() + b"\0")
         try:
             text.update(_timeless(path))
@@ -96,65 +120,76 @@ def _timeless(path: Path) -> bytes:
     return path.read_bytes()
 
 
-@dataclass(frozen=True)
 class Loop:
-    """One command's trials: the desk as it was before, what the command makes of it, and what is known already."""
+    """One command's trials: a desk, that is a folder with a scene, an earlier result and caches; and it as it was."""
 
-    name: str
-    model: Desk
-    desk: Desk
-    whole: dict[str, np.ndarray]  # the result after the command without faults
-    known: dict[str, str]  # of states left by a fault: what was wrong afterwards, or nothing
+    def __init__(self, place: Path, command: str):
+        self.model, self.desk, self.log = place / "model", place / "trial", place / LOG
+        self.words, self.result = COMMANDS[command], self.desk / "work" / "runs" / "s.nc"
+        os.environ["MPLCONFIGDIR"] = str(place / "matplotlib")
+        first = COMMANDS["lagrange" if command == "lagrange" else "run"]
+        (self.model / "work").mkdir(parents=True)
+        (self.model / "work" / "s.toml").write_text(SCENE, encoding="utf-8")
+        self.laid()
+        forked.prepare([first, self.words], self.desk / "work", self.desk / "cache")
+        self.laid()
+        self.run(first)
+        shutil.rmtree(self.desk / "cache", ignore_errors=True)
+        shutil.rmtree(self.model)
+        shutil.copytree(self.desk, self.model, symlinks=True)
+        self.laid()
+        every = ",".join(name for calls, _ in CALLS.values() for name in calls)
+        self.run(self.words, ["-f", "-y", "-qq", "-o", str(self.log), "-e", f"trace={every}"])
+        self.whole = samples_of(self.result)  # the result after the command without faults
+        self.known: dict[str, str] = {}  # of states left by a fault: what was wrong afterwards, or nothing
+
+    def laid(self) -> None:
+        """The desk as it was."""
+        shutil.rmtree(self.desk, ignore_errors=True)
+        shutil.copytree(self.model, self.desk, symlinks=True)
+
+    def run(self, words: list[str], strace: list[str] | None = None) -> forked.Ended:
+        return forked.run(words, self.desk / "work", TIME_LIMIT, strace)
 
     def trial(self, kind: str, number: int) -> tuple[int, str]:
         """Let one call fail; the exit code, and what is wrong, or nothing."""
-        desk = self.desk
-        desk.prepared(self.model)
-        calls, error = CALLS[kind]
-        log = desk.folder / "strace.log"
+        self.laid()
+        (calls, error), log = CALLS[kind], self.desk / LOG
         inject = f"inject={','.join(calls)}:error={error}:when={number}"
         # a pipe between a child and its parent is on no disk: of writes those of the command itself
         every = [] if kind == "write" else ["-f"]
         traced = [*every, "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject]
-        done = desk.run(COMMANDS[self.name], traced)
-        if done.code is None:
+        code, said = self.run(self.words, traced)
+        if code is None:
             return -1, "hangs"
         struck = "; ".join(line[:160] for line in log.read_text(errors="replace").splitlines() if "INJECTED" in line)
-        if done.code not in EXITS:
-            return done.code, f"exit {done.code}: {struck}: {done.said[-300:]}"
-        if "Traceback" in done.said:
-            return done.code, f"traceback: {struck}: {done.said[-600:]}"
-        if done.code and not done.said:
-            return done.code, f"exit {done.code} without a word: {struck}"
+        if code not in EXITS:
+            return code, f"exit {code}: {struck}: {said[-300:]}"
+        if "Traceback" in said:
+            return code, f"traceback: {struck}: {said[-600:]}"
+        if code and not said:
+            return code, f"exit {code} without a word: {struck}"
         try:
-            if other := differing(samples_of(desk.result), self.whole):
-                return done.code, f"the earlier result has other samples of {', '.join(other)}: {struck}"
+            if other := forked.differing(samples_of(self.result), self.whole):
+                return code, f"the earlier result has other samples of {', '.join(other)}: {struck}"
         except (OSError, KeyError) as fault:
-            return done.code, f"the earlier result: {fault}: {struck}"
-        state = state_of(desk.folder)
-        if state not in self.known:
-            self.known[state] = self._afterwards()
-        return done.code, self.known[state] and f"{self.known[state]}: {struck}"
+            return code, f"the earlier result: {fault}: {struck}"
+        if (state := state_of(self.desk)) not in self.known:  # whether the same command makes the same result
+            again = self.run(self.words)
+            self.known[state] = f"afterwards exit {again.code}: {again.said[-300:]}" if again.code != 0 else ""
+            if again.code == 0 and not forked.is_same(samples_of(self.result), self.whole):
+                self.known[state] = "afterwards another result"
+        return code, self.known[state] and f"{self.known[state]}: {struck}"
 
-    def _afterwards(self) -> str:
-        """Whether the same command without a fault makes the same result."""
-        again = self.desk.run(COMMANDS[self.name])
-        if again.code != 0:
-            return f"afterwards exit {again.code}: {again.said[-300:]}"
-        found = samples_of(self.desk.result)
-        whole = len(found["time"]) == len(self.whole["time"]) and found["status"] == self.whole["status"]
-        return "" if whole and not differing(found, self.whole) else "afterwards another result"
+
+app = App(help=__doc__)
 
 
 @app.default
 def main(
-    command: str = "run",
-    *,
-    kinds: tuple[str, ...] = tuple(CALLS),
-    alike: bool = True,
-    output: Path | None = None,
+    command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), alike: bool = True, output: Path | None = None,
     seconds: float = 1e9,
-) -> None:
+) -> None:  # fmt: skip
     """Let every call of a command fail once, print what came of it.
 
     Parameters
@@ -165,66 +200,27 @@ def main(
     output: CSV, a line a call; those that stand there are not repeated
     seconds: of wall time, after which no further call fails
     """
-    console, until = Console(), time.monotonic() + seconds
-    findings: list[str] = []
-    rows = []
+    lines, until, findings, rows = Lines(output), time.monotonic() + seconds, [], []
     with tempfile.TemporaryDirectory() as place:
-        loop, log = prepared(Path(place), command)
+        loop = Loop(Path(place), command)
         for kind in kinds:
-            calls = calls_of(log, kind, str(loop.desk.folder))
-            done = earlier(output, command, kind)
-            before = len(findings)
+            calls, before = calls_of(loop.log, kind, str(loop.desk)), len(findings)
+            done = {int(n): (int(code), wrong) for *which, n, code, wrong in lines.rows if which == [command, kind]}
             for number in calls if alike else ends(calls):
                 if number not in done and time.monotonic() < until:
                     done[number] = loop.trial(kind, number)
-                    if output is not None:
-                        with output.open("a", newline="", encoding="utf-8") as file:
-                            csv.writer(file, lineterminator="\n").writerow([command, kind, number, *done[number]])
+                    lines.add(command, kind, number, *done[number])
                 if wrong := done.get(number, (0, ""))[1]:
                     findings.append(f"{kind} {number}: {wrong}")
                     print(findings[-1], file=sys.stderr, flush=True)
             codes = Counter(code for code, _ in done.values())
-            told = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
+            times = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
             tried = f"{codes.total()} of {len(calls)}, {len(set(calls.values()))} kinds"
-            rows.append([command, kind, CALLS[kind][1], tried, told, str(len(findings) - before)])
+            rows.append([command, kind, CALLS[kind][1], tried, times, str(len(findings) - before)])
             print(rows[-1], file=sys.stderr, flush=True)
-    headings = ["command", "call", "error", "tried", "exit codes: times", "findings"]
-    console.print(markdown_table(headings, rows), soft_wrap=True, markup=False)
-    for finding in findings:
-        console.print(finding, soft_wrap=True, markup=False)
+    print(markdown_table(["command", "call", "error", "tried", "exit codes: times", "findings"], rows))
+    print(*findings, sep="\n")
     sys.exit(1 if findings else 0)
-
-
-def earlier(output: Path | None, command: str, kind: str) -> dict[int, tuple[int, str]]:
-    """Calls that a file tells of: number, exit code, what was wrong."""
-    if output is None or not output.exists():
-        return {}
-    with output.open(newline="", encoding="utf-8") as file:
-        return {int(n): (int(code), wrong) for *which, n, code, wrong in csv.reader(file) if which == [command, kind]}
-
-
-def prepared(place: Path, command: str) -> tuple[Loop, Path]:
-    """Desks in a folder, and strace's record of the command without a fault."""
-    model, desk, log = Desk(place / "model"), Desk(place / "trial"), place / "strace.log"
-    _first_run(model, desk, command)
-    desk.prepared(model)
-    desk.run(COMMANDS[command], ["-f", "-y", "-qq", "-o", str(log), "-e", f"trace={','.join(COUNTED)}"])
-    return Loop(command, model, desk, samples_of(desk.result), {}), log
-
-
-def _first_run(model: Desk, desk: Desk, command: str) -> None:
-    """An earlier result in place, caches of meshes and matrices empty again."""
-    kept = cache_folder()
-    if kept is not None:  # kernels stay where they are kept: a copy of them would have to be made for each trial
-        os.environ["NUMBA_CACHE_DIR"] = str(kept.parent.parent)
-    os.environ |= {"XDG_CACHE_HOME": str(desk.folder / "cache"), "MPLCONFIGDIR": str(model.folder)}
-    desk.prepared(None)
-    first = COMMANDS["lagrange" if command == "lagrange" else "run"]
-    forked.preload([first, COMMANDS[command]], desk.folder / "work")
-    desk.prepared(None)
-    desk.run(first)
-    shutil.rmtree(desk.folder / "cache", ignore_errors=True)
-    model.prepared(desk)
 
 
 if __name__ == "__main__":

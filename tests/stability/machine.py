@@ -3,36 +3,313 @@
 Each has some of the tables of what stands around a bearing: damping, cage, housing with a fit, sensor, a shaft's
 springs, unbalance, a rotating load, speed and load that change, faults of surfaces; 3 to 60 rollers, or balls, of 3 to
 50 mm, at an angle, in rows, with one missing, on a solid shaft, in an outer ring that turns, tilted, with a law of
-their own; steel, ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN
-(`machine_scenes`). Run-fem must refuse a scene by name (2), stop with a reason (1), or be complete (0) with a result in
-which `judged.faults_of` finds none.
+their own; steel, ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN. Run-fem must
+refuse a scene by name (2), stop with a reason (1), or be complete (0) with a result in which `campaign.faults_of` finds
+none.
+
+(seed, number) names a scene. Which model it has, which tables stand in it and of which kind, belongs to its set, the
+number's remainder: each set compiles a time loop of its own, so that a thousand scenes of a few dozen sets take hours,
+not days. Values, and what changes no compiled loop, are drawn for each scene.
 """
 
-import csv
 import os
 import sys
 import tempfile
 import time
 import traceback
 from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import exp, log, pi, sin
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import numpy as np
 import tomli_w
 from cyclopts import App
-from rich.console import Console
 
 from fem.commands.run_fem import run_main
 from tests.measurements import markdown_table
-from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Lost, Worker
-from tests.stability.judged import faults_of
-from tests.stability.machine_scenes import MODELS, machine_scene, model_of
+from tests.stability.campaign import COMPLETE, ENDINGS, FAILED, REFUSED, STOPPED, Lines, Lost, Worker, faults_of
+from tests.stability.random_scenes import random_scene
 
 TIME_LIMIT = 600.0  # s of processor time of one scene; compiling takes most of it
 TOGETHER = 20  # scenes of a set
-ENDINGS = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
+BY_CODE = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
+MODELS = ("lagrange", "reduced", "fem")
+SHARES = 0.45, 0.45, 0.1  # of the sets
+DURATION = 5.0  # ms
+MATERIALS = tuple(  # of steel, ceramic, polymer
+    {"youngs_modulus_GPa": modulus, "density_kg_m3": density, "poisson_ratio": nu}
+    for modulus, density, nu in ((210.0, 7850.0, 0.3), (310.0, 3200.0, 0.27), (3.6, 1350.0, 0.4))
+)
+Tables = dict[str, Any]
 
-app = App(help=__doc__)
+
+@dataclass(frozen=True)
+class Draw:
+    """Numbers of one generator, and the folder of the scene's files."""
+
+    rng: np.random.Generator
+    folder: Path = Path()
+
+    def uniform(self, low: float, high: float) -> float:
+        return float(self.rng.uniform(low, high))
+
+    def spread(self, low: float, high: float) -> float:
+        """Evenly over the decades."""
+        return exp(self.uniform(log(low), log(high)))
+
+    def chance(self, share: float) -> bool:
+        return self.uniform(0.0, 1.0) < share
+
+    def one_of(self, *choices: str) -> str:
+        return str(self.rng.choice(choices))
+
+    def table(self, name: str, header: str, rows: Iterable[Iterable[float]]) -> str:
+        """Name of a new file with these columns."""
+        lines = [header, *(",".join(f"{value:.8g}" for value in row) for row in rows)]
+        (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return name
+
+
+def _of_set(seed: int, number: int, sets: int) -> tuple[Draw, str]:
+    """What is drawn for a scene's set, and its model."""
+    kinds = Draw(np.random.default_rng([seed, number % sets, 2]))
+    return kinds, str(kinds.rng.choice(MODELS, p=SHARES))
+
+
+def machine_scene(seed: int, number: int, sets: int, folder: Path, axial: bool = False) -> Tables:
+    """Tables of a scene of one of so many sets; the files that it names are written to the folder.
+
+    `axial`: with that table in any case.
+    """
+    (kinds, model), values = _of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]), folder)
+    tables = random_scene(seed, number, DURATION, 2e8) | {"name": f"machine {number}", "model": model}
+    bearing, operation = tables["bearing"], tables["operation"]
+    if values.chance(0.5):  # of materials that there are
+        tables["material"] = {body: dict(MATERIALS[values.rng.integers(3)]) for body in tables["material"]}
+        area = pi * (bearing["inner_raceway_diameter_mm"] ** 2 - bearing["bore_diameter_mm"] ** 2) / 4.0
+        ring = 1e-9 * tables["material"]["inner_ring"]["density_kg_m3"] * area * bearing["roller_length_mm"]
+        operation["inner_ring_and_shaft_kg"] = ring * values.spread(1.05, 5.0)
+    if values.chance(0.3):
+        operation["radial_load_N"] = 5e4 * values.uniform(0.0, 1.0) ** 2
+    tables["contact"]["friction_coefficient"] = 0.0 if kinds.chance(0.2) else values.uniform(0.0, 1.0)
+    if model == "lagrange":
+        tables["lagrange"] = {"angles": kinds.one_of("kinematic", "free")}
+    for share, add in AROUND_A_BEARING:
+        if kinds.chance(share):
+            add(tables, kinds, values)
+    drawn = [change for share, change in KINDS_OF_BEARINGS if kinds.chance(share) or (axial and change is _axial)]
+    for change in drawn:
+        if not any(change in few and other in drawn for few, other in REFUSED_TOGETHER):
+            change(tables, kinds, values)
+    start = "equilibrium" if values.chance(0.7) else "rest"
+    interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
+    tables["numerics"] |= {"start": start, "output_interval_us": interval}
+    return tables
+
+
+def _damping(tables: Tables, kinds: Draw, values: Draw) -> None:
+    ranges = {"contact_N_s_m": (1.0, 1e4), "contact_time_us": (0.1, 25.0), "hunt_crossley_s_m": (1e-3, 1.0)}
+    kind = "contact_N_s_m" if tables["model"] == "fem" else kinds.one_of(*ranges)
+    tables["damping"] = {kind: values.spread(*ranges[kind])}
+
+
+def _cage(tables: Tables, kinds: Draw, values: Draw) -> None:
+    bearing = tables["bearing"]
+    pitch = 0.5 * (bearing["inner_raceway_diameter_mm"] + bearing["outer_raceway_diameter_mm"])
+    room = pitch * sin(pi / bearing["rollers"]) - bearing["roller_diameter_mm"]  # between neighbours
+    tables["cage"] = {
+        "mass_kg": values.spread(0.005, 0.5),
+        "pocket_clearance_mm": max(0.9 * room * values.uniform(0.05, 1.0), 1.1e-3),
+        "friction_coefficient": values.uniform(0.0, 0.3), "drag_torque_N_m": values.spread(1e-5, 0.1),
+        "stiffness_N_per_m": values.spread(1e6, 1e9), "damping_N_s_m": values.spread(0.01, 100.0),
+    }  # fmt: skip
+    guidance = kinds.one_of("rollers", "inner_ring", "outer_ring")
+    if guidance != "rollers":
+        tables["cage"] |= {"guidance": guidance, "guidance_clearance_mm": values.uniform(0.05, 1.0)}
+
+
+def _housing(tables: Tables, kinds: Draw, values: Draw) -> None:
+    tables["support"] = {
+        "kind": "housing", "mass_kg": values.spread(0.1, 50.0), "stiffness_N_per_m": values.spread(1e6, 1e9),
+        "damping_N_s_m": values.spread(10.0, 1e4),
+    }  # fmt: skip
+    if tables["model"] == "fem" and kinds.chance(0.7):
+        outside = tables["bearing"]["outside_diameter_mm"]
+        tables["support"]["fit_clearance_um"] = 1e3 * outside * values.uniform(-3e-4, 1e-3)
+    if kinds.chance(0.7):
+        tables["sensor"] = {"frequency_Hz": values.spread(1e3, 3e4), "damping_ratio": values.uniform(0.01, 0.3)}
+
+
+def _shaft(tables: Tables, kinds: Draw, values: Draw) -> None:
+    stiffness, damping = values.spread(1e5, 1e9), values.spread(1.0, 1e4)
+    tables["operation"] |= {"shaft": "springs", "shaft_stiffness_N_per_m": stiffness, "shaft_damping_N_s_m": damping}
+
+
+def _turning(tables: Tables, kinds: Draw, values: Draw) -> None:
+    unbalance, load = values.spread(0.1, 300.0), 0.3 * tables["operation"]["radial_load_N"]
+    tables["operation"] |= {"unbalance_g_mm": unbalance, "rotating_load_N": load * values.uniform(0.0, 1.0)}
+
+
+def _surfaces(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """Spalls, waves, a measured profile and an unequal element, in their kinds' order."""
+    d, n = tables["bearing"]["roller_diameter_mm"], tables["bearing"]["rollers"]
+
+    def body() -> Tables:
+        name = kinds.one_of("outer_ring", "inner_ring", "roller")
+        return {"body": name} | ({"roller": int(values.rng.integers(n))} if name == "roller" else {})
+
+    if kinds.chance(0.7):
+        tables["spall"] = [body() | {
+            "angle_deg": values.uniform(-60.0, 60.0), "width_mm": d * values.uniform(0.03, 0.25),
+            "depth_um": d * values.spread(0.5, 20.0), "edge_radius_mm": d * values.spread(0.002, 0.02),
+        }]  # fmt: skip
+    if kinds.chance(0.5):
+        order, amplitude = int(values.rng.integers(2, 40)), d * values.spread(0.001, 0.05)
+        tables["waviness"] = [body() | {"order": order, "amplitude_um": amplitude}]
+    if kinds.chance(0.2):
+        deviation = d * values.uniform(-0.5, 0.5)
+        tables["unequal_roller"] = [{"roller": int(values.rng.integers(n)), "diameter_deviation_um": deviation}]
+    if kinds.chance(0.2):
+        angles, high = np.arange(0.0, 360.0, 0.1), d * values.spread(0.01, 0.3)
+        heights = high * np.cos(np.radians(int(values.rng.integers(1, 9)) * angles))
+        file = values.table("heights.csv", "angle_deg,height_um", zip(angles, heights, strict=True))
+        tables["profile"] = [{"body": kinds.one_of("outer_ring", "inner_ring"), "file": file}]
+
+
+def _speeds(tables: Tables, kinds: Draw, values: Draw, name: str = "speed_table", key: str = "speed_rpm") -> None:
+    operation = tables["operation"]
+    speed, shape = operation.pop(key), values.one_of("smooth", "linear")
+    times = [0.0, *sorted(values.uniform(0.2, 0.9) * DURATION for _ in range(2)), DURATION]
+    file = values.table(f"{name}.csv", "time_ms,speed_rpm", [(t, speed * values.uniform(0.7, 1.3)) for t in times])
+    operation |= {name: file, f"{name}_shape": shape}
+
+
+def _loads(tables: Tables, kinds: Draw, values: Draw) -> None:
+    operation = tables["operation"]
+    load, shape = operation.pop("radial_load_N"), values.one_of("smooth", "linear", "steps")
+    pulls = [(t, load * values.uniform(-0.3, 0.3), -load * values.uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION)]
+    operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
+
+
+def _without(tables: Tables, *names: str) -> None:
+    """Leave out tables that a feature is refused with, so that most scenes run."""
+    for name in names:
+        tables.pop(name, None)
+
+
+def _without_rollers_surfaces(tables: Tables) -> None:
+    _without(tables, *(name for name in ("spall", "waviness") if tables.get(name, [{}])[0].get("body") == "roller"))
+
+
+def _angle(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """A contact angle and rows: element and pitch diameters stay, raceways follow."""
+    _without_rollers_surfaces(tables)
+    bearing = tables["bearing"]
+    inner, outer = bearing.pop("inner_raceway_diameter_mm"), bearing.pop("outer_raceway_diameter_mm")
+    bearing |= {
+        "pitch_diameter_mm": 0.5 * (inner + outer), "contact_angle_deg": values.uniform(1.0, 40.0),
+        "rows": int(values.rng.integers(1, 3)),
+        "clearance_um": 1e3 * bearing["roller_diameter_mm"] * values.uniform(-1e-4, 5e-3),
+    }  # fmt: skip
+
+
+def _missing(tables: Tables, kinds: Draw, values: Draw) -> None:
+    _without_rollers_surfaces(tables)
+    _without(tables, "unequal_roller")
+    tables["bearing"]["missing_rollers"] = [int(values.rng.integers(tables["bearing"]["rollers"]))]
+
+
+def _solid(tables: Tables, kinds: Draw, values: Draw) -> None:
+    tables["bearing"]["bore_diameter_mm"] = 0.0
+    tables["operation"].pop("inner_ring_and_shaft_kg", None)
+
+
+def _fit(tables: Tables, kinds: Draw, values: Draw) -> None:
+    bore, outside = (1e3 * tables["bearing"][f"{name}_diameter_mm"] for name in ("bore", "outside"))
+    tables["fit"] = {
+        "shaft_interference_um": bore * values.uniform(-1e-4, 5e-4),
+        "housing_interference_um": outside * values.uniform(-2e-4, 2e-4),
+        "inner_ring_C": values.uniform(20.0, 60.0), "outer_ring_C": values.uniform(20.0, 60.0),
+    }  # fmt: skip
+
+
+def _balls(tables: Tables, kinds: Draw, values: Draw) -> None:
+    if tables["model"] == "lagrange":
+        tables["bearing"]["type"] = "ball"
+
+
+def _own_law(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """K and n, or a table of forces and approaches around them."""
+    if tables["model"] == "lagrange":
+        exponent, length = values.uniform(1.0, 1.6), 1e-3 * tables["bearing"]["roller_length_mm"]
+        stiffness = [5e10 * length * 1e-5 ** (1.0 - exponent) * values.spread(0.3, 3.0) for _ in range(2)]
+        if values.chance(0.3):
+            approaches = [2.0, 5.0, 10.0, 20.0, 40.0]  # µm
+            rows = [(stiffness[0] * (1e-6 * x) ** exponent * values.uniform(0.95, 1.05), x) for x in approaches]
+            tables["lagrange"]["law_table"] = values.table("law.csv", "force [N],approach [um]", rows)
+        else:
+            tables["lagrange"] |= {"contact_stiffness_N_per_m_n": stiffness, "contact_exponent": exponent}
+
+
+def _outer_ring(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """Both rings turn, at a steady speed or by a table."""
+    _without(tables, "support", "sensor", "fit")
+    if tables.get("cage", {}).get("guidance") == "outer_ring":
+        tables["cage"]["guidance"] = "inner_ring"
+    operation = tables["operation"]
+    operation["outer_ring_speed_rpm"] = abs(operation.get("speed_rpm", 1000.0)) * values.uniform(-1.0, 1.0)
+    if "rotating_load_N" in operation:
+        operation["rotating_load_with"] = values.one_of("inner_ring", "outer_ring")
+    if values.chance(0.5):
+        _speeds(tables, kinds, values, "outer_ring_speed_table", "outer_ring_speed_rpm")
+
+
+def _axial(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
+    if tables["model"] == "fem":
+        _without(tables, "damping")  # of contacts, which meshes have not with tilt
+    bearing, operation = tables["bearing"], tables["operation"]
+    d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
+    coupled = tables["model"] != "lagrange" and kinds.chance(0.7)
+    axial: Tables = {"coupling": coupled, "slices": 5 + 2 * int(values.rng.integers(19))}
+    for surface, none in (("roller", 0.1), ("inner_raceway", 0.7), ("outer_raceway", 0.7)):
+        kind = "none" if values.chance(none) else values.one_of("logarithmic", "crowned", "lundberg", "measured")
+        if kind == "measured":
+            z = np.linspace(-0.5 * length, 0.5 * length, 21)
+            drop = d * values.uniform(0.2, 2.0) * np.abs(2.0 * z / length) ** values.uniform(1.5, 6.0)
+            kind = values.table(f"{surface}.csv", "z_mm,drop_um", zip(z, drop, strict=True))
+        axial[f"{surface}_profile"] = kind
+    if "crowned" in axial.values():
+        axial["crown_um"] = d * values.spread(0.1, 3.0)
+    if "lundberg" in axial.values():
+        axial["lundberg_load_N"] = max(values.spread(0.05, 2.0) * operation.get("radial_load_N", 1000.0), 1.0)
+    if values.chance(0.5):
+        axial["ring_width_mm"] = length * values.uniform(1.0, 3.0)
+    if kinds.chance(0.3):
+        outer, mass = bearing["outer_raceway_diameter_mm"], operation.get("inner_ring_and_shaft_kg", 1.0)
+        axial["hub_tilt_inertia_kg_m2"] = mass * (1e-3 * outer) ** 2 * values.spread(0.1, 1.0)
+        axial["shaft_tilt_stiffness_N_m_rad"] = values.spread(1e2, 1e6)
+    operation["misalignment_mrad"] = values.uniform(-1.0, 1.0) * values.spread(0.05, 5.0)
+    if kinds.chance(0.5):
+        part = length * values.uniform(0.1, 0.9)
+        middle = 0.5 * (length - part) * values.uniform(-1.0, 1.0)
+        for spall in tables.get("spall", []):
+            spall |= {"length_mm": part, "z_mm": middle}
+    tables["axial"] = axial
+
+
+AROUND_A_BEARING = (
+    (0.6, _damping), (0.6, _cage), (0.6, _housing), (0.5, _shaft), (0.5, _turning), (0.6, _surfaces), (0.4, _speeds),
+    (0.3, _loads),
+)  # fmt: skip
+KINDS_OF_BEARINGS = (
+    (0.25, _angle), (0.2, _missing), (0.2, _fit), (0.2, _solid), (0.25, _balls), (0.25, _own_law), (0.3, _outer_ring),
+    (0.25, _axial),
+)  # fmt: skip
+REFUSED_TOGETHER = (((_angle, _balls), _axial), ((_fit,), _angle), ((_fit,), _solid))
 
 
 class Row(NamedTuple):
@@ -53,10 +330,8 @@ def tried(seed: int, number: int, sets: int, axial: bool) -> Row:
         tables = machine_scene(seed, number, sets, folder, axial)
         (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
         code, said = _run_fem([str(folder / "scene.toml"), "--output", str(folder / "run.nc"), "--quiet"], folder)
-        ending, what = ENDINGS.get(code, FAILED), said
-        if code and not said:
-            ending = FAILED  # without a reason
-        if "Traceback" in said or ending == FAILED:
+        ending, what = BY_CODE.get(code, FAILED), said
+        if "Traceback" in said or ending == FAILED or (code and not said):  # or without a reason
             ending, what = FAILED, f"exit {code}: {said[-400:]}"
         elif ending == COMPLETE and (faults := faults_of(folder / "run.nc")):
             ending, what = FAILED, "; ".join(faults)
@@ -73,8 +348,8 @@ def _run_fem(words: list[str], folder: Path) -> tuple[int, str]:
         try:
             code = run_main(words)
         except Exception:
-            code, trace = 1, traceback.format_exc()
-            output.write(trace.encode())
+            code = 1
+            output.write(traceback.format_exc().encode())
         finally:
             sys.stdout.flush()
             sys.stderr.flush()
@@ -84,18 +359,14 @@ def _run_fem(words: list[str], folder: Path) -> tuple[int, str]:
     return code, (folder / "said").read_text(encoding="utf-8", errors="replace")
 
 
+app = App(help=__doc__)
+
+
 @app.default
 def main(
-    *,
-    scenes: int = 200,
-    seed: int = 1,
-    first: int = 0,
-    sets: int = 48,
-    models: tuple[str, ...] = MODELS,
-    axial: bool = False,
-    output: Path | None = None,
-    seconds: float = 1e9,
-) -> None:
+    *, scenes: int = 200, seed: int = 1, first: int = 0, sets: int = 48, models: tuple[str, ...] = MODELS,
+    axial: bool = False, output: Path | None = None, seconds: float = 1e9,
+) -> None:  # fmt: skip
     """Run scenes and print how they ended.
 
     Parameters
@@ -109,15 +380,13 @@ def main(
     output: CSV, a line a scene; scenes that it holds are counted, and not run again
     seconds: of wall time, after which no further scene begins
     """
-    console, rows, until = Console(), list[Row](), time.monotonic() + seconds
-    if output is not None and output.exists():
-        with output.open(newline="", encoding="utf-8") as file:
-            rows = [Row(int(row[0]), row[1], row[2], row[3], float(row[4])) for row in csv.reader(file)]
+    lines, until = Lines(output), time.monotonic() + seconds
+    rows = [Row(int(row[0]), *row[1:4], float(row[4])) for row in lines.rows]
     wanted = {*range(first, first + scenes)} - {row.number for row in rows}
     worker, before = Worker(tried), -1
     # a set's scenes together, because the first of them loads its kernels, but not so many that other sets wait long
     for number in sorted(wanted, key=lambda number: (number // (TOGETHER * sets), number % sets, number)):
-        model = model_of(seed, number, sets)
+        model = _of_set(seed, number, sets)[1]
         if model not in models:
             continue
         if time.monotonic() > until:
@@ -130,17 +399,13 @@ def main(
         except Lost as error:
             row = Row(number, model, FAILED, str(error), TIME_LIMIT)
         rows.append(row)
+        lines.add(*row)
         if row.ending == FAILED:
-            console.print(f"{number} {model} {row.what}", soft_wrap=True, markup=False)
-        if output is not None:
-            with output.open("a", newline="", encoding="utf-8") as file:
-                csv.writer(file, lineterminator="\n").writerow(row)
+            print(number, model, row.what, flush=True)
     worker.close()
     counts = Counter((row.model, row.ending) for row in rows)
-    endings = (COMPLETE, REFUSED, STOPPED, FAILED)
-    table = [[model, *(str(counts[model, ending]) for ending in endings)] for model in MODELS]
-    console.print(markdown_table(["model", *endings], table), soft_wrap=True)
-    console.print(f"{len(rows)} scenes, seed {seed}")
+    table = [[model, *(str(counts[model, ending]) for ending in ENDINGS)] for model in MODELS]
+    print(markdown_table(["model", *ENDINGS], table), f"{len(rows)} scenes, seed {seed}", sep="\n")
     sys.exit(1 if any(row.ending == FAILED for row in rows) else 0)
 
 

@@ -1,6 +1,6 @@
 """`python -m tests.verification`: run cases, print what was found, exit 1 if one fails.
 
-A subject is a module with a tuple CASES; a new one is a new module and a name in SUBJECTS.
+A new case is a name in CASES of its subject's module.
 """
 
 import sys
@@ -12,19 +12,9 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.measurements import SUPERSCRIPT, markdown_table, publish
-from tests.verification import (
-    balances,
-    contact_statics,
-    elastic_bodies,
-    impact,
-    quadratic_statics,
-    resolved,
-    rolling,
-    varying_compliance,
-)
-from tests.verification.case import Case, Check, Outcome, run_case
+from tests.verification import Case, Check, Outcome, contact_statics, elastic_bodies, impact, rolling, run_case
 
-SUBJECTS = (elastic_bodies, contact_statics, quadratic_statics, resolved, impact, rolling, balances, varying_compliance)
+CASES = [*elastic_bodies.CASES, *contact_statics.CASES, *impact.CASES, *rolling.CASES]
 HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the reference's origin")
 OK, FAILED, UNUSABLE = 0, 1, 2
 
@@ -40,25 +30,27 @@ Exit codes: 0 all passed; 1 a case failed; 2 unknown name.
 )  # fmt: skip
 
 
+def option(text: str) -> Parameter:
+    return Parameter(negative="", help=text)
+
+
 @app.default
 def main(
     *names: Annotated[str, Parameter(help="cases, or subjects with all of their cases; default: all")],
-    fast: Annotated[bool, Parameter(negative="", help="leave out the slow ones")] = False,
-    list_cases: Annotated[bool, Parameter(name="--list", negative="", help="say what there is, run nothing")] = False,
-    write: Annotated[
-        bool, Parameter(negative="", help="write the subjects' tables into docs/measurements/verification.md")
-    ] = False,
+    fast: Annotated[bool, option("leave out the slow ones")] = False,
+    list_cases: Annotated[bool, Parameter("--list", negative="", help="say what there is, run nothing")] = False,
+    write: Annotated[bool, option("write the subjects' tables into docs/measurements/verification.md")] = False,
 ) -> int:
     console = Console(width=160, highlight=False)
     try:
-        cases = named(list(names)) if names else all_cases()
+        cases = named(list(names)) if names else CASES
         touched = {case.subject for case in cases}
-        if write and (fast or set(cases) != {case for case in all_cases() if case.subject in touched}):
+        if write and (fast or set(cases) != {case for case in CASES if case.subject in touched}):
             raise ValueError("--write takes whole subjects: name subjects, and leave out --fast")
     except ValueError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
-    cases = tuple(case for case in cases if case.fast or not fast)
+    cases = [case for case in cases if case.fast or not fast]
     if list_cases:
         for case in cases:
             print(f"{case.name} ({case.subject}{'' if case.fast else ', slow'}): {case.description}")
@@ -69,31 +61,25 @@ def main(
         console.print(screen(outcomes[-1]))
     checks, seconds = sum(len(each.checks) for each in outcomes), sum(each.seconds for each in outcomes)
     failed = ", ".join(each.case.name for each in outcomes if not each.passed)
-    said = f"FAILED: {failed}" if failed else "all passed"
-    console.print(f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {said}")
+    verdict = f"FAILED: {failed}" if failed else "all passed"
+    console.print(f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {verdict}")
     for subject, group in groupby(outcomes if write else [], key=lambda outcome: outcome.case.subject):
         write_section(subject, list(group))
     return FAILED if failed else OK
 
 
-def all_cases() -> tuple[Case, ...]:
-    """Every case, by subject."""
-    return tuple(case for subject in SUBJECTS for case in subject.CASES)
-
-
-def named(names: list[str]) -> tuple[Case, ...]:
+def named(names: list[str]) -> list[Case]:
     """The cases of these names, in the order of the suite; a subject's name stands for all of its cases.
 
     ValueError: an unknown name; the message lists the known ones.
     """
-    known, wanted = all_cases(), {name.replace("_", "-").replace(" ", "-") for name in names}
-    subjects = list(dict.fromkeys(dashed(case.subject) for case in known))
-    if unknown := sorted(wanted - {case.name for case in known} - set(subjects)):
+    wanted, known = {name.replace("_", "-").replace(" ", "-") for name in names}, [case.name for case in CASES]
+    subjects = list(dict.fromkeys(dashed(case.subject) for case in CASES))
+    if unknown := sorted(wanted - {*known, *subjects}):
         raise ValueError(
-            f"unknown case {', '.join(unknown)}; cases: {', '.join(case.name for case in known)}; "
-            f"subjects: {', '.join(subjects)}"
+            f"unknown case {', '.join(unknown)}; cases: {', '.join(known)}; subjects: {', '.join(subjects)}"
         )
-    return tuple(case for case in known if {case.name, dashed(case.subject)} & wanted)
+    return [case for case in CASES if {case.name, dashed(case.subject)} & wanted]
 
 
 def dashed(subject: str) -> str:
@@ -115,12 +101,9 @@ def screen(outcome: Outcome) -> Table:
 
 def cells(check: Check) -> list[str]:
     """Cells of a check's row."""
-    computed, reference = (
-        f"{_powers(f'{x:.5g}')} {check.unit}".strip() for x in (check.computed, check.reference)
-    )
-    fails = "" if check.passed else " FAILS"
-    return [check.quantity, computed, reference, _percent(check.error) + fails, _percent(check.tolerance, sign=False),
-            f"{check.origin}: {check.source}"]  # fmt: skip
+    values = [f"{_powers(f'{x:.5g}')} {check.unit}".strip() for x in (check.computed, check.reference)]
+    error = _percent(check.error) + ("" if check.passed else " FAILS")
+    return [check.quantity, *values, error, _percent(check.tolerance, sign=False), check.source]
 
 
 def _percent(share: float, sign: bool = True) -> str:
@@ -140,14 +123,14 @@ def _powers(number: str) -> str:
 
 def write_section(subject: str, outcomes: list[Outcome]) -> None:
     """Write a subject's section of docs/measurements/verification.md: what each case does, and its checks."""
-    said, rows = "\n".join(f"* `{each.case.name}`: {each.case.description}" for each in outcomes), []
+    about, rows = "\n".join(f"* `{each.case.name}`: {each.case.description}" for each in outcomes), []
     for outcome in outcomes:
         own = [cells(check) for check in outcome.checks]
         if outcome.trouble:
             own.append([f"FAILED: {outcome.trouble}", *[""] * (len(HEADINGS) - 1)])
         rows += [[f"`{outcome.case.name}`" if k == 0 else "", *row] for k, row in enumerate(own)]
     command = f"python -m tests.verification {dashed(subject)}"
-    publish("verification", subject.capitalize(), command, said, markdown_table(("case", *HEADINGS), rows), write=True)
+    publish("verification", subject.capitalize(), command, about, markdown_table(("case", *HEADINGS), rows), write=True)
 
 
 if __name__ == "__main__":

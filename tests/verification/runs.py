@@ -2,19 +2,20 @@
 
 from dataclasses import dataclass, replace
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
 from fem.kernels.columns import ROLLER
-from fem.solver.elements.arrays import Arrays, make_arrays
+from fem.solver.elements.arrays import make_arrays
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.elements.start import rest_start
 from fem.solver.simulate import make_plan
 from lagrange import Bearing, Operation
 from lagrange.scene.scene import read_scene
-from tests.reference.compiled import contact_energy, drift, elastic_energy, kick, kinetic_energy, remember
+from tests.reference import compiled
 from tests.reference.kit import LENGTH, STEEL_ON_STEEL, loop_arguments, model, whole_run
 
 # wide enough that rollers never reach a raceway
@@ -29,7 +30,7 @@ LARGEST_FORCE = 2000.0  # N, about what 1 m/s makes
 MAX_STEPS = 5000
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class RunSamples:
     """All samples of a run, by the result file's names; SI."""
 
@@ -54,7 +55,7 @@ def plan_of(**settings: float | str) -> ElementPlan:
 def record(plan: ElementPlan) -> RunSamples:
     """Run a plan to its end."""
     found = whole_run(plan)
-    return RunSamples(plan=plan, values=found.values, imbalance=found.imbalance)
+    return RunSamples(plan, found.values, found.imbalance)
 
 
 def every_step(plan: ElementPlan, n_steps: int) -> ElementPlan:
@@ -67,78 +68,58 @@ def without_spin(plan: ElementPlan) -> ElementPlan:
     return replace(plan, start=replace(plan.start, kinematics=replace(plan.start.kinematics, roller=0.0)))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Collision:
-    """History of a collision, one row a step; SI."""
-
-    time_step: float
-    force: np.ndarray  # (n,)
-    traction: np.ndarray
-    energy: np.ndarray  # (n, 3): kinetic, elastic, contact
-    dissipated: np.ndarray  # in each step
-    momentum: np.ndarray  # (n, 2), of all rollers
-    angular_momentum: np.ndarray  # about the origin
-    velocity: np.ndarray  # (n, 2, 2), of the two centres of mass
-
-    @property
-    def duration(self) -> float:
-        """From first to last touch, s."""
-        touching = np.flatnonzero(self.force > 0.0)
-        return float((touching[-1] - touching[0] + 1) * self.time_step)
-
-
-def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=0.5, n_after=200) -> Collision:
+def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=0.5, n_after=200) -> SimpleNamespace:
     """Throw two undeformed rollers at each other along x, and follow them for some steps after they part.
 
     Parameters
     ----------
     velocities : (2, 2), m/s, of the left and the right roller; spins : rad/s
     mesh_size : m; courant : time step over the critical one
+
+    Returns
+    -------
+    time_step and, a row a step, SI: force, traction, energy (n, 3: kinetic, elastic, contact), dissipated in each step,
+    momentum (n, 2) of all rollers, angular_momentum about the origin, velocity (n, 2, 2) of the two centres of mass;
+    duration, from first to last touch
     """
     whole = model(WIDE, mesh_size)
     dt = courant * critical_time_step(whole, LARGEST_FORCE)
     state = make_arrays(whole, NOTHING_ACTS, rest_start(whole, NOTHING_ACTS), dt, friction, 0.0, LARGEST_FORCE, LUMPED)
-    rollers, disc = state.bodies.rollers, state.bodies.disc
-    field = disc.w.reshape(disc.mass.size, 2, rollers.columns)
-    points = disc.points.reshape(-1, 2)
+    rollers, disc, contacts = state.bodies.rollers, state.bodies.disc, state.contacts
+    moving = (state.bodies, state.drive, state.scratch)
+    shape, mass, points = (disc.mass.size, 2, rollers.columns), disc.mass[:, None], disc.points.reshape(-1, 2)
+    field, total = disc.w.reshape(shape), rollers.total_mass
     for j, side in enumerate((-1.0, 1.0)):
         rollers.centre[:, j] = side * (rollers.radius + 0.5 * GAP), -0.0229
         rollers.velocity[:, j] = velocities[j]
         rollers.spin[j], rollers.increment[j] = spins[j], spins[j] * dt
         field[:, 0, j], field[:, 1, j] = -spins[j] * points[:, 1], spins[j] * points[:, 0]
+
+    def step() -> list[float]:
+        """Advance by one step; the quantities at its kick."""
+        compiled.remember(*moving)
+        compiled.kick(state.bodies, state.groups, contacts, state.drive, 0.0, state.scratch)
+        energy = compiled.kinetic_energy(*moving), compiled.elastic_energy(*moving), compiled.contact_energy(state)
+        place, w, n = points[:, :, None] + disc.u.reshape(shape), disc.w.reshape(shape), rollers.n
+        own = np.sum(mass * (place[:, 0] * w[:, 1] - place[:, 1] * w[:, 0]))
+        own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
+        velocity, centre = (rollers.velocity[:, :n] + rollers.node_impulse[:, :n] / total).T, rollers.centre[:, :n].T
+        orbital = total * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
+        force, traction = contacts.forces.force[ROLLER, 0], contacts.friction.traction[ROLLER, 0]
+        found = [force, traction, *energy, *(total * velocity.sum(axis=0)), own + orbital, *velocity[:2].ravel()]
+        return [*found, compiled.drift(*loop_arguments(state))]
+
     rows, since, touched = [], 0, False
     while since < n_after:
         if len(rows) == MAX_STEPS:
             raise RuntimeError(f"the rollers have not parted after {MAX_STEPS} steps")
-        rows.append(_step(state))
+        rows.append(step())
         touched = touched or rows[-1][0] > 0.0
         since = since + 1 if touched and rows[-1][0] == 0.0 else 0
-    force, traction, *energy, dissipated, px, py, angular, v0x, v0y, v1x, v1y = np.array(rows).T
-    return Collision(
-        time_step=dt, force=force, traction=traction, energy=np.stack(energy, axis=1), dissipated=dissipated,
-        momentum=np.stack([px, py], axis=1), angular_momentum=angular,
-        velocity=np.stack([v0x, v0y, v1x, v1y], axis=1).reshape(-1, 2, 2),
+    found = np.array(rows)
+    touching = np.flatnonzero(found[:, 0] > 0.0)
+    return SimpleNamespace(
+        time_step=dt, force=found[:, 0], traction=found[:, 1], energy=found[:, 2:5], momentum=found[:, 5:7],
+        angular_momentum=found[:, 7], velocity=found[:, 8:12].reshape(-1, 2, 2), dissipated=found[:, 12],
+        duration=float((touching[-1] - touching[0] + 1) * dt) if len(touching) else 0.0,
     )  # fmt: skip
-
-
-def _step(state: Arrays) -> list[float]:
-    """Advance by one step; the quantities at its kick."""
-    rollers, disc = state.bodies.rollers, state.bodies.disc
-    moving = (state.bodies, state.drive, state.scratch)
-    remember(*moving)
-    kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
-    kinetic, elastic, contact = kinetic_energy(*moving), elastic_energy(*moving), contact_energy(state)
-    shape, mass = (disc.mass.size, 2, rollers.columns), disc.mass[:, None]
-    position, w = disc.points.reshape(-1, 2, 1) + disc.u.reshape(shape), disc.w.reshape(shape)
-    n = rollers.n
-    own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
-    own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
-    velocity = (rollers.velocity[:, :n] + rollers.node_impulse[:, :n] / rollers.total_mass).T
-    centre = rollers.centre[:, :n].T
-    orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
-    momentum = rollers.total_mass * velocity.sum(axis=0)
-    found = [
-        state.contacts.forces.force[ROLLER, 0], state.contacts.friction.traction[ROLLER, 0], kinetic, elastic, contact,
-        drift(*loop_arguments(state)), *momentum, own + orbital, *velocity[:2].ravel(),
-    ]  # fmt: skip
-    return found

@@ -23,35 +23,33 @@ from fem.solver.elements.plan import ElementPlan
 NEVER = float("inf")
 
 
-class Watched:
-    """Time spent in a method over all calls, s, and their number."""
+def watch(owner: type, name: str) -> list[float]:
+    """Times that a method takes from now on, s, one a call."""
+    spent, original = [], getattr(owner, name)
 
-    def __init__(self, owner: type, name: str):
-        self.seconds, self.calls = 0.0, 0
-        original = getattr(owner, name)
+    def timed(*arguments):
+        began = time.perf_counter()
+        try:
+            return original(*arguments)
+        finally:
+            spent.append(time.perf_counter() - began)
 
-        def timed(*arguments):
-            began = time.perf_counter()
-            try:
-                return original(*arguments)
-            finally:
-                self.seconds += time.perf_counter() - began
-                self.calls += 1
-
-        setattr(owner, name, timed)
+    setattr(owner, name, timed)
+    return spent
 
 
-def one_run(plan: ElementPlan, folder: Path, every: float | None, watched: dict[str, Watched]) -> dict[str, float]:
+def one_run(plan: ElementPlan, folder: Path, every: float | None, watched: dict[str, list]) -> dict[str, float]:
     """Run once; wall time, processor time and those of the watched methods, s, with their calls."""
-    before = {name: (watch.seconds, watch.calls) for name, watch in watched.items()}
+    for spent in watched.values():
+        spent.clear()
     wall, cpu = time.perf_counter(), time.process_time()
     options = RunOptions(quiet=True, checkpoint_seconds=every)
     if simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
-    for name, watch in watched.items():
-        found[name], found[f"{name} calls"] = watch.seconds - before[name][0], watch.calls - before[name][1]
-    return found
+    return found | {name: sum(spent) for name, spent in watched.items()} | {
+        f"{name} calls": len(spent) for name, spent in watched.items()
+    }
 
 
 app = App(help=__doc__)
@@ -63,16 +61,13 @@ def main(*, pairs: int = 5, duration: float = 300.0, folder: Path | None = None)
 
     Parameters
     ----------
-    pairs
-        of runs
-    duration
-        simulated time of a run, ms
-    folder
-        on the disk to be measured; default: the system's temporary one
+    pairs: of runs
+    duration: simulated time of a run, ms
+    folder: on the disk to be measured; default: the system's temporary one
     """
     plan = paper_plan(1.0, f"numerics.duration_ms={duration}")
     plan.prepare()
-    watched = {"commits": Watched(ResultFile, "commit"), "checkpoints": Watched(Checkpoints, "save")}
+    watched = {"commits": watch(ResultFile, "commit"), "checkpoints": watch(Checkpoints, "save")}
     found = []
     with tempfile.TemporaryDirectory(dir=folder) as place:
         calls = {every: partial(one_run, plan, Path(place), every, watched) for every in (None, NEVER)}

@@ -6,35 +6,28 @@ median of a model's scenes.
 """
 
 import statistics
-import sys
 import time
-
-from cyclopts import App
-from rich.console import Console
 
 from benchmarks import new_table
 from fem.solver.compiling import pace, seconds_by_trial
 from fem.solver.simulate import make_plan, size_of_block
 from lagrange.scene.scene import read_scene
-from tests.measurements import publish
+from tests.measurements import program
 
-NU206 = 'bearing={designation="NU206"}'
-SPALL = "spall.0.angle_deg=0"
+NU206, NU216 = 'bearing={designation="NU206"}', 'bearing={designation="NU216"}'
+COARSE = "numerics.mesh_size_mm=2", "numerics.duration_ms=10"
 SCENES = {
     "fem": {
         "2 mm, 20 ms": ("numerics.mesh_size_mm=2", "numerics.duration_ms=20"),
         "1 mm, 10 ms": ("numerics.duration_ms=10",),
         "0.5 mm, 3 ms": ("numerics.mesh_size_mm=0.5", "numerics.duration_ms=3"),
-        "NU 206, 2 mm, 10 ms": (NU206, "numerics.mesh_size_mm=2", "numerics.duration_ms=10"),
-        "NU 216, 2 mm, 10 ms": ('bearing={designation="NU216"}', "numerics.mesh_size_mm=2", "numerics.duration_ms=10"),
-        "frictionless, 2 mm, 10 ms": (
-            "contact.friction_coefficient=0", "numerics.mesh_size_mm=2", "numerics.duration_ms=10",
-        ),
+        "NU 206, 2 mm, 10 ms": (NU206, *COARSE), "NU 216, 2 mm, 10 ms": (NU216, *COARSE),
+        "frictionless, 2 mm, 10 ms": ("contact.friction_coefficient=0", *COARSE),
     },
     "reduced": {
         "200 ms": ("numerics.duration_ms=200",),
         "NU 206, 200 ms": (NU206, "numerics.duration_ms=200"),
-        "NU 216, 100 ms": ('bearing={designation="NU216"}', "numerics.duration_ms=100"),
+        "NU 216, 100 ms": (NU216, "numerics.duration_ms=100"),
     },
     "lagrange": {
         "200 ms": ("numerics.duration_ms=200",),
@@ -59,19 +52,12 @@ def measured(model: str, settings: tuple[str, ...], rest: float) -> tuple[float,
     return plan.expected_seconds / pace(model), by_piece, state.processor
 
 
-app = App(help=__doc__)
-
-
-@app.default
-def main(*models: str, rest: float = 0.0, write: bool = False) -> None:
+def main(*models: str, rest: float = 0.0):
     """Measure models, all of them if none is named.
 
     Parameters
     ----------
-    write
-        the section of docs/measurements/performance.md
-    rest
-        seconds of sleep between blocks of samples, for a machine that counts to a busy process what others take
+    rest: seconds of sleep between blocks of samples, for a machine that counts to a busy process what others take
     """
     rows, worst = [], 1.0
     for model in models or SCENES:
@@ -82,11 +68,10 @@ def main(*models: str, rest: float = 0.0, write: bool = False) -> None:
             rows.append((f"{model}, {name}", f"{took:.2g}", f"{piece:.2g}", f"{piece / took:.2f}",
                          f"{own * constants / took:.2f}"))  # fmt: skip
     headings = ("scene", "took, s", "by a piece, s", "over what it took", "by constants, over that")
-    console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
     table = new_table("Time to expect of the time loop, processor time", headings, rows)
-    publish("performance", "Estimated run time", "python -m benchmarks.expected_time", table, write=write)
-    console.print(f"by a piece off by a factor of {worst:.2f} at most")
+    yield "performance", "Estimated run time", table
+    print(f"by a piece off by a factor of {worst:.2f} at most")
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "benchmarks.expected_time", main)

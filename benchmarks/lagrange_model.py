@@ -5,7 +5,6 @@ Processor time of 60 ms of the paper's bearing; how far the first 0.3 ms are fro
 result files of the model: differentiation is all that may be left.
 """
 
-import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +19,7 @@ from fem.solver.rigid.lagrangian import LagrangianPlan, make_plan
 from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
-from tests.measurements import publish
+from tests.measurements import program
 from tests.reference.forward_motion import simulate
 
 REPEATS = 7  # of which the fastest counts
@@ -32,15 +31,11 @@ PRELOADED = "bearing.outer_raceway_diameter_mm=55.98"  # 20 µm: no contact open
 FROM_REST = ("numerics.start=rest", "numerics.load_ramp_ms=1")
 SPALL = ('spall=[{body="outer_ring",width_mm=1.0,depth_um=100.0,edge_radius_mm=0.1,angle_deg=270.0}]',)
 CASES = {
-    "harris": (),
-    "harris, free angles": ("lagrange.angles=free",),
-    "johnson": ("lagrange.law=johnson",),
-    "harris, from rest": FROM_REST,
-    "harris, from rest, 200 N s/m": (*FROM_REST, "damping.contact_N_s_m=200"),
-    "harris, 4000 N s/m": ("damping.contact_N_s_m=4000",),
-    "harris, spall of 1 mm": SPALL,
+    "harris": (), "harris, free angles": ("lagrange.angles=free",), "johnson": ("lagrange.law=johnson",),
+    "harris, from rest": FROM_REST, "harris, from rest, 200 N s/m": (*FROM_REST, "damping.contact_N_s_m=200"),
+    "harris, 4000 N s/m": ("damping.contact_N_s_m=4000",), "harris, spall of 1 mm": SPALL,
     "harris, spall of 1 mm, 200 N s/m": (*SPALL, "damping.contact_N_s_m=200"),
-}
+}  # fmt: skip
 
 
 def solve(plan: LagrangianPlan, count: int) -> Samples:
@@ -105,7 +100,10 @@ def residuals() -> Table:
     return new_table("The checker on the model's own output, Harris' law, error forces in N", headings, rows)
 
 
+def speed():
+    yield "lagrange", "Speed", solutions()
+    Console(width=120, highlight=False).print(residuals())
+
+
 if __name__ == "__main__":
-    console = Console(width=120, highlight=False)
-    publish("lagrange", "Speed", "python -m benchmarks.lagrange_model", solutions(), write="--write" in sys.argv)
-    console.print(residuals())
+    program(__doc__, "benchmarks.lagrange_model", speed)

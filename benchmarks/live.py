@@ -22,10 +22,8 @@ from fem.live.server import FRAME, LiveServer
 from lagrange.scene.scene import read_scene
 
 SCENES = {
-    "paper": (),
-    "clearance 40 µm": ("bearing.outer_raceway_diameter_mm=56.04",),
-    "spall 1 mm": ("spall.0.width_mm=1",),
-}
+    "paper": (), "clearance 40 µm": ("bearing.outer_raceway_diameter_mm=56.04",), "spall 1 mm": ("spall.0.width_mm=1",),
+}  # fmt: skip
 PACES = (1.0, 10.0, 50.0)
 TURNS = 9
 WARM, LOOK = 2.0, 4.0  # s

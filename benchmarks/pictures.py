@@ -22,8 +22,8 @@ from fem.pictures.recover import StoredRun
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR, shear_peak
 from fem.pictures.views import draw
 from tests import documented
+from tests.measurements import DOCS
 
-DOCS = Path(__file__).parents[1] / "docs"
 MESH_SIZES = (2.0, 1.0, 0.5)  # mm
 PHASES = (0.0, 1.3, 4.1, 9.2, 13.8)  # degrees of the first roller from the load line
 LEAST_FORCE = 100.0  # N, of a contact looked at
@@ -120,11 +120,8 @@ def times(run: Path, folder: Path) -> None:
     print("|---|---|---|---|")
     stored = StoredRun(run)
     sample = stored.nearest(1e-3 * float(INSTANT))
-    for name, request in (
-        ("bearing, first picture", Request()),
-        ("bearing", Request()),
-        ("close-up", Request(view="close-up")),
-    ):
+    once = Request()
+    for name, request in (("bearing, first picture", once), ("bearing", once), ("close-up", Request(view="close-up"))):
         with _Row(name, folder / "one.png"):
             draw(StoredRun(run), folder / "one.png", request, sample)
     for name in ("film.mp4", "film.gif"):
@@ -158,8 +155,7 @@ def main(*, pictures: Annotated[bool, Parameter(negative="")] = False) -> None:
 
     Parameters
     ----------
-    pictures
-        also re-make the pictures in docs/
+    pictures: also re-make the pictures in docs/
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -5,21 +5,18 @@ another load, another speed, a spall elsewhere, or a spall of another width, who
 """
 
 import random
-import sys
 from collections.abc import Callable
 
 from benchmarks import new_table, timed
 from fem.solver.simulate import make_plan
 from fem.solver.solver import RunState
 from lagrange.scene.scene import Scene, read_scene
-from tests.measurements import publish
+from tests.measurements import program
 
 MODELS = {
-    "Lagrangian": ("model=lagrange",),
-    "reduced": ("model=reduced",),
-    "finite elements, 1 mm": ("numerics.mesh_size_mm=1",),
-    "finite elements, 2 mm": ("numerics.mesh_size_mm=2",),
-}
+    "Lagrangian": ("model=lagrange",), "reduced": ("model=reduced",),
+    "finite elements, 1 mm": ("numerics.mesh_size_mm=1",), "finite elements, 2 mm": ("numerics.mesh_size_mm=2",),
+}  # fmt: skip
 PLANS = 25
 
 
@@ -42,7 +39,7 @@ def planned(scene: Scene) -> RunState:
     return make_plan(scene).first_state()
 
 
-def main() -> None:
+def main():
     table = new_table("Planning after others, median processor time, ms (least … most)", ("another", *MODELS))
     bases = [read_scene(None, (*settings, "numerics.duration_ms=5")) for settings in MODELS.values()]
     for base in bases:
@@ -55,15 +52,9 @@ def main() -> None:
             times = sorted(timed(planned, base.varied(change(rng)))[0] for _ in range(PLANS))
             cells.append(f"{1e3 * times[PLANS // 2]:.1f} ({1e3 * times[0]:.1f} … {1e3 * times[-1]:.1f})")
         table.add_row(name, *cells)
-    publish(
-        "performance",
-        "Planning one scene after another",
-        "python -m benchmarks.planning",
-        f"Medians of {PLANS} plans, ms of processor time from a scene to its run's first state (least … most).",
-        table,
-        write="--write" in sys.argv,
-    )
+    words = f"Medians of {PLANS} plans, ms of processor time from a scene to its run's first state (least … most)."
+    yield "performance", "Planning one scene after another", words, table
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, "benchmarks.planning", main)

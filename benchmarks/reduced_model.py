@@ -4,17 +4,14 @@ Processor time of the time loop for 60 ms, one thread, the lowest of some runs t
 for the first tenth of that. How the reduced model's step grows with the number of rollers.
 """
 
-import sys
 from math import pi, sin
-
-from rich.console import Console
 
 from benchmarks import in_turns, new_table, timed
 from fem.solver.row_state import RowState
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan
 from lagrange.scene.scene import read_scene
-from tests.measurements import publish
+from tests.measurements import program
 
 TURNS = 15
 ELEMENTS_MS = 6.0
@@ -36,31 +33,20 @@ def loop_seconds(plan: Plan) -> float:
 def rollers_of(count: int) -> tuple[str, ...]:
     """Settings of a bearing with so many rollers of 10 mm and the paper's ring sections."""
     pitch = 1.1 * 10.0 / sin(pi / count)  # mm, ten per cent of room
-    sizes = {
-        "inner_raceway": pitch - 10.0,
-        "outer_raceway": pitch + 10.0,
-        "bore": pitch - 21.0,
-        "outside": pitch + 19.0,
-    }
-    return (
-        f"bearing.rollers={count}",
-        "cage.kind=none",
-        *(f"bearing.{name}_diameter_mm={size!r}" for name, size in sizes.items()),
-        "operation.inner_ring_and_shaft_kg=5",
-        "operation.speed_rpm=1500",
-    )
+    beyond = {"inner_raceway": -10.0, "outer_raceway": 10.0, "bore": -21.0, "outside": 19.0}
+    sizes = (f"bearing.{name}_diameter_mm={pitch + more!r}" for name, more in beyond.items())
+    usual = "cage.kind=none", "operation.inner_ring_and_shaft_kg=5", "operation.speed_rpm=1500"
+    return f"bearing.rollers={count}", *sizes, *usual
 
 
-def main() -> None:
-    write = "--write" in sys.argv
-    console = Console(highlight=False)
+def main():
     reduced, elements = plan_of("reduced"), plan_of("fem", f"numerics.duration_ms={ELEMENTS_MS}")
     calls = {"reduced": lambda: loop_seconds(reduced), "elements": lambda: loop_seconds(elements)}
     found = [dict(turn) for turn in in_turns(calls, TURNS)]
     fast = min(turn["reduced"] for turn in found)
     slow = min(turn["elements"] for turn in found) * (reduced.n_samples - 1) / (elements.n_samples - 1)
     simulated = (reduced.n_samples - 1) * reduced.interval
-    console.print(f"{simulated / fast:.2f} times faster than the bearing, {slow / fast:.0f} times than finite elements")
+    print(f"{simulated / fast:.2f} times faster than the bearing, {slow / fast:.0f} times than finite elements")
     rows = (("reduced", f"{fast:.4f} s"), ("finite elements, 1 mm", f"{slow:.2f} s"))
     whole = new_table("60 ms of the paper's bearing", ("60 ms of the paper's bearing", "processor time"), rows)
     table = new_table("A step of the reduced model", ("rollers", "step, µs", "per roller, ns"))
@@ -68,8 +54,8 @@ def main() -> None:
         plan = plan_of("reduced", *rollers_of(count))
         step = min(loop_seconds(plan) for _ in range(TURNS)) / (plan.stride * plan.n_samples)
         table.add_row(str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}")
-    publish("reduced", "Speed", "python -m benchmarks.reduced_model", whole, table, write=write)
+    yield "reduced", "Speed", whole, table
 
 
 if __name__ == "__main__":
-    main()
+    program(__doc__, "benchmarks.reduced_model", main)

@@ -73,6 +73,7 @@ FILES = {  # beside each scene
 
 
 SOFT = "material.youngs_modulus_GPa=5"
+BALLS = "bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"
 SCENES = (
     _scene("paper", 4.0, "numerics.mesh_size_mm=2", report=True),
     _scene("fine", 0.5, "numerics.mesh_size_mm=1"),
@@ -85,12 +86,8 @@ SCENES = (
     _scene("backward", 0.5, "numerics.mesh_size_mm=1.5 operation.speed_rpm=-900 operation.gravity_m_s2=0"),
     _scene("still", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=0"),
     _scene("preload", 0.5, "numerics.mesh_size_mm=1.5 bearing.outer_raceway_diameter_mm=55.99"),
-    _scene(
-        "rattling",
-        2.0,
-        "numerics.mesh_size_mm=2 numerics.start=rest bearing.outer_raceway_diameter_mm=56.2 bearing.rollers=14 "
-        "operation.radial_load_N=50",
-    ),
+    _scene("rattling", 2.0, "numerics.mesh_size_mm=2 numerics.start=rest bearing.outer_raceway_diameter_mm=56.2 "
+           "bearing.rollers=14 operation.radial_load_N=50"),
     _scene("three-rollers", 0.5, "numerics.mesh_size_mm=2 bearing.rollers=3 cage.kind=none "
            "contact.friction_coefficient=0.2"),
     _scene("many-rollers", 0.5, "numerics.mesh_size_mm=1.2 bearing.rollers=31 bearing.roller_diameter_mm=4 "
@@ -107,15 +104,14 @@ SCENES = (
     _scene("lagrange-damped", 1.0, "model=lagrange damping.contact_N_s_m=200"),
     _scene("lagrange-rattling", 5.0, "model=lagrange numerics.start=rest numerics.load_ramp_ms=0 "
            "bearing.outer_raceway_diameter_mm=56.1 operation.radial_load_N=20"),
-    _scene(
-        "lagrange-ball-bearing", 2.0, "model=lagrange bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"
-    ),
+    _scene("lagrange-ball-bearing", 2.0, f"model=lagrange {BALLS}"),
 )  # fmt: skip
 
 # every table with each model that takes it: its keys, and models that refuse it
 MODELS = {"fem": (0.3, "numerics.mesh_size_mm=2"), "reduced": (2.0, ""), "lagrange": (2.0, "")}
 HOUSING = "support.kind=housing support.mass_kg=12 support.stiffness_N_per_m=1.5e7 support.damping_N_s_m=2200"
 SPALL = 'spall=[{body="outer_ring",width_mm=1.2,angle_deg=5.0}]'
+CAGE = "cage.mass_kg=0.02 lagrange.angles=free"
 TABLES: dict[str, tuple[str, tuple[str, ...]]] = {
     "shaft": ("operation.shaft=springs operation.shaft_stiffness_N_per_m=1e7 operation.shaft_damping_N_s_m=50", ()),
     "housing": (HOUSING, ()),
@@ -123,12 +119,8 @@ TABLES: dict[str, tuple[str, tuple[str, ...]]] = {
     "points": ("support.kind=points", ("reduced", "lagrange")),
     "bore": ("support.kind=bore support.fit_clearance_um=10", ("reduced", "lagrange")),
     "fitted-housing": (f"{HOUSING} support.fit_clearance_um=10", ("reduced", "lagrange")),
-    "cage": ("cage.mass_kg=0.02 lagrange.angles=free", ()),
-    "guided-cage": (
-        "cage.mass_kg=0.02 cage.guidance=inner_ring cage.guidance_clearance_mm=0.3 cage.drag_torque_N_m=0.001 "
-        "lagrange.angles=free",
-        (),
-    ),
+    "cage": (CAGE, ()),
+    "guided-cage": (f"{CAGE} cage.guidance=inner_ring cage.guidance_clearance_mm=0.3 cage.drag_torque_N_m=0.001", ()),
     "spall": (SPALL, ()),
     "damped-spall": (f"{SPALL} damping.contact_time_us=12.5", ()),
     "inner-spall": ('spall=[{body="inner_ring",width_mm=0.8,angle_deg=4.0}] damping.contact_N_s_m=500', ()),
@@ -142,7 +134,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...]]] = {
     "unbalance": ("operation.unbalance_g_mm=50 operation.rotating_load_N=300", ()),
     "hunt-crossley": ("damping.hunt_crossley_s_m=0.5", ()),
     "body-damping": ("damping.bodies_1_s=500", ("reduced", "lagrange")),
-    "balls": ("bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16 " + HOUSING, ("fem", "reduced")),
+    "balls": (f"{BALLS} {HOUSING}", ("fem", "reduced")),
     "tilted": ("axial.roller_profile=logarithmic operation.misalignment_mrad=1", ()),
     "materials": ("material.roller.youngs_modulus_GPa=310 material.roller.density_kg_m3=3250", ()),
 }
@@ -164,11 +156,8 @@ class Tree:
         for name, text in FILES.items():
             (room / name).write_text(text)
         kernels = os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "roller-bearing-fem"
-        self.environment = os.environ | {
-            "PYTHONPATH": str(folder),
-            "XDG_CACHE_HOME": str(room / "cache"),
-            "NUMBA_CACHE_DIR": str(kernels),
-        }
+        own = {"PYTHONPATH": folder, "XDG_CACHE_HOME": room / "cache", "NUMBA_CACHE_DIR": kernels}
+        self.environment = os.environ | {name: str(value) for name, value in own.items()}
 
     def command(self, module: str, *arguments: str, **environment: str) -> None:
         """Run a command of the tree.
@@ -231,9 +220,8 @@ def _size(x: np.ndarray, y: np.ndarray) -> str:
         return "differs"
     gap, where = np.abs(x - y), np.flatnonzero(np.asarray(x != y).ravel())
     largest = float(np.nanmax(np.abs(y))) or 1.0
-    return (
-        f"{where.size} of {x.size} differ, first at {where[:1]}, at most {np.nanmax(gap) / largest:.1e} of the largest"
-    )
+    most = np.nanmax(gap) / largest
+    return f"{where.size} of {x.size} differ, first at {where[:1]}, at most {most:.1e} of the largest"
 
 
 def _unlike(one, other, place: str = "", allowed: float = 0.0) -> Iterator[str]:
@@ -250,14 +238,11 @@ def _unlike(one, other, place: str = "", allowed: float = 0.0) -> Iterator[str]:
         yield f"report: {place} = {one!r} was {other!r}"
 
 
-def compare_numbers(scene: Short, mine: Tree, base: Tree) -> list[str]:
-    """Numbers in which two trees' judgements of the base's result differ."""
-    path = base.run(scene)
-    return list(_unlike(mine.judged(path), base.judged(path), allowed=SAME_NUMBER))
-
-
-def compare(scene: Short, mine: Tree, base: Tree) -> list[str]:
-    """Everything in which a scene's results differ."""
+def compare(scene: Short, mine: Tree, base: Tree, numbers: bool) -> list[str]:
+    """Everything in which a scene's results differ, or the numbers of both trees' judgements of the base's result."""
+    if numbers:
+        path = base.run(scene)
+        return list(_unlike(mine.judged(path), base.judged(path), allowed=SAME_NUMBER))
     one, other = mine.run(scene), base.run(scene)
     found = list(differences(one, other))
     if scene.report:
@@ -334,9 +319,8 @@ def _cold(mine: Tree, base: Tree) -> str:
         _taken(tree, "--duration", "0")  # meshes
         with tempfile.TemporaryDirectory() as empty:
             seconds.append(_taken(tree, "--duration", "0.01", NUMBA_CACHE_DIR=empty)[1])
-    return (
-        f"first start, processor time: {seconds[0]:.1f} s, base {seconds[1]:.1f} s, ratio {seconds[0] / seconds[1]:.2f}"
-    )
+    took, base_took = seconds
+    return f"first start, processor time: {took:.1f} s, base {base_took:.1f} s, ratio {took / base_took:.2f}"
 
 
 app = App(name="same_bits", help=__doc__, help_format="plaintext", result_action="return_value")
@@ -350,9 +334,7 @@ def main(
     scenes: Annotated[str | None, Parameter(help="names of scenes, by commas; default: all")] = None,
     unfused: Annotated[bool, Parameter(negative="", help="no product fused with a sum, in both trees")] = False,
     workers: Annotated[int, Parameter(help="scenes run at the same time")] = 1,
-    speed: Annotated[
-        list[float] | None, Parameter(help="mesh sizes to time instead, mm; repeatable", negative="")
-    ] = None,
+    speed: Annotated[list[float] | None, Parameter(help="mesh sizes to time, mm; repeatable", negative="")] = None,
     pairs: Annotated[int, Parameter(help="timed runs of each tree")] = 10,
     cold: Annotated[bool, Parameter(negative="", help="time a first start instead")] = False,
     numbers: Annotated[bool, Parameter(negative="", help="compare what is said of stored runs instead")] = False,
@@ -373,7 +355,7 @@ def main(
         chosen = [scene for scene in SCENES if scene.name in wanted]
         unlike = 0
         with ThreadPoolExecutor(workers) as pool:
-            compared = pool.map(lambda s: (compare_numbers if numbers else compare)(s, mine, old), chosen)
+            compared = pool.map(lambda scene: compare(scene, mine, old, numbers), chosen)
             for scene, found in zip(chosen, compared, strict=True):
                 unlike += bool(found)
                 console.print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")

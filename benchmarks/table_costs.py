@@ -15,7 +15,6 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from cyclopts import App
 from rich.table import Table
 
 from benchmarks import in_turns, new_table, paper_plan, spread, timed
@@ -23,11 +22,12 @@ from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
-from tests.measurements import markdown_table, publish
+from tests.measurements import markdown_table, program
 
 DURATION_MS = 5.0
 HOUSING = ('support.kind="housing"',)
 CAGE = ("cage.pocket_clearance_mm=0.1",)
+TABLES = 'operation.speed_table="{folder}/ramp.csv"', 'operation.load_table="{folder}/load.csv"'
 COSTS: dict[str, tuple[str, ...]] = {
     "`[damping]` of contacts": ("damping.contact_N_s_m=1000",),
     "`[cage]` guided by rollers": CAGE,
@@ -37,10 +37,7 @@ COSTS: dict[str, tuple[str, ...]] = {
     "housing and `[sensor]`": (*HOUSING, "sensor.frequency_Hz=15000"),
     "springs of the shaft": ('operation.shaft="springs"', "operation.shaft_stiffness_N_per_m=1e7"),
     "unbalance": ("operation.unbalance_g_mm=10",),
-    "tables of speed and load": (
-        'operation.speed_table="{folder}/ramp.csv"',
-        'operation.load_table="{folder}/load.csv"',
-    ),
+    "tables of speed and load": TABLES,
     "`[lubricant]`": ("lubricant.viscosity_Pa_s=0.02",),
 }
 FILES = {"ramp.csv": "time_ms,speed_rpm\n0,5000\n5,5200\n", "load.csv": "time_ms,x_N,y_N\n0,0,-2000\n5,100,-2000\n"}
@@ -143,9 +140,6 @@ def _against_lagrange(elastic: ElementPlan) -> tuple[str, str, str]:
     return f"{ratio:.3f}", "", f"{worst:.0e}"
 
 
-app = App(help=__doc__)
-
-
 def seconds_of_a_step(plan: ElementPlan) -> float:
     """Processor time of a run's time loop over its steps."""
     taken, _ = timed(run, plan, lambda block: None)
@@ -168,8 +162,7 @@ def cost_row(size_mm: float, pairs: int, name: str, folder: Path) -> tuple[str, 
     return name, more, spread(ratios, 2), f"{with_it.time_step / plain.time_step:.2f}"
 
 
-@app.default
-def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = (), write: bool = False) -> None:
+def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = ()):
     """Print a table.
 
     Parameters
@@ -177,7 +170,6 @@ def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = (), wr
     size_mm: of the mesh
     pairs: of runs in turns, of which medians are taken
     only: tables whose names hold one of these words
-    write: the section of docs/measurements/performance.md
     """
     tables = [name for name in COSTS if not only or any(word in name for word in only)]
     headings = ("table", "a step takes", "lowest … highest ratio", "its length over the plain one")
@@ -193,9 +185,8 @@ def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = (), wr
         f"5 ms of the paper's scene on {size_mm:g} mm, with and without one table in turns, processor time over steps, "
         "medians."
     )
-    command = f"python -m benchmarks.table_costs --pairs {pairs}"
-    publish("performance", "Cost of scene tables", command, words, markdown_table(headings, rows), write=write)
+    yield "performance", "Cost of scene tables", words, markdown_table(headings, rows)
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "benchmarks.table_costs", main)

@@ -19,9 +19,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from cyclopts import App
 from numba import njit
-from rich.console import Console
 from rich.table import Table
 
 from benchmarks import median_seconds, new_table, paper_plan, processor_seconds, timed
@@ -34,7 +32,7 @@ from fem.kernels.elements.friction import friction_contacts, slips_after, slips_
 from fem.kernels.lanes import fma, load, splat, store
 from fem.solver.elements.arrays import Arrays
 from fem.solver.elements.plan import ElementPlan
-from tests.measurements import publish
+from tests.measurements import program
 
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
 
@@ -400,52 +398,35 @@ def phase_table(meshes: list[Mesh], found: Machine) -> Table:
     table.add_row("whole step over floor", *[f"{m.step / f[0]:.1f}" for m, f in zip(meshes, floors, strict=True)])
     for name in KERNELS:
         shares = [m.work[0][name] / m.phases[name] for m in meshes]
-        table.add_row(
-            f"{name}: share of the arithmetic ceiling", *[f"{100 * s / found.fma_rate:.0f} %" for s in shares]
-        )
+        cells = [f"{100 * share / found.fma_rate:.0f} %" for share in shares]
+        table.add_row(f"{name}: share of the arithmetic ceiling", *cells)
     return table
 
 
 def size_table(meshes: list[Mesh]) -> Table:
-    headings = (
-        "mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"
-    )  # fmt: skip
+    headings = ("mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF")
     rows = (
-        (
-            f"{m.size_mm:g}", f"{m.freedom}", f"{1e9 * m.plan.time_step:.1f}", f"{1e9 * m.step / m.freedom:.2f}",
-            f"{m.full:.2f}", f"{m.setup:.1f}", f"{m.state_bytes / m.freedom:.0f}",
-        )
+        (f"{m.size_mm:g}", f"{m.freedom}", f"{1e9 * m.plan.time_step:.1f}", f"{1e9 * m.step / m.freedom:.2f}",
+         f"{m.full:.2f}", f"{m.setup:.1f}", f"{m.state_bytes / m.freedom:.0f}")
         for m in meshes
     )  # fmt: skip
     return new_table("The paper's scene", headings, rows)
 
 
-COMMAND = "python -m benchmarks.throughput"
-
-app = App(help=__doc__)
-
-
-@app.default
-def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True, write: bool = False) -> None:
+def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True):
     """Measure ceilings, phases, growth and what is skipped.
 
     Parameters
     ----------
-    sizes
-        surface node distances, mm
-    pairs
-        pairs of runs per line of the skip table
-    skips
-        measure the skip table
-    write
-        the sections of docs/measurements/performance.md
+    sizes: surface node distances, mm
+    pairs: of runs per line of the skip table
+    skips: measure the skip table
     """
-    console = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
-    console.print(f"one thread of {os.cpu_count()}")
+    print(f"one thread of {os.cpu_count()}")
     found = measured_machine()
-    publish("performance", "Ceilings of the machine", COMMAND, ceilings(found), write=write)
+    yield "performance", "Ceilings of the machine", ceilings(found)
     meshes = [measure(size) for size in sizes]
-    publish("performance", "Time of a step", COMMAND, phase_table(meshes, found), write=write)
+    yield "performance", "Time of a step", phase_table(meshes, found)
     rows = []
     if len(meshes) > 1:
         fine = [m for m in meshes if m.size_mm <= 1.0]
@@ -462,10 +443,10 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
     rows.append(("a whole run of one sample at 1 mm, caches warm, s", f"{wall:.2f}"))
     rows.append(("the same, processor time, s", f"{processor:.2f}"))
     growth = new_table("Growth and memory", ("quantity", "found"), rows)
-    publish("performance", "Growth with the mesh", COMMAND, size_table(meshes), growth, write=write)
+    yield "performance", "Growth with the mesh", size_table(meshes), growth
     if skips:
-        publish("performance", "Cost of physics", COMMAND, skip_table(1.0, pairs), write=write)
+        yield "performance", "Cost of physics", skip_table(1.0, pairs)
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "benchmarks.throughput", main)

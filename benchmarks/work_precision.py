@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from cyclopts import App
 from scipy.signal import welch
 
 from benchmarks import new_table, timed
@@ -20,9 +19,8 @@ from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
-from tests.measurements import publish
+from tests.measurements import DOCS, program
 
-DOCS = Path(__file__).parent.parent / "docs"
 SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.25)
 RESOLVED_MM = (0.03, 0.024)
 LAWS = ("harris", "johnson")
@@ -64,9 +62,8 @@ def points(scene: str, sizes: tuple[float, ...], resolved: tuple[float, ...]) ->
         yield measured("subgrid", f"{size:g} mm", scene, {"numerics": {"mesh_size_mm": size}})
     for size in resolved if scene == STEADY else ():
         numerics = {"mesh_size_mm": size, "duration_ms": RESOLVED_RECORD_MS, "output_interval_us": 1.0}
-        yield measured(
-            "resolved", f"{size:g} mm, resolved", scene, {"contact": {"model": "resolved"}, "numerics": numerics}
-        )
+        how = {"contact": {"model": "resolved"}, "numerics": numerics}
+        yield measured("resolved", f"{size:g} mm, resolved", scene, how)
 
 
 def measured(kind: str, name: str, scene: str, settings: dict) -> Point:
@@ -85,15 +82,12 @@ def measured(kind: str, name: str, scene: str, settings: dict) -> Point:
     exact = exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub
     exchanged = max(float(block.exchanged[-1]) for block in kept)
     return Point(
-        kind=kind,
-        name=name,
-        degrees_of_freedom=plan.degrees_of_freedom,
-        step=plan.time_step,
+        kind=kind, name=name, degrees_of_freedom=plan.degrees_of_freedom, step=plan.time_step,
         seconds=spent * 1e-3 * FULL_MS / record,
         static_error=float(np.linalg.norm(plan.static_hub() - exact) / np.linalg.norm(exact)),
         imbalance=max(float(np.abs(block.imbalance).max()) for block in kept) / exchanged,
         found={} if kind == "resolved" else quantities(kept),
-    )
+    )  # fmt: skip
 
 
 def quantities(blocks: list) -> dict[str, float]:
@@ -133,9 +127,7 @@ def _readable(seconds: float) -> str:
     return f"{seconds:.2g} s" if seconds < 3600.0 else f"{seconds / 3600.0:.2g} h"
 
 
-HEADINGS = (
-    "model", "degrees of freedom", "step, ns", "time for 60 ms", "static hub error", *QUANTITIES, "energy",
-)  # fmt: skip
+HEADINGS = ("model", "degrees of freedom", "step, ns", "time for 60 ms", "static hub error", *QUANTITIES, "energy")
 MARKERS = dict(zip(LINES, "os^D", strict=True))
 COLOURS = {"lagrange": "#009E73", "reduced": "#CC79A7", "subgrid": "#0072B2"}
 LABELS = {"lagrange": "rigid bodies (Lagrange)", "reduced": "reduced", "subgrid": "finite elements"}
@@ -189,31 +181,14 @@ def plot(scenes: dict[str, list[Point]], finest: dict[str, Point], path: Path) -
     figure.savefig(path, dpi=160)
 
 
-COMMAND = "python -m benchmarks.work_precision"
-
-app = App(help=__doc__)
-
-
-@app.default
-def main(
-    *,
-    sizes: tuple[float, ...] = SIZES_MM,
-    resolved: tuple[float, ...] = RESOLVED_MM,
-    output: Path = DOCS,
-    write: bool = False,
-) -> None:
+def main(*, sizes: tuple[float, ...] = SIZES_MM, resolved: tuple[float, ...] = RESOLVED_MM, output: Path = DOCS):
     """Measure, print and draw.
 
     Parameters
     ----------
-    sizes
-        of meshes with contacts below the grid, mm; the last, the finest, is the reference
-    resolved
-        of meshes that resolve the contacts, mm, at most 0.03
-    output
-        folder of the plot
-    write
-        the sections of docs/measurements/work_precision.md
+    sizes: of meshes with contacts below the grid, mm; the last, the finest, is the reference
+    resolved: of meshes that resolve the contacts, mm, at most 0.03
+    output: folder of the plot
     """
     scenes: dict[str, list[Point]] = {}
     finest = {}
@@ -221,10 +196,9 @@ def main(
         scenes[scene] = list(points(scene, sizes, resolved))
         finest[scene] = [p for p in scenes[scene] if p.kind == "subgrid"][-1]
         cells = rows(scenes[scene], finest[scene])
-        heading = f"{scene[0].upper()}{scene[1:]}"
-        publish("work_precision", heading, COMMAND, new_table(scene, HEADINGS, cells), write=write)
+        yield "work_precision", f"{scene[0].upper()}{scene[1:]}", new_table(scene, HEADINGS, cells)
     plot(scenes, finest, output / "work_precision.png")
 
 
 if __name__ == "__main__":
-    app()
+    program(__doc__, "benchmarks.work_precision", main)

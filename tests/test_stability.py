@@ -3,11 +3,11 @@
 import os
 import re
 import time
-from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import tomli_w
@@ -18,9 +18,9 @@ from fem.solver.solver import Samples
 from lagrange.errors import RunFailed
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from lagrange.scene.surfaces import SURFACES
-from tests.reference.kit import whole_run
+from tests.reference.kit import unchecked_copy, whole_run
 from tests.stability import campaign, forked
-from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Lines, Outcome, Watch, try_scene
+from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Lines, Row, ended, judged
 from tests.stability.machine import machine_scene
 from tests.stability.random_scenes import RANGES, random_scene
 from tests.stability.step_limit import SAFE_SIDE, at_ratio, energy_drift
@@ -31,9 +31,9 @@ COARSE = ("numerics.mesh_size_mm=2",)
 
 
 @pytest.mark.parametrize("number", [*range(9), *(pytest.param(n, marks=pytest.mark.slow) for n in range(9, 12))])
-def test_a_random_scene_ends_well_or_says_why_not(number):
-    outcome = try_scene(SEED, number, random_scene(SEED, number, duration_ms=1.0, budget=CHEAP))
-    assert outcome.ending != FAILED, outcome.what
+def test_a_random_scene_ends_well_or_says_why_not(number, tmp_path):
+    row = ended(random_scene(SEED, number, duration_ms=1.0, budget=CHEAP), tmp_path)
+    assert row.ending != FAILED, row.what
 
 
 def is_scene(read, given):
@@ -106,55 +106,52 @@ FLYING = {  # nothing is stored until the hub meets a roller, 0.1 mm below; then
     ],
     ids=["unsound", "hub in free flight", "comes apart", "wider than its points"],
 )  # fmt: skip
-def test_a_scene_ends_as_it_must(scene, ending, what):
-    outcome = try_scene(SEED, 0, scene)
-    assert outcome.ending == ending and what in outcome.what, outcome.what
-    assert scene is not FLYING or outcome.imbalance < 5e-4  # measured 2.5e-4: two steps from touch to 300 N
+def test_a_scene_ends_as_it_must(scene, ending, what, tmp_path):
+    row = ended(scene, tmp_path)
+    assert row.ending == ending and what in row.what, row.what
+    assert scene is not FLYING or row.imbalance < 5e-4  # measured 2.5e-4: two steps from touch to 300 N
 
 
-def test_a_run_with_a_hidden_energy_error_fails(monkeypatch):
-    scene = {"numerics": {"mesh_size_mm": 2.2, "duration_ms": 0.1}}
-    assert try_scene(SEED, 0, scene).ending == COMPLETE
-    write = Watch.write
-
-    def spoilt(self, samples):
-        stored = samples["energy_elastic"] + samples["energy_contact"]
-        write(self, replace(samples, imbalance=samples.imbalance + 0.011 * stored))
-
-    monkeypatch.setattr(Watch, "write", spoilt)
-    outcome = try_scene(SEED, 0, scene)
-    assert outcome.ending == FAILED
-    assert outcome.imbalance == pytest.approx(0.011, rel=0.05)
+def raised(values):
+    values[-1] += 0.05 * values.max()
 
 
-def test_a_lost_roller_and_a_nan_fail():
-    plan = make_plan(parse_scene({"numerics": {"mesh_size_mm": 2.2, "duration_ms": 0.0}}, "scene"))
-    names = "inner_x inner_y inner_force outer_force roller_roller_force energy_elastic energy_contact energy_kinetic"
-    still = {name: np.zeros(1) for name in names.split()} | {"roller_y": np.zeros((1, 1))}
-    pitch = plan.model.bearing.pitch_radius
-    for rho, x, wrong in (
-        (pitch + 1e-3, pitch + 1e-3, ["a roller is in the outer ring"]),
-        (pitch - 1e-3, pitch - 1e-3, ["a roller is in the inner ring"]),
-        (np.nan, pitch, ["roller_rho is not finite"]),
-    ):
-        watch = Watch(plan)
-        values = still | {"roller_rho": np.array([[rho]]), "roller_x": np.array([[x]])}
-        watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1)))
-        assert watch.faults == wrong
+def moved(distance):
+    def change(values):
+        values[-1] *= 1.0 + distance / 0.023  # of the pitch radius
+
+    return change
 
 
-def test_the_result_file_has_a_line_a_scene(tmp_path):
+@pytest.mark.parametrize(
+    ("names", "change", "fault"),
+    [
+        (("energy_contact",), raised, "energy imbalance "),
+        (("roller_x", "roller_y"), moved(1e-3), "a roller is in the outer ring"),
+        (("roller_x", "roller_y"), moved(-1e-3), "a roller is in the inner ring"),
+        (("inner_y",), lambda values: values.__isub__(2e-3), "the hub has left the bearing"),
+        (("inner_x",), lambda values: values.fill(np.nan), "the checker refuses it: "),
+    ],
+    ids=["energy", "outer ring", "inner ring", "hub", "not finite"],
+)
+def test_what_a_run_has_not_said_itself_is_found(names, change, fault, coarse_run, tmp_path):
+    path = unchecked_copy(coarse_run, tmp_path / "run.nc")
+    assert judged(path)[0] == []
+    with h5py.File(path, "r+") as file:
+        for name in names:
+            values = file[name][:]
+            change(values)
+            file[name][:] = values
+    assert any(each.startswith(fault) for each in judged(path)[0]), judged(path)
+
+
+def test_the_file_of_a_campaign_has_a_line_a_scene(tmp_path):
+    rows = [Row(number, "fem", FAILED, "a, b", 2.5, 1e-3, 2e-3) for number in range(3)]
+    for row in rows:
+        Lines(tmp_path / "sub" / "out.csv").add(*row)
     lines = Lines(tmp_path / "sub" / "out.csv")
-    for number in range(3):
-        scene = random_scene(SEED, number, 1.0)
-        cells = Outcome(seed=SEED, number=number, what="a\nb", imbalance=1e-3, scene=scene).columns(True)
-        lines.add(*cells.values()) if number else (lines.add(*cells), lines.add(*cells.values()))
-    heads, *rows = Lines(lines.path).rows
-    assert len(lines.path.read_text().splitlines()) == 4
-    assert heads[:5] == ["seed", "number", "ending", "what", "imbalance"]
-    assert "bearing.rollers" in heads and "name" not in heads and {len(row) for row in rows} == {len(heads)}
-    found = [(o.seed, o.number, o.ending, o.what, o.imbalance) for o in map(Outcome.read, rows)]
-    assert found == [(SEED, number, FAILED, "a b", 1e-3) for number in range(3)]
+    assert list(map(Row.read, lines.rows)) == rows
+    assert list(campaign.campaign(None, range(3), lines)) == rows  # none is run again
 
 
 def test_the_critical_step_is_below_the_true_limit_by_less_than_15_percent():

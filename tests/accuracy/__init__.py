@@ -34,8 +34,8 @@ class Found(NamedTuple):
 
     @property
     def imbalance(self) -> float:
-        """Largest, of the exchanged energy."""
-        return float(np.abs(self.samples.imbalance).max()) / self.samples.exchanged[-1]
+        """Largest, of the exchanged energy, or of what the kinetic energy rounds to."""
+        return float(np.abs(self.samples.imbalance).max()) / self.samples.passed_on.max()
 
     @property
     def largest(self) -> float:

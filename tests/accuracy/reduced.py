@@ -34,7 +34,7 @@ from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from tests.accuracy import Found, found
 from tests.measurements import markdown_table, program
-from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch
+from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED
 from tests.stability.random_scenes import random_scene
 
 WIDE, WIDER = "bearing.outer_raceway_diameter_mm=56.02", "bearing.outer_raceway_diameter_mm=56.04"
@@ -239,17 +239,16 @@ def watched(tables: dict[str, Any], model: str) -> Said:
         plan = make_plan(parse_scene(tables | {"model": model}, "scene"))
     except (SceneError, UsageError) as error:
         return Said(ending=REFUSED, what=str(error))
-    run, watch = found(plan), Watch(plan)
+    run = found(plan)
     ending, what = (STOPPED, run.trouble) if run.trouble else (COMPLETE, "")
     if run.samples is None:
         return Said(ending=ending, what=what)
-    watch.write(run.samples)
-    if watch.faults:
-        ending, what = FAILED, "; ".join(dict.fromkeys(watch.faults))
+    if strange := [name for name, values in run.samples.values.items() if not np.all(np.isfinite(values))]:
+        ending, what = FAILED, f"{', '.join(strange)} not finite"
     x, y = run["inner_x"], run["inner_y"]
     return Said(
         ending=ending, what=what, mean_x=float(x.mean()), mean_y=float(y.mean()), std=hypot(x.std(), y.std()),
-        largest=run.largest, imbalance=watch.imbalance(), shock=run.state.shock if model == "reduced" else nan,
+        largest=run.largest, imbalance=run.imbalance, shock=run.state.shock if model == "reduced" else nan,
         warned=tuple(name for words, name in WARNINGS.items() if any(words in each for each in run.state.warnings)),
         halvings=run.restarts, seconds=run.state.wall,
     )  # fmt: skip

@@ -3,66 +3,59 @@
 import csv
 import math
 import multiprocessing
+import os
 import re
 import signal
 import time
 import traceback
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
+import h5py
 import numpy as np
+import tomli_w
 from scipy.optimize import brentq
 
-from fem.solver.elements.plan import ElementPlan
-from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Samples
+from fem.commands.run_fem import run_main
+from fem.solver.simulate import make_plan
 from lagrange.contact.laws import contact_laws
 from lagrange.equations import contact_resultant
-from lagrange.errors import InputError, RunFailed, UsageError
+from lagrange.errors import InputError, UsageError
 from lagrange.mounting import ENERGIES
-from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene_text
 from residual.evaluation import Evaluation, evaluate
 from residual.laws import moment_resultant
 from residual.record import Record
 from residual.sources import read_result
+from tests.measurements import markdown_table
 from tests.waiting import ASLEEP, limit_processor_time
 
 ENDINGS = COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
+BY_CODE = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
 LARGEST_IMBALANCE = 0.01  # of the exchanged energy
 ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
-TIME_LIMIT = 600.0  # s of processor time for 5 ms
+TIME_LIMIT = 600.0  # s of processor time of a scene of 5 ms; compiling takes most of it
 
 
-@dataclass(kw_only=True)
-class Outcome:
-    """The way a scene ended; a line of the result file."""
+class Row(NamedTuple):
+    """How a scene ended; a line of the file."""
 
-    seed: int
     number: int
-    ending: str = FAILED
-    what: str = ""
-    imbalance: float = math.nan  # largest, of the exchanged energy: elastic and contact, or the kinetic one's change
+    model: str
+    ending: str
+    what: str
+    seconds: float = 0.0  # of processor time
+    imbalance: float = math.nan  # of the exchanged energy: elastic and contact, or the kinetic one's change
     of_stored: float = math.nan  # the same, of the elastic and contact energy alone
-    degrees_of_freedom: int = 0
-    steps: int = 0
-    seconds: float = 0.0  # of wall time, set-up included
-    scene: dict[str, Any] = field(default_factory=dict)
-
-    def columns(self, with_scene: bool) -> dict[str, Any]:
-        """Cells of its line: how a scene ended, then the scene itself."""
-        line = {each.name: getattr(self, each.name) for each in fields(self)[:-1]}
-        line |= {name: f"{line[name]:.3g}" for name in ("imbalance", "of_stored", "seconds")}
-        line["what"] = " ".join(line["what"].split())
-        scene = flat(self.scene) if with_scene else {}
-        return line | {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in scene.items() if k != "name"}
 
     @classmethod
-    def read(cls, row: Sequence[str]) -> "Outcome":
-        """Of a line's cells, without its scene."""
-        return cls(**{each.name: each.type(cell) for each, cell in zip(fields(cls)[:-1], row, strict=False)})
+    def read(cls, cells: list[str]) -> "Row":
+        return cls(int(cells[0]), *cells[1:4], *map(float, cells[4:]))
 
 
 class Lines:
@@ -82,74 +75,6 @@ class Lines:
                 csv.writer(file, lineterminator="\n").writerow(cells)
 
 
-class Watch:
-    """Looks at the samples of a run as they come."""
-
-    def __init__(self, plan: ElementPlan):
-        self.bearing, self.count, self.faults = plan.model.bearing, 0, list[str]()
-        self._largest = dict.fromkeys(("stored", "kinetic", "exchanged", "imbalance"), 0.0)  # J
-
-    def write(self, samples: Samples) -> None:
-        if not len(samples):
-            return
-        self.count += len(samples)
-        b, x, y = self.bearing, samples["inner_x"], samples["inner_y"]
-        give, (inside, outside) = ASTRAY * b.roller_radius, _roller_limits(b)
-        from_hub = np.hypot(samples["roller_x"] - x[:, None], samples["roller_y"] - y[:, None])
-        wrong = {f"{name} is not finite": not np.all(np.isfinite(of)) for name, of in samples.values.items()}
-        wrong |= {
-            "a roller is in the outer ring": np.max(samples["roller_rho"]) > outside + give,
-            "a roller is in the inner ring": np.min(from_hub) < inside - give,
-            "the hub has left the bearing": np.max(np.hypot(x, y)) > 2.0 * (abs(b.radial_clearance) + give),
-        }
-        forces = "inner_force", "outer_force", "roller_roller_force"
-        wrong |= {f"{name} pulls": np.min(samples[name]) < 0.0 for name in forces}
-        self.faults += [name for name, is_so in wrong.items() if is_so]
-        stored = samples["energy_elastic"] + samples["energy_contact"]
-        seen = stored, samples["energy_kinetic"], samples.exchanged[-1:], np.abs(samples.imbalance)
-        for name, values in zip(self._largest, seen, strict=True):
-            self._largest[name] = max(self._largest[name], float(np.max(values)))
-
-    def imbalance(self, of: str = "exchanged") -> float:
-        """Largest imbalance so far, as a share of the exchanged energy or of the largest stored one."""
-        return self._largest["imbalance"] / max(self._largest[of], ROUND_OFF * self._largest["kinetic"], 1e-30)
-
-
-def _roller_limits(bearing) -> tuple[float, float]:
-    """Least distance of a roller's centre from the hub and largest from the outer ring's centre, undeformed, m."""
-    radius = bearing.roller_radius
-    return bearing.inner_raceway_radius + radius, bearing.outer_raceway_radius - radius
-
-
-def try_scene(seed: int, number: int, tables: dict[str, Any]) -> Outcome:
-    """Run a scene to its end, whatever that is."""
-    outcome, watch = Outcome(seed=seed, number=number, scene=tables), None
-    began = time.perf_counter()
-    try:
-        plan = make_plan(parse_scene(tables, "scene"))
-        outcome.degrees_of_freedom, outcome.steps = plan.model.degrees_of_freedom, plan.steps
-        watch = Watch(plan)
-        run(plan, watch.write)
-        outcome.ending = COMPLETE
-        if watch.count != plan.n_samples:
-            watch.faults.append(f"{watch.count} samples instead of {plan.n_samples}")
-        if not watch.imbalance() <= LARGEST_IMBALANCE:
-            watch.faults.append(f"energy imbalance {100 * watch.imbalance():.2g} % unnoticed")
-    except (SceneError, UsageError) as error:
-        outcome.ending, outcome.what = REFUSED, str(error)
-    except RunFailed as error:
-        outcome.ending, outcome.what = STOPPED, str(error)
-    except Exception as error:  # that is what is looked for
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        outcome.what = f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
-    outcome.seconds = time.perf_counter() - began
-    if watch is not None:
-        outcome.imbalance, outcome.of_stored = watch.imbalance(), watch.imbalance("stored")
-        if watch.faults:
-            outcome.ending, outcome.what = FAILED, "; ".join(dict.fromkeys(watch.faults)) + " " + outcome.what
-    return outcome
-
-
 class Lost(Exception):
     """A worker did not come to the end of a task."""
 
@@ -164,16 +89,8 @@ def _work(pipe, work: Callable[..., Any]) -> None:
 class Worker:
     """A process that does one task after another, so that a hang or a crash of one is an outcome, not the end."""
 
-    def __init__(self, work: Callable[..., Any] = try_scene):
+    def __init__(self, work: Callable[..., Any]):
         self._context, self._process, self._does = multiprocessing.get_context("spawn"), None, work
-
-    def __call__(self, seed: int, number: int, tables: dict[str, Any]) -> Outcome:
-        """Outcome of a scene; FAILED after TIME_LIMIT s of its processor time per 5 ms."""
-        limit = TIME_LIMIT * max(1.0, tables["numerics"]["duration_ms"] / 5.0)
-        try:
-            return self.do(seed, number, tables, limit=limit)
-        except Lost as error:
-            return Outcome(seed=seed, number=number, what=str(error), scene=tables)
 
     def do(self, *task: Any, limit: float) -> Any:
         """The work's answer to a task, `limit` s of processor time at most. Lost: there is none."""
@@ -201,12 +118,89 @@ class Worker:
             self._process = None
 
 
-def flat(tables: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Make one table of nested ones, keys joined by dots."""
-    out = {}
-    for key, value in tables.items():
-        out |= flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
-    return out
+def ended(tables: dict[str, Any], folder: Path, number: int = 0) -> Row:
+    """Run a scene by run-fem's function, in this process, in a folder that holds its files, and judge its result.
+
+    Run-fem must refuse it by name (2), stop with a reason (1), or be complete (0) with a result without `faults`.
+    """
+    began, imbalance = time.process_time(), (math.nan, math.nan)
+    (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
+    words = [str(folder / "scene.toml"), "--output", str(folder / "run.nc"), "--quiet", "--force"]
+    kept = [os.dup(number) for number in (1, 2)]
+    with (folder / "said").open("w+", encoding="utf-8") as output, redirect_stdout(output), redirect_stderr(output):
+        for stream in (1, 2):
+            os.dup2(output.fileno(), stream)
+        try:
+            code = run_main(words)
+        except Exception:
+            code = 1
+            traceback.print_exc()
+        finally:
+            output.flush()
+            for stream, back in zip((1, 2), kept, strict=True):
+                os.dup2(back, stream)
+                os.close(back)
+    what = (folder / "said").read_text(encoding="utf-8", errors="replace")
+    ending = BY_CODE.get(code, FAILED)
+    if "Traceback" in what or ending == FAILED or (code and not what):  # or without a reason
+        ending, what = FAILED, f"exit {code}: {what[-400:]}"
+    elif ending == COMPLETE:
+        found, imbalance = judged(folder / "run.nc")
+        ending, what = (FAILED, "; ".join(found)) if found else (COMPLETE, what)
+    what = " ".join(what.replace(f"{folder}/", "").split())
+    return Row(number, tables.get("model", "fem"), ending, what, time.process_time() - began, *imbalance)
+
+
+def _tried(draw: Callable[[int, Path], dict], number: int) -> Row:
+    with TemporaryDirectory() as place:
+        return ended(draw(number, Path(place)), Path(place), number)
+
+
+def campaign(
+    draw: Callable[[int, Path], dict[str, Any]], numbers: Iterable[int], lines: Lines, until: float = math.inf,
+    group: Callable[[int], Any] = lambda number: None, limit: float = TIME_LIMIT,
+) -> Iterator[Row]:  # fmt: skip
+    """How scenes end, one after another; those that the file holds are not run again.
+
+    Parameters
+    ----------
+    draw : to be pickled, makes a number's tables, whose files it writes into a folder
+    until : time.monotonic() after which no further scene begins
+    group : of a number; with another one a new process begins, without the memory of kernels and runs before
+    """
+    done = {row.number: row for row in map(Row.read, lines.rows)}
+    worker, before = Worker(_tried), None
+    for number in numbers:
+        if number not in done:
+            if time.monotonic() > until:
+                break
+            if group(number) != before:
+                worker.close()
+                before = group(number)
+            try:
+                done[number] = worker.do(draw, number, limit=limit)
+            except Lost as error:
+                done[number] = Row(number, "", FAILED, str(error), limit)
+            lines.add(*done[number])
+            if done[number].ending in (STOPPED, FAILED):
+                print(*done[number][:4], flush=True)
+        yield done[number]
+    worker.close()
+
+
+def report(rows: list[Row], title: str) -> bool:
+    """Print how scenes ended, and their energies; whether one failed."""
+    counts = Counter((row.model, row.ending) for row in rows)
+    models = sorted({row.model for row in rows})
+    table = [[model, *(str(counts[model, ending]) for ending in ENDINGS)] for model in models]
+    print(f"{len(rows)} {title}", markdown_table(["model", *ENDINGS], table), sep="\n")
+    for name, of in (("imbalance", "exchanged"), ("of_stored", "stored")):
+        if shares := [getattr(row, name) for row in rows if row.ending == COMPLETE]:
+            print(f"energy imbalance of the complete, of the {of} energy: median {np.median(shares):.1e}, "
+                  f"nine in ten below {np.quantile(shares, 0.9):.1e}, largest {max(shares):.1e}")  # fmt: skip
+    reasons = Counter(row.what[:90] for row in rows if row.ending == REFUSED)
+    print(*(f"refused: {count} times {what}" for what, count in reasons.most_common(12)), sep="\n")
+    return any(row.ending == FAILED for row in rows)
 
 
 # What is wrong with a complete run by its file alone, as the checker reads it; the hub's place at the start is compared
@@ -227,26 +221,28 @@ GROWTH = 0.01  # of what rings grow by as they spin
 NOTHING = 1e-10  # m, an atom's radius
 
 
-def faults_of(path: Path) -> list[str]:
-    """What is wrong with a run's result, or nothing."""
+def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
+    """What is wrong with a run's result, or nothing; its energy imbalance over the exchanged and the stored energy."""
     try:
         record = read_result(path)
         check = evaluate(record)
     except InputError as error:  # values that are not finite, or nowhere near
-        return [f"the checker refuses it: {error}"]
-    notes, model, found = record.notes, record.scene.model, []
+        return [f"the checker refuses it: {error}"], (math.nan, math.nan)
+    notes, model = record.notes, record.scene.model
 
     def says(*phrases: str) -> bool:
         return any(phrase in note for note in notes for phrase in phrases)
 
+    with h5py.File(path) as file:
+        found = ["it is not complete"] if file.attrs["status"] != "complete" else []
+        forces = ("inner_force", "outer_force", "roller_roller_force")
+        found += [f"{name} pulls" for name in forces if name in file and np.min(file[name][:]) < 0.0]
     if not says("beyond Hertz's theory", "is so wide that its law"):
         found += _misplaced(record)
-    forces = {"inner_force": record.inner_force, "outer_force": record.outer_force}
-    found += [f"{name} pulls" for name, force in forces.items() if force is not None and np.min(force) < 0.0]
-    imbalance, exchanged, kinetic = _energy(record)
-    if not imbalance <= LARGEST_IMBALANCE * max(exchanged, ROUND_OFF * kinetic, 1e-30):
-        if not says("energy balance is off"):
-            found.append(f"energy imbalance {100.0 * imbalance / max(exchanged, 1e-30):.2g} % unnoticed")
+    imbalance, stored, exchanged, kinetic = _energy(record)
+    shares = [imbalance / max(of, ROUND_OFF * kinetic, 1e-30) for of in (exchanged, stored)]
+    if not shares[0] <= LARGEST_IMBALANCE and not says("energy balance is off"):
+        found.append(f"energy imbalance {100.0 * shares[0]:.2g} % unnoticed")
     load = max(float(np.max(check.force)), record.operation.inner_mass * float(np.max(np.abs(record.inner_ay))), 1.0)
     kicks = [ROUNDED * float(kick[1]) for note in notes if (kick := KICKS.search(note))]
     may_miss = max([BALANCE.get(model, math.inf) * load, *kicks])  # N, of momentum
@@ -260,23 +256,31 @@ def faults_of(path: Path) -> list[str]:
         missed = float(np.max(np.abs(terms["ring_flexibility"])))
         if model in BALANCE and not missed <= may_miss:
             found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
-    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record)
+    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record), tuple(shares)
+
+
+def _roller_limits(bearing) -> tuple[float, float]:
+    """Least distance of a roller's centre from the hub and largest from the outer ring's centre, undeformed, m."""
+    radius = bearing.roller_radius
+    return bearing.inner_raceway_radius + radius, bearing.outer_raceway_radius - radius
 
 
 def _misplaced(record: Record) -> list[str]:
-    """Rollers that are in a ring."""
+    """Rollers that are in a ring; a hub that has left the bearing."""
     bearing, (inside, outside) = record.bearing, _roller_limits(record.bearing)
     give = ASTRAY * bearing.roller_radius + 1e-6 * max((spall.depth_um for spall in record.scene.spall), default=0.0)
     hub = np.hypot(record.roller_x - record.inner_x[:, None], record.roller_y - record.inner_y[:, None])
+    held, farthest = record.operation.mounting.housing is None, np.max(np.hypot(record.inner_x, record.inner_y))
     wrong = {
-        "outer": np.max(np.hypot(record.roller_x, record.roller_y)) > outside + give,
-        "inner": np.min(hub) < inside - give,
+        "a roller is in the outer ring": np.max(np.hypot(record.roller_x, record.roller_y)) > outside + give,
+        "a roller is in the inner ring": np.min(hub) < inside - give,
+        "the hub has left the bearing": held and farthest > 2.0 * (abs(bearing.radial_clearance) + give),
     }
-    return [f"a roller is in the {ring} ring" for ring, is_so in wrong.items() if is_so]
+    return [name for name, is_so in wrong.items() if is_so]
 
 
-def _energy(record: Record) -> tuple[float, float, float]:
-    """Largest imbalance, exchanged energy and largest kinetic one, J."""
+def _energy(record: Record) -> tuple[float, ...]:
+    """Largest imbalance, largest stored energy, exchanged energy and largest kinetic one, J."""
     e = record.energies
     stored = e["energy_elastic"] + e["energy_contact"]
     moved = e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e)
@@ -284,7 +288,8 @@ def _energy(record: Record) -> tuple[float, float, float]:
     exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))
     if record.scene.model == "lagrange":  # what its own verdict goes by
         exchanged = np.max(stored) + np.ptp(moved) + e["work_dissipated"][-1]
-    return float(np.max(np.abs(left - left[0]))), float(exchanged), float(np.max(e["energy_kinetic"]))
+    return tuple(map(float, (np.max(np.abs(left - left[0])), np.max(stored), exchanged,
+                             np.max(e["energy_kinetic"]))))  # fmt: skip
 
 
 def _unlawful(check: Evaluation, load: float) -> list[str]:

@@ -3,39 +3,29 @@
 Each has some of the tables of what stands around a bearing: damping, cage, housing with a fit, sensor, a shaft's
 springs, unbalance, a rotating load, speed and load that change, faults of surfaces; 3 to 60 rollers, or balls, of 3 to
 50 mm, at an angle, in rows, with one missing, on a solid shaft, in an outer ring that turns, tilted, with a law of
-their own; steel, ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN. Run-fem must
-refuse a scene by name (2), stop with a reason (1), or be complete (0) with a result in which `campaign.faults_of` finds
-none.
+their own; steel, ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN.
 
 (seed, number) names a scene. Which model it has, which tables stand in it and of which kind, belongs to its set, the
 number's remainder: each set compiles a time loop of its own, so that a thousand scenes of a few dozen sets take hours,
 not days. Values, and what changes no compiled loop, are drawn for each scene.
 """
 
-import os
 import sys
-import tempfile
 import time
-import traceback
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from math import exp, log, pi, sin
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import tomli_w
 from cyclopts import App
 
-from fem.commands.run_fem import run_main
-from tests.measurements import markdown_table
-from tests.stability.campaign import COMPLETE, ENDINGS, FAILED, REFUSED, STOPPED, Lines, Lost, Worker, faults_of
+from tests.stability.campaign import Lines, Row, campaign, report
 from tests.stability.random_scenes import random_scene
 
-TIME_LIMIT = 600.0  # s of processor time of one scene; compiling takes most of it
 TOGETHER = 20  # scenes of a set
-BY_CODE = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
 MODELS = ("lagrange", "reduced", "fem")
 SHARES = 0.45, 0.45, 0.1  # of the sets
 DURATION = 5.0  # ms
@@ -108,6 +98,11 @@ def machine_scene(seed: int, number: int, sets: int, folder: Path, axial: bool =
     interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
     tables["numerics"] |= {"start": start, "output_interval_us": interval}
     return tables
+
+
+def drawn(seed: int, sets: int, axial: bool, number: int, folder: Path) -> Tables:
+    """The same, as a campaign asks for it."""
+    return machine_scene(seed, number, sets, folder, axial)
 
 
 def _damping(tables: Tables, kinds: Draw, values: Draw) -> None:
@@ -312,53 +307,6 @@ KINDS_OF_BEARINGS = (
 REFUSED_TOGETHER = (((_angle, _balls), _axial), ((_fit,), _angle), ((_fit,), _solid))
 
 
-class Row(NamedTuple):
-    """How a scene ended; a line of the file."""
-
-    number: int
-    model: str
-    ending: str
-    what: str
-    seconds: float  # of processor time
-
-
-def tried(seed: int, number: int, sets: int, axial: bool) -> Row:
-    """One scene, by the command's function, in this process, which has the kernels of those before."""
-    began = time.process_time()
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        tables = machine_scene(seed, number, sets, folder, axial)
-        (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
-        code, said = _run_fem([str(folder / "scene.toml"), "--output", str(folder / "run.nc"), "--quiet"], folder)
-        ending, what = BY_CODE.get(code, FAILED), said
-        if "Traceback" in said or ending == FAILED or (code and not said):  # or without a reason
-            ending, what = FAILED, f"exit {code}: {said[-400:]}"
-        elif ending == COMPLETE and (faults := faults_of(folder / "run.nc")):
-            ending, what = FAILED, "; ".join(faults)
-        what = " ".join(what.replace(f"{folder}/", "").split())
-    return Row(number, tables["model"], ending, what, time.process_time() - began)
-
-
-def _run_fem(words: list[str], folder: Path) -> tuple[int, str]:
-    """Exit code, and what was said on both outputs."""
-    kept = [os.dup(number) for number in (1, 2)]
-    with (folder / "said").open("w+b") as output:
-        for number in (1, 2):
-            os.dup2(output.fileno(), number)
-        try:
-            code = run_main(words)
-        except Exception:
-            code = 1
-            output.write(traceback.format_exc().encode())
-        finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            for number, back in zip((1, 2), kept, strict=True):
-                os.dup2(back, number)
-                os.close(back)
-    return code, (folder / "said").read_text(encoding="utf-8", errors="replace")
-
-
 app = App(help=__doc__)
 
 
@@ -380,33 +328,14 @@ def main(
     output: CSV, a line a scene; scenes that it holds are counted, and not run again
     seconds: of wall time, after which no further scene begins
     """
-    lines, until = Lines(output), time.monotonic() + seconds
-    rows = [Row(int(row[0]), *row[1:4], float(row[4])) for row in lines.rows]
-    wanted = {*range(first, first + scenes)} - {row.number for row in rows}
-    worker, before = Worker(tried), -1
+    draw = partial(drawn, seed, sets, axial)
     # a set's scenes together, because the first of them loads its kernels, but not so many that other sets wait long
-    for number in sorted(wanted, key=lambda number: (number // (TOGETHER * sets), number % sets, number)):
-        model = _of_set(seed, number, sets)[1]
-        if model not in models:
-            continue
-        if time.monotonic() > until:
-            break
-        if number % sets != before:
-            worker.close()  # with the memory of a set's kernels and runs
-            before = number % sets
-        try:
-            row = worker.do(seed, number, sets, axial, limit=TIME_LIMIT)
-        except Lost as error:
-            row = Row(number, model, FAILED, str(error), TIME_LIMIT)
-        rows.append(row)
-        lines.add(*row)
-        if row.ending == FAILED:
-            print(number, model, row.what, flush=True)
-    worker.close()
-    counts = Counter((row.model, row.ending) for row in rows)
-    table = [[model, *(str(counts[model, ending]) for ending in ENDINGS)] for model in MODELS]
-    print(markdown_table(["model", *ENDINGS], table), f"{len(rows)} scenes, seed {seed}", sep="\n")
-    sys.exit(1 if any(row.ending == FAILED for row in rows) else 0)
+    numbers = sorted(range(first, first + scenes), key=lambda k: (k // (TOGETHER * sets), k % sets, k))
+    wanted = (number for number in numbers if _of_set(seed, number, sets)[1] in models)
+    lines = Lines(output)
+    for _ in campaign(draw, wanted, lines, time.monotonic() + seconds, lambda number: number % sets):
+        pass
+    sys.exit(report(list(map(Row.read, lines.rows)), f"scenes, seed {seed}"))
 
 
 if __name__ == "__main__":

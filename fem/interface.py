@@ -262,7 +262,7 @@ class Result:
         UsageError: the request does not suit the run.
         """
         from fem.pictures.recover import StoredRun
-        from lagrange.files.pages import load_matplotlib
+        from lagrange.files.output import load_matplotlib
 
         load_matplotlib()
         from fem.pictures.look import Request

@@ -18,7 +18,7 @@ Example, the loads of the paper's rollers at rest:
     bearing = scene.ideal_bearing()
     found = static_equilibrium(bearing, scene.ideal_operation(), contact_laws("harris", bearing)).inner_force
 
-Everything but `scene` (which validates with pydantic) and `files.pages` (jinja) needs numpy and scipy only.
+Everything but `scene` (which validates with pydantic) and `files.output` (jinja) needs numpy and scipy only.
 """
 
 from importlib import import_module

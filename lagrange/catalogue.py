@@ -35,19 +35,21 @@ from lagrange.rating.life import (
 
 _DATA = Path(__file__).with_name("catalogue.csv")
 _BORES = 10, 18, 24, 30, 40, 50, 65, 80, 100  # mm, up to which clearances are
-_ROLLER_CLEARANCE = {  # ISO 5753-1, µm, by group and these bores: cylindrical and needle rollers
-    "C2": ((0, 25), (0, 25), (0, 25), (0, 25), (5, 30), (5, 35), (10, 40), (10, 45), (15, 50)),
-    "CN": ((20, 45), (20, 45), (20, 45), (20, 45), (25, 50), (30, 60), (40, 70), (40, 75), (50, 85)),
-    "C3": ((35, 60), (35, 60), (35, 60), (35, 60), (45, 70), (50, 80), (60, 90), (65, 100), (75, 110)),
-    "C4": ((50, 75), (50, 75), (50, 75), (50, 75), (60, 85), (70, 100), (80, 110), (90, 125), (105, 140)),
-    "C5": ((65, 90), (65, 90), (65, 90), (70, 95), (80, 105), (95, 125), (110, 140), (130, 165), (155, 190)),
-}
-_BALL_CLEARANCE = {  # deep-groove balls
-    "C2": ((0, 7), (0, 9), (0, 10), (1, 11), (1, 11), (1, 11), (1, 15), (1, 15), (1, 18)),
-    "CN": ((2, 13), (3, 18), (5, 20), (5, 20), (6, 20), (6, 23), (8, 28), (10, 30), (12, 36)),
-    "C3": ((8, 23), (11, 25), (13, 28), (13, 28), (15, 33), (18, 36), (23, 43), (25, 51), (30, 58)),
-    "C4": ((14, 29), (18, 33), (20, 36), (23, 41), (28, 46), (30, 51), (38, 61), (46, 71), (53, 84)),
-    "C5": ((20, 37), (25, 45), (28, 48), (30, 53), (40, 64), (45, 73), (55, 90), (65, 105), (75, 120)),
+_CLEARANCE = {  # ISO 5753-1, µm, by group: lowest and highest up to these bores
+    "roller": {  # cylindrical and needle rollers
+        "C2": "0-25 0-25 0-25 0-25 5-30 5-35 10-40 10-45 15-50",
+        "CN": "20-45 20-45 20-45 20-45 25-50 30-60 40-70 40-75 50-85",
+        "C3": "35-60 35-60 35-60 35-60 45-70 50-80 60-90 65-100 75-110",
+        "C4": "50-75 50-75 50-75 50-75 60-85 70-100 80-110 90-125 105-140",
+        "C5": "65-90 65-90 65-90 70-95 80-105 95-125 110-140 130-165 155-190",
+    },
+    "ball": {  # deep-groove balls
+        "C2": "0-7 0-9 0-10 1-11 1-11 1-11 1-15 1-15 1-18",
+        "CN": "2-13 3-18 5-20 5-20 6-20 6-23 8-28 10-30 12-36",
+        "C3": "8-23 11-25 13-28 13-28 15-33 18-36 23-43 25-51 30-58",
+        "C4": "14-29 18-33 20-36 23-41 28-46 30-51 38-61 46-71 53-84",
+        "C5": "20-37 25-45 28-48 30-53 40-64 45-73 55-90 65-105 75-120",
+    },
 }
 _FILLED, _NEEDLES = 0.8, 0.68  # of the pitch circle, by rollers and by needles in a cage
 _DIAMETERS = *(0.25 * k for k in range(6, 12)), *(0.5 * k for k in range(6, 80))  # mm, of needles, and without a cage
@@ -99,16 +101,12 @@ class Elements:
 @lru_cache(maxsize=1)
 def entries() -> dict[str, Entry]:
     """All rows by designation; N, NJ and NUP have the section of the NU of the same number."""
+    names = {"bore": "bore_mm", "outside": "outside_mm", "width": "width_mm", "inner": "inner_raceway_mm",
+        "outer": "outer_raceway_mm", "dynamic": "dynamic_kN", "static": "static_kN"}
     with _DATA.open(encoding="utf-8", newline="") as file:
-        return {row["designation"]: _entry(row) for row in csv.DictReader(file)}
-
-
-def _entry(row: dict[str, str]) -> Entry:
-    inner, outer = (float(cell) if cell else None for cell in (row["inner_raceway_mm"], row["outer_raceway_mm"]))
-    return Entry(
-        bore=float(row["bore_mm"]), outside=float(row["outside_mm"]), width=float(row["width_mm"]), inner=inner,
-        outer=outer, dynamic=float(row["dynamic_kN"]), static=float(row["static_kN"]), source=row["source"],
-    )  # fmt: skip
+        return {row["designation"]: Entry(source=row["source"], **{
+            name: float(row[column]) if row[column] else None for name, column in names.items()})  # type: ignore[arg-type]
+            for row in csv.DictReader(file)}
 
 
 def _row_of(name: str) -> str:
@@ -136,9 +134,7 @@ def _written(designation: str) -> str:
 @lru_cache(maxsize=64)
 def _listed(written: str) -> tuple[str, str] | None:
     ribs = _RIBS.match(written)
-    if re.match(_NO_SUCH, written):
-        return None
-    for name in entries():
+    for name in entries() if not re.match(_NO_SUCH, written) else ():
         of_these = name if ribs is None or not name.startswith("NU") else ribs[1] + name[2:]
         if written.startswith(of_these) and (found := _SUFFIX.fullmatch(written[len(of_these) :])):
             return of_these, f"C{found['group'] or 'N'}"
@@ -155,19 +151,20 @@ def instead(designation: str, sizes: str, of_scene: bool = True) -> str:
 
 
 def _advice(written: str, of_scene: bool) -> str:
+    row, series = _row_of(written), dict[str, list[str]]()
     for name in entries():
-        rest = _row_of(written).removeprefix(name)
-        if _row_of(written).startswith(name) and rest and not rest[0].isdigit():
+        series.setdefault(name[:-2], []).append(name)
+        rest = row.removeprefix(name)
+        if row.startswith(name) and rest and not rest[0].isdigit():
             suffix = _SUFFIX.match(rest)
             return f"{rest[suffix.end() if suffix else 0 :]} is unknown after {name}; give that, with C2 to C5 or none"
     for pattern, advice in _OTHERS:
         if (found := re.match(pattern, written)) is not None and (of_scene or "give" not in advice):
             return found.expand(advice)
-    for name, members in _series().items():
-        if _row_of(written).startswith(name):
-            return f"of its series the table has {members[0]} to {members[-1]}"
-    known = ", ".join(f"{members[0]} to {members[-1]}" for members in _series().values())
-    return f"the table has {known}, and N, NJ, NUP as NU"
+    known = {name: f"{series[name][0]} to {series[name][-1]}" for name in sorted(series, key=len, reverse=True)}
+    if own := next((members for name, members in known.items() if row.startswith(name)), None):
+        return f"of its series the table has {own}"
+    return f"the table has {', '.join(known.values())}, and N, NJ, NUP as NU"
 
 
 _NO_SUCH = r"N2[23]\d\d"  # nobody makes them
@@ -208,14 +205,6 @@ _OTHERS = (  # what their numbers say (ISO 15, 1206, 3030, 3245); INA's SL18, SL
         r"(below \3 mm) of its needles"),
     (r"NKIS?\d|NKS|K\d", "give its sizes, and number, diameter and length of its needles"),
 )
-
-
-def _series() -> dict[str, list[str]]:
-    """Bearings by series, the longest names first."""
-    found = dict[str, list[str]]()
-    for name in entries():
-        found.setdefault(name[:-2], []).append(name)
-    return dict(sorted(found.items(), key=lambda each: -len(each[0])))
 
 
 @lru_cache(maxsize=256)
@@ -271,12 +260,12 @@ def ratings(name: str) -> tuple[float, float]:
 
 def bearing_keys(name: str, group: str = "CN") -> dict[str, float | int | str]:
     """Keys of [bearing] but the outer raceway, with the middle of a group's clearance. KeyError: no such bearing."""
-    entry, found = entries()[_row_of(name)], elements(name)
-    table = (_BALL_CLEARANCE if has_balls(name) else _ROLLER_CLEARANCE)[group]
-    lowest, highest = next(limits for largest, limits in zip(_BORES, table, strict=True) if entry.bore <= largest)
+    entry, found, kind = entries()[_row_of(name)], elements(name), "ball" if has_balls(name) else "roller"
+    limits = zip(_BORES, _CLEARANCE[kind][group].split(), strict=True)
+    clearance = next(between for largest, between in limits if entry.bore <= largest).split("-")
     sizes: dict[str, float | int | str] = {
         "rollers": found.number, "roller_diameter_mm": found.diameter, "roller_length_mm": found.length,
-        "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * (lowest + highest),
+        "inner_raceway_diameter_mm": round(found.inner, 9), "clearance_um": 0.5 * sum(map(int, clearance)),
         "bore_diameter_mm": entry.bore, "outside_diameter_mm": entry.outside,
     }
     return {"type": "ball", **sizes} if has_balls(name) else sizes

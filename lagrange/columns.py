@@ -9,6 +9,8 @@ FORMAT_VERSION = 1  # of result files
 PER_TIME, PER_ROLLER = ("time",), ("time", "roller")
 ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")  # of the balance
 
+BEYOND = "that surface faults allow beyond perfect circles"
+
 
 class Column(NamedTuple):
     """A variable of the result file."""
@@ -64,16 +66,8 @@ COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
     },
     "surfaces": {  # that are not perfect circles
         "roller_turn": (PER_ROLLER, "rad", "roller's rotation about its axis since t = 0, fixed frame"),
-        "inner_sinkage": (
-            PER_ROLLER,
-            "m",
-            "approach of inner ring and roller that surface faults allow beyond perfect circles",
-        ),
-        "outer_sinkage": (
-            PER_ROLLER,
-            "m",
-            "approach of outer ring and roller that surface faults allow beyond perfect circles",
-        ),
+        "inner_sinkage": (PER_ROLLER, "m", f"approach of inner ring and roller {BEYOND}"),
+        "outer_sinkage": (PER_ROLLER, "m", f"approach of outer ring and roller {BEYOND}"),
     },
     "cage": {
         "cage_x": (PER_TIME, "m", "cage centre, x"),

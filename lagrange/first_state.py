@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lagrange.axial.facts import Axial
+from lagrange.axial.slices import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.laws import ContactLaws

@@ -45,12 +45,11 @@ def spinning_growth(radius: float, held_radius: float, material: Material, speed
         return _carried_growth(radius, held_radius, material, speed)
     cubic = -material.density * speed**2 / (8.0 * (lame + 2.0 * mu))
     # σ_rr = (λ + 2μ) u' + λ u/r, nothing at `radius`
-    stress = [2.0 * (lame + mu), -2.0 * mu / radius**2, (3.0 * (lame + 2.0 * mu) + lame) * cubic * radius**2]
-    if held_radius == 0.0:
-        a, b = -stress[2] / stress[0], 0.0
-    else:
-        matrix = [stress[:2], [held_radius, 1.0 / held_radius]]
-        a, b = np.linalg.solve(matrix, [-stress[2], -cubic * held_radius**3])
+    stress = [2.0 * (lame + mu), -2.0 * mu / radius**2]
+    missing = -(3.0 * (lame + 2.0 * mu) + lame) * cubic * radius**2
+    a, b = missing / stress[0], 0.0
+    if held_radius > 0.0:
+        a, b = np.linalg.solve([stress, [held_radius, 1.0 / held_radius]], [missing, -cubic * held_radius**3])
     return float(a * radius + b / radius + cubic * radius**3)
 
 
@@ -61,8 +60,7 @@ def _carried_growth(radius: float, held_radius: float, material: Material, speed
     mu, lame = material.lame_mu, material.lame_lambda
     k = abs(speed) * sqrt(material.density / (lame + 2.0 * mu))
 
-    def reaches(r):
-        """r + u of two solutions, near r and 1/r where k is small."""
+    def reaches(r):  # r + u of two solutions, near r and 1/r where k is small
         return np.array([2.0 / k * j1(k * r), -0.5 * pi * k * y1(k * r)])
 
     def slope(r):
@@ -93,7 +91,7 @@ class Tube:
             raise ValueError(f"inside {self.inside:.6g} m must lie between 0 and the outside, {self.outside:.6g} m")
 
     @property
-    def _spread(self) -> float:
+    def spread(self) -> float:
         """(b² + a²)/(b² − a²) of diameters a inside, b outside."""
         share = (self.inside / self.outside) ** 2
         return (1.0 + share) / (1.0 - share)
@@ -101,12 +99,7 @@ class Tube:
     @property
     def widening(self) -> float:
         """Of the inside by pressure in it, 1/Pa of its diameter."""
-        return (self._spread + self.material.poisson_ratio) / self.material.youngs_modulus
-
-    @property
-    def narrowing(self) -> float:
-        """Of the outside by pressure on it, 1/Pa of its diameter."""
-        return (self._spread - self.material.poisson_ratio) / self.material.youngs_modulus
+        return (self.spread + self.material.poisson_ratio) / self.material.youngs_modulus
 
     @property
     def through(self) -> float:
@@ -114,7 +107,7 @@ class Tube:
 
         That of the inside by pressure outside is `through` + 2/E, and negative.
         """
-        return (self._spread - 1.0) / self.material.youngs_modulus
+        return (self.spread - 1.0) / self.material.youngs_modulus
 
     def spun(self, diameter: float, speed: float) -> float:
         """Growth of its inside's or outside's diameter, m, as it spins freely at a speed, rad/s.
@@ -133,7 +126,8 @@ def fit_pressure(inner: Tube, outer: Tube, interference: float) -> float:
 
     Source: Lamé, as in Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 3.
     """
-    return max(interference, 0.0) / outer.inside / (inner.narrowing + outer.widening)
+    narrowing = (inner.spread - inner.material.poisson_ratio) / inner.material.youngs_modulus
+    return max(interference, 0.0) / outer.inside / (narrowing + outer.widening)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,27 +182,21 @@ class OperatingClearance:
 
     def rows(self) -> list[tuple[str, str, str]]:
         """For people: what it is, µm, and what else is known of it."""
+        fits = [
+            f"in operation {_microns(gap):.4g} µm of interference, {1e-6 * pressure:.3g} MPa"
+            if pressure > 0.0
+            else f"in operation loose by {_microns(-gap):.4g} µm" * (gap < 0.0)
+            for gap, pressure in (
+                (self.shaft_interference, self.shaft_pressure),
+                (self.housing_interference, self.housing_pressure),
+            )
+        ]
         thumb = f"rule of thumb α ΔT (F + E)/2: {_microns(self.rule_of_thumb):+.3f} µm" if self.rule_of_thumb else ""
         thin = f"ring held by nothing, 2ρR³ω²/E: {_microns(self.thin_ring):+.3f} µm" if self.thin_ring else ""
-        words = {
-            "given": ("unmounted", ""),
-            "shaft_fit": ("fit on the shaft", _fit_in_words(self.shaft_interference, self.shaft_pressure)),
-            "housing_fit": ("fit in the housing", _fit_in_words(self.housing_interference, self.housing_pressure)),
-            "temperature": ("temperatures", thumb),
-            "speed": ("spin", thin),
-            "film": ("lubricant's films", ""),
-        }
-        rows = [
-            (words[name][0], f"{_microns(value):{'' if name == 'given' else '+'}.3f}", words[name][1])
-            for name, value in self.parts.items()
-        ]
+        names = "unmounted", "fit on the shaft", "fit in the housing", "temperatures", "spin", "lubricant's films"
+        values = (f"{_microns(value):{'+' if k else ''}.3f}" for k, value in enumerate(self.parts.values()))
+        rows = zip(names, values, ("", *fits, thumb, thin, ""), strict=True)
         return [*rows, ("in operation", f"{_microns(self.total):.3f}", "")]
-
-
-def _fit_in_words(interference: float, pressure: float) -> str:
-    if pressure > 0.0:
-        return f"in operation {_microns(interference):.4g} µm of interference, {1e-6 * pressure:.3g} MPa"
-    return f"in operation loose by {_microns(-interference):.4g} µm" if interference < 0.0 else ""
 
 
 def _microns(value: float) -> float:
@@ -219,55 +207,38 @@ def _microns(value: float) -> float:
 def operating_clearance(bearing: Bearing, fit: Fit, speed: float, roller_growth: float) -> OperatingClearance:
     """The build-up of a bearing of these sizes at 20 °C, without film.
 
-    Parameters
-    ----------
-    speed : of the inner ring, rad/s
-    roller_growth : m, of a roller's radius as it spins
+    `speed` : of the inner ring, rad/s; `roller_growth` : m, of a roller's radius as it spins
     """
-    raceway, far, roller = (
-        2.0 * r for r in (bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.roller_radius)
-    )
+    sizes = bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.roller_radius
+    raceway, far, roller = (2.0 * size for size in sizes)
     shaft = Tube(inside=fit.shaft_bore, outside=2.0 * bearing.bore_radius, material=fit.shaft)
     inner = Tube(inside=shaft.outside, outside=raceway, material=bearing.inner_ring.elastic)
     outer = Tube(inside=far, outside=2.0 * bearing.outside_radius, material=bearing.outer_ring.elastic)
     housing = Tube(inside=outer.outside, outside=fit.housing_outside, material=fit.housing)
 
-    hotter = {
-        body: getattr(fit, f"{body}_C") - REFERENCE_C
-        for body in ("shaft", "inner_ring", "rollers", "outer_ring", "housing")
-    }
-    swell_in, swell_out = fit.ring_expansion * hotter["inner_ring"], fit.ring_expansion * hotter["outer_ring"]
-    interference = {"cold": np.array([fit.shaft_interference, fit.housing_interference])}
-    interference["warm"] = interference["cold"] + [
-        (fit.shaft_expansion * hotter["shaft"] - swell_in) * shaft.outside,
-        (swell_out - fit.housing_expansion * hotter["housing"]) * housing.inside,
-    ]
-    opened = shaft.spun(shaft.outside, speed) - inner.spun(inner.inside, speed)
-    interference["spinning"] = interference["warm"] + [opened, 0.0]
+    inner_ring, outer_ring = fit.inner_ring_C - REFERENCE_C, fit.outer_ring_C - REFERENCE_C
+    swell_in, swell_out = fit.ring_expansion * inner_ring, fit.ring_expansion * outer_ring
+    cold = np.array([fit.shaft_interference, fit.housing_interference])
+    swell_shaft, swell_housing = (e * (warm - REFERENCE_C) for e, warm in (
+        (fit.shaft_expansion, fit.shaft_C), (fit.housing_expansion, fit.housing_C)))  # fmt: skip
+    warm = np.add(cold, [(swell_shaft - swell_in) * shaft.outside, (swell_out - swell_housing) * housing.inside])
+    spinning = np.add(warm, [shaft.spun(shaft.outside, speed) - inner.spun(inner.inside, speed), 0.0])
+    pressures = [(fit_pressure(shaft, inner, a), fit_pressure(outer, housing, b)) for a, b in (cold, warm, spinning)]
 
-    def pressures(state: str) -> tuple[float, float]:
-        on_shaft, in_housing = interference[state]
-        return fit_pressure(shaft, inner, on_shaft), fit_pressure(outer, housing, in_housing)
-
-    def fitted(state: str) -> np.ndarray:
-        """Growth of inner raceway, outer raceway, rollers by pressures of the fits, m."""
-        on_shaft, in_housing = pressures(state)
-        narrower = outer.through + 2.0 / outer.material.youngs_modulus
-        return np.array([inner.through * on_shaft * raceway, -narrower * in_housing * far, 0.0])
-
-    warmed = np.array([swell_in * raceway, swell_out * far, fit.roller_expansion * hotter["rollers"] * roller])
-    spun = np.array([inner.spun(raceway, speed), 0.0, 2.0 * roller_growth])
-    cold, warm, spinning = fitted("cold"), fitted("warm") + warmed, fitted("spinning") + warmed + spun
+    # growth of inner raceway, outer raceway, rollers, m: by the fits, then by temperatures, then by spin
+    narrower = outer.through + 2.0 / outer.material.youngs_modulus
+    grown = np.array([[inner.through * a * raceway, -narrower * b * far, 0.0] for a, b in pressures])
+    grown[1:] += [swell_in * raceway, swell_out * far, fit.roller_expansion * (fit.rollers_C - REFERENCE_C) * roller]
+    grown[2] += [inner.spun(raceway, speed), 0.0, 2.0 * roller_growth]
     gained = np.array([-1.0, 1.0, -2.0])  # of clearance, by growth
-    at_work = pressures("spinning")
+    at_work, in_all = [float(value) for value in spinning], [float(value) for value in grown[2]]
     return OperatingClearance(
-        given=2.0 * bearing.radial_clearance, shaft_fit=-float(cold[0]), housing_fit=float(cold[1]),
-        temperature=float(gained @ (warm - cold)), speed=float(gained @ (spinning - warm)), film=0.0,
+        given=2.0 * bearing.radial_clearance, shaft_fit=-float(grown[0, 0]), housing_fit=float(grown[0, 1]),
+        temperature=float(gained @ (grown[1] - grown[0])), speed=float(gained @ (grown[2] - grown[1])), film=0.0,
         rule_of_thumb=-fit.ring_expansion * (fit.inner_ring_C - fit.outer_ring_C) * 0.5 * (raceway + far),
         thin_ring=-inner.material.density * speed**2 * raceway**3 / (4.0 * inner.material.youngs_modulus),
-        shaft_interference=float(interference["spinning"][0]), housing_interference=float(interference["spinning"][1]),
-        shaft_pressure=at_work[0], housing_pressure=at_work[1],
-        grown=(float(spinning[0]), float(spinning[1]), float(spinning[2])),
+        shaft_interference=at_work[0], housing_interference=at_work[1],
+        shaft_pressure=pressures[2][0], housing_pressure=pressures[2][1], grown=(in_all[0], in_all[1], in_all[2]),
     )  # fmt: skip
 
 
@@ -276,10 +247,6 @@ def in_operation(bearing: Bearing, found: OperatingClearance, own: tuple[float, 
 
     `own` : m, growth of the radii of inner raceway and rollers that the model itself gives to bodies as they spin
     """
-    inner, outer, roller = (0.5 * grown for grown in found.grown)
-    return replace(
-        bearing,
-        inner_raceway_radius=bearing.inner_raceway_radius + inner - own[0],
-        outer_raceway_radius=bearing.outer_raceway_radius + outer,
-        roller_radius=bearing.roller_radius + roller - own[1],
-    )
+    names, own_growths = ("inner_raceway_radius", "outer_raceway_radius", "roller_radius"), (own[0], 0.0, own[1])
+    sizes = zip(names, found.grown, own_growths, strict=True)
+    return replace(bearing, **{name: getattr(bearing, name) + 0.5 * grown - own for name, grown, own in sizes})

@@ -24,12 +24,11 @@ if TYPE_CHECKING:
 Shape = Literal["smooth", "linear", "steps"]
 
 TIME = "time_ms"
+_FORCES = {"N": 1.0, "kN": 1e3}
 UNITS = {  # of columns: what a table may have in their place, and how much that is
     "time_ms": {"ms": 1.0, "s": 1e3},
     "speed_rpm": {"rpm": 1.0, "1/min": 1.0, "rad/s": 30.0 / pi},
-    "x_N": {"N": 1.0, "kN": 1e3},
-    "y_N": {"N": 1.0, "kN": 1e3},
-    "load_N": {"N": 1.0, "kN": 1e3},
+    **dict.fromkeys(("x_N", "y_N", "load_N"), _FORCES),
     "share": {"%": 1.0, "s": 1.0, "min": 1.0, "h": 1.0},  # of time: its sum is the whole
 }
 FEWEST_POINTS = 2
@@ -57,14 +56,14 @@ class LoadHistory:
         """Of the shaft, rad/s, or its derivatives by time; any shape."""
         return self.turn(time, order + 1)[()]
 
+    def ring_turns(self, time, order: int = 0) -> tuple[Any, Any]:
+        """Of the inner and of the outer ring since t = 0, rad, or their derivatives by time; any shape."""
+        outer = self.outer_turn
+        return self.turn(time, order)[()], 0.0 * time if outer is None else outer(time, order)[()]
+
     def ring_speeds(self, time, order: int = 0) -> tuple[Any, Any]:
         """Of the inner and of the outer ring, rad/s, or their derivatives by time; any shape."""
-        outer = self.outer_turn
-        return self.speed(time, order), 0.0 * time if outer is None else outer(time, order + 1)[()]
-
-    def ring_turns(self, time) -> tuple[Any, Any]:
-        """Of the inner and of the outer ring since t = 0, rad; any shape."""
-        return self.turn(time)[()], 0.0 * time if self.outer_turn is None else self.outer_turn(time)[()]
+        return self.ring_turns(time, order + 1)
 
     def force(self, time) -> tuple[Any, Any]:
         """The whole force on the hub along x and y, N; any shape.
@@ -97,9 +96,8 @@ class LoadHistory:
 
     def reverses(self, time: float) -> bool:
         """Whether a ring turns both ways up to a time, s."""
-        for turn in (self.turn,) if self.outer_turn is None else (self.turn, self.outer_turn):
-            points = turn.x[(turn.x > 0.0) & (turn.x < time)]
-            speed = turn(np.concatenate([[0.0], points, [time]]), 1)
+        for turn in filter(None, (self.turn, self.outer_turn)):
+            speed = turn(np.concatenate([[0.0], turn.x[(turn.x > 0.0) & (turn.x < time)], [time]]), 1)
             if speed.min() < 0.0 < speed.max():
                 return True
         return False
@@ -147,24 +145,18 @@ def joined(time: np.ndarray, values: np.ndarray, shape: Shape) -> "PPoly":
 
     The last step has no end, and no length: a table of steps needs a row where they end.
     """
-    from scipy.interpolate import PPoly
-
-    if shape == "smooth":
-        return smooth(time, values)
-    if shape == "steps":
-        return PPoly(values[None, :-1], time)
-    return PPoly(np.stack([np.diff(values, axis=0) / np.diff(time)[:, None], values[:-1]]), time)
-
-
-def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
-    """The function through points, (n,) s and (n, m), of which the module's description tells."""
     from scipy.interpolate import BPoly, PchipInterpolator, PPoly
 
-    secant = np.abs(np.diff(values, axis=0) / np.diff(time)[:, None])
-    flattest = np.minimum(np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]]))
+    if shape == "steps":
+        return PPoly(values[None, :-1], time)
+    secant = np.diff(values, axis=0) / np.diff(time)[:, None]
+    if shape == "linear":
+        return PPoly(np.stack([secant, values[:-1]]), time)
+    secant = np.abs(secant)
+    flattest = STEEPEST * np.minimum(np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]]))
     with np.errstate(over="ignore"):  # of a harmonic mean of slopes: one too flat to have a reciprocal makes it 0
         slope = PchipInterpolator(time, values, axis=0).derivative()(time)
-    slope = np.clip(slope, -STEEPEST * flattest, STEEPEST * flattest)
+    slope = np.clip(slope, -flattest, flattest)
     quintic = BPoly.from_derivatives(time, np.stack([values, slope, np.zeros_like(slope)], axis=1))
     return PPoly.from_bernstein_basis(quintic)
 
@@ -173,26 +165,19 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
-    Headers may name other units, those of UNITS.
-
-    Errors
-    ------
-    ValueError, a sentence on the text.
+    Headers may name other units, those of UNITS. ValueError, a sentence on the text.
     """
     found = columns(text, (TIME, *names), decimal, UNITS)
+    time, values, steps = found[:, 0], found[:, 1:], np.diff(found[:, 0])
     if len(found) < FEWEST_POINTS:
         raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
     if not np.all(np.isfinite(found)):
         raise ValueError(f"row {1 + int(np.argmin(np.isfinite(found).all(axis=1)))} holds a value that is not finite")
-    time, values = found[:, 0], found[:, 1:]
     if np.abs(time).max() > LATEST:
         raise ValueError(f"{TIME} = {time[np.argmax(np.abs(time))]:g}: at most {LATEST:g} either way; in milliseconds?")
-    steps = np.diff(time)
     if np.any(short := exceeds(SHORTEST, steps)):
-        at = int(np.argmax(short))
-        raise ValueError(
-            f"{TIME} must rise by at least {SHORTEST:g} from row to row: after {time[at]:g} comes {time[at + 1]:g}"
-        )
+        before, after = time[np.argmax(short) :][:2]
+        raise ValueError(f"{TIME} must rise by at least {SHORTEST:g} from row to row: after {before:g} comes {after:g}")
     if np.abs(values).max() > largest:
         row, k = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         raise ValueError(f"{names[k]} = {values[row, k]:g} at {time[row]:g} ms; at most {largest:g} either way")
@@ -204,6 +189,4 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
 def load_share(time, ramp: float):
     """Share of the load that acts at a time, s, 0 to 1; any shape. Without a ramp (0 s) all of it."""
     time = np.asarray(time, dtype=float)
-    if ramp <= 0.0:
-        return np.ones_like(time)
-    return 0.5 * (1.0 - np.cos(pi * np.clip(time / ramp, 0.0, 1.0)))
+    return 0.5 * (1.0 - np.cos(pi * np.clip(time / ramp, 0.0, 1.0))) if ramp > 0.0 else np.ones_like(time)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from math import pi, sqrt
 
 import numpy as np
@@ -40,10 +41,7 @@ class Sensor:
     damping_ratio: float  # below 1
 
     def step(self, seconds: float) -> np.ndarray:
-        """What so many seconds under a constant acceleration of the housing make of its state, exactly, (2, 3).
-
-        Columns: of r, m, of ṙ, m/s, and of Ÿ, m/s²; rows: r and ṙ then.
-        """
+        """What so many seconds under a constant Ÿ make of its state, exactly, (2, 3): r, ṙ then by r, ṙ and Ÿ, SI."""
         omega, zeta = 2.0 * pi * self.frequency, self.damping_ratio
         damped = omega * sqrt(1.0 - zeta**2)
         c, s = np.cos(damped * seconds), np.sin(damped * seconds) * omega / damped
@@ -101,11 +99,9 @@ class Bore:
         return f"{1e6 * abs(self.clearance):.4g} µm of {'play' if self.clearance >= 0.0 else 'press fit'} in its bore"
 
     def stiffness_around(self, radius: float, lame_mu: float) -> float:
-        """Its stiffness, N/m³, around a ring of an outside radius, m; without one of its own that of a thick wall.
+        """Its stiffness, N/m³, around a ring of an outside radius R, m; without one of its own that of a thick wall.
 
-        That wall is much thicker than the radius R and, for one of the ring's material, has its shear modulus μ, Pa:
-        pushed all around by p it widens by p R/2μ.
-
+        Pushed all around by p, a wall much thicker than R, of the ring's shear modulus μ, Pa, widens by p R/2μ.
         Source: Timoshenko and Goodier, Theory of Elasticity (1970), section 28, thick tube (Lamé), outside → ∞.
         """
         return 2.0 * lame_mu / radius if self.stiffness is None else self.stiffness
@@ -123,12 +119,11 @@ class Mounting:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of what samples tell of it, as they stand behind each other."""
+        """Names of what samples have of it, as they stand behind each other."""
         return tuple(columns_of(*self.parts))
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The PARTS that are there."""
         return tuple(part for part in PARTS if getattr(self, part) is not None)
 
     @property
@@ -154,31 +149,24 @@ HELD = Mounting()
 
 
 def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Where the outer ring's centre stands in its housing, (2,), m; 0 without one.
+    """Where the outer ring's centre stands in its housing, (2,), m; 0 without one. RuntimeError: no place is found.
 
-    Parameters
-    ----------
-    weight : N, of housing and ring
-    force_at : the contacts' force on the ring, (2,), N, by its place; that matters with a shaft's springs alone, which
-        pull the more the further ring and hub have sunk
-
-    Errors
-    ------
-    RuntimeError: no such place is found.
+    weight : N, of housing and ring; force_at : the contacts' force on the ring, (2,), N, by its place, which matters
+    with a shaft's springs alone: they pull the more the further ring and hub have sunk.
     """
     housing = mounting.housing
     if housing is None:
         return np.zeros(2)
 
-    def beyond(place):
-        return place - (force_at(place) - np.array([0.0, weight])) / housing.stiffness
+    def sunk(place):
+        return (force_at(place) - np.array([0.0, weight])) / housing.stiffness
 
-    first = -beyond(np.zeros(2))
+    first = sunk(np.zeros(2))
     if mounting.shaft is None:
         return first
     from scipy.optimize import root
 
-    found = root(beyond, first, options={"xtol": 1e-12, "eps": LOOK_AROUND})
+    found = root(lambda place: place - sunk(place), first, options={"xtol": 1e-12, "eps": LOOK_AROUND})
     if np.abs(found.fun).max() > SETTLED * max(np.abs(found.x).max(), FINEST):
         raise RuntimeError(f"the housing does not settle between its springs and the shaft's: {found.message}")
     return found.x
@@ -187,10 +175,7 @@ def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray
 def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:
     """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
-    for body in bodies:
-        for axis in "xy":
-            place = samples[f"{body}_{axis}"]
-            moved = samples.get(f"outer_ring_{axis}")
-            moved = samples.get(f"housing_{axis}") if moved is None else moved
-            found.append(place if moved is None else (place.T - moved).T)
+    for body, axis in product(bodies, "xy"):
+        moved = samples.get(f"outer_ring_{axis}", samples.get(f"housing_{axis}", 0.0))
+        found.append((samples[f"{body}_{axis}"].T - moved).T)
     return found

@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lagrange.axial.facts import Axial
-from lagrange.axial.slices import alone, contact_slices
+from lagrange.axial.slices import Axial, alone, contact_slices
 from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper

@@ -19,7 +19,7 @@ from PIL import Image, UnidentifiedImageError
 
 from lagrange.bearing import BallBearing
 from lagrange.files.hdf5 import hdf5_to_write, variable
-from lagrange.files.pages import as_it_is
+from lagrange.files.output import as_it_is
 from lagrange.kinematics import turned
 from lagrange.messages import G, engineering, print_section, shown
 from lagrange.section import load_factor, section_words

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lagrange.errors import InputError
 from lagrange.files.input import read_plain
-from lagrange.files.output import named, real_path
-from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.files.output import load_matplotlib, named, real_path, render_page
 from lagrange.version import VERSION
 
 if TYPE_CHECKING:

@@ -18,9 +18,8 @@ from fem.solver.start import narrow_slices
 from fem.statics.exact_statics import exact_statics, kept_contacts
 from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial import Axial
-from lagrange.axial.facts import Profile, logarithmic_drop
 from lagrange.axial.pressure import placed
-from lagrange.axial.slices import read_slices, write_slices
+from lagrange.axial.slices import Profile, logarithmic_drop, read_slices, write_slices
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import contact_laws
 from lagrange.errors import UsageError

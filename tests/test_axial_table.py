@@ -21,9 +21,8 @@ from fem.elastic.continuum import Section, hertz_approach, plane_compliance, rin
 from fem.kernels.jit import kernel
 from fem.kernels.tilted_contact import TiltedLaw, force_and_stiffness, in_series
 from lagrange.axial import ContactTable
-from lagrange.axial.facts import Profile
 from lagrange.axial.pressure import Ends, peak_table, placed, pressures, pressures_under
-from lagrange.axial.slices import Slices, alone, spalled, tabulated
+from lagrange.axial.slices import Profile, Slices, alone, spalled, tabulated
 from lagrange.axial.table import in_series as softened
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw, contact_laws, johnson

@@ -13,7 +13,7 @@ from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import turned
-from lagrange.load_history import smooth
+from lagrange.load_history import joined
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
 from residual.check_vibration import main as vibration_main
@@ -38,7 +38,7 @@ def test_a_smooth_function_goes_through_its_points_and_nowhere_beyond_them(seed)
     random = np.random.default_rng(seed)
     time = np.cumsum(random.uniform(0.1, 1.0, 12))
     values = np.round(random.uniform(-3.0, 3.0, (12, 1)))  # with equal neighbours among them
-    found = smooth(time, values)
+    found = joined(time, values, "smooth")
     np.testing.assert_allclose(found(time), values, atol=1e-12)
     for (a, p), (b, q) in pairwise(zip(time, values[:, 0], strict=True)):
         between = found(np.linspace(a, b, 101))[:, 0]
@@ -48,7 +48,7 @@ def test_a_smooth_function_goes_through_its_points_and_nowhere_beyond_them(seed)
         before, after = found(time[1:-1] - 1e-11, order), found(time[1:-1] + 1e-11, order)
         np.testing.assert_allclose(before, after, atol=1e-4)
     line = 2.0 - 3.0 * time
-    np.testing.assert_allclose(smooth(time, line[:, None])(time + 0.01)[:-1, 0], line[:-1] - 0.03, atol=1e-12)
+    np.testing.assert_allclose(joined(time, line[:, None], "smooth")(time + 0.01)[:-1, 0], line[:-1] - 0.03, atol=1e-12)
 
 
 def test_the_shaft_turns_by_the_integral_of_its_speed(tmp_path):

@@ -13,7 +13,7 @@ from fem.rating.ross import coefficients
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import reduced_bearing
 from lagrange import contact_laws
-from lagrange.axial.facts import logarithmic_drop
+from lagrange.axial.slices import logarithmic_drop
 from lagrange.bearing import Bearing, Material
 from lagrange.catalogue import dimension_series
 from lagrange.contact.damping import ContactDamping

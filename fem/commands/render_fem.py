@@ -81,7 +81,7 @@ def _render(
             raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g}{unit}")
     _check_targets(output, animation, export)
 
-    from lagrange.files.pages import load_matplotlib
+    from lagrange.files.output import load_matplotlib
 
     load_matplotlib()
     from fem.pictures.output import refuse_foreign

@@ -27,7 +27,7 @@ from websockets.http11 import Request, Response
 from fem.live.player import Player, measured
 from fem.result.run_file import channels
 from lagrange.errors import RunFailed, UsageError
-from lagrange.files.pages import as_it_is, render_page
+from lagrange.files.output import as_it_is, render_page
 from lagrange.scene.scene import SceneError
 
 PARTS = Path(__file__).parent / "template"

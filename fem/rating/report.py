@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from fem.rating.answers import Answer, Rating
-from lagrange.files.output import write_whole
-from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, shown
 from lagrange.version import VERSION
 

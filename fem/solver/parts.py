@@ -20,7 +20,7 @@ from fem.kernels.tilts import Tilts as TiltArrays
 from fem.solver.row_state import row_places, row_width
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
-from lagrange.axial.facts import Axial
+from lagrange.axial.slices import Axial
 from lagrange.bearing import Cage
 from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics

@@ -12,9 +12,8 @@ from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standin
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
-from lagrange.axial.facts import Axial
 from lagrange.axial.pressure import exerted, placed
-from lagrange.axial.slices import steepest_slope
+from lagrange.axial.slices import Axial, steepest_slope
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving, weight_on_springs

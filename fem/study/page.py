@@ -13,8 +13,7 @@ from xarray import Dataset
 from fem.study.folder import Folder, incomplete
 from fem.study.solving import COMPLETE, Expected, Points, StudyOptions
 from fem.study.study_file import QUANTITIES
-from lagrange.files.output import write_whole
-from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, engineering
 from lagrange.scene.keys import name_in_words, unit_of
 

@@ -18,8 +18,7 @@ from fem.interface import OF_CHECK
 from fem.quantities import OF_RATING, OF_RUN, OF_STATICS
 from lagrange.errors import UsageError
 from lagrange.files.input import plain_text
-from lagrange.scene.faults import Table, likely_of, printable, quoted
-from lagrange.scene.files import load
+from lagrange.scene.faults import Table, likely_of, load, printable, quoted
 from lagrange.scene.scene import Scene, SceneError, read_scene
 
 LARGEST_FILE = 2**24  # bytes of a list of points

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.axial.facts import Axial, Profile
-from lagrange.axial.slices import Slices
+from lagrange.axial.slices import Axial, Slices
 from lagrange.bearing import Bearing
 from lagrange.contact.hertz import Pair, contact_pairs
 
@@ -27,13 +26,9 @@ FORCES, PLACES = 128, 512  # steps of the table, of √Q and of M/Q
 def pressures(slices: Slices, pair: Pair, approach, slope, sunk=0.0) -> np.ndarray:
     """Largest pressure of each slice, (..., n), Pa, by approach, m, and slope, rad, of contacts, (...,).
 
-    `sunk` : m, of the part of the length that spalls take.
-    Each slice has Hertz's pressure across: p0 = √(q E*/(π R)), q its force by its width.
-
-    Errors
-    ------
-    With coupled slices 0.7 % of peaks on profiled rollers; alone 3 to 9 %. At an edge there is no limit: `Ends`.
-    RuntimeError: as `Slices.forces`.
+    Each slice has Hertz's pressure across: p0 = √(q E*/(π R)), q its force by its width; `sunk` : m, of the part of the
+    length that spalls take. Errors: with coupled slices 0.7 % of peaks on profiled rollers; alone 3 to 9 %; at an edge
+    there is no limit: `Ends`. RuntimeError: as `Slices.forces`.
     """
     return _hertz(pair, slices.count * slices.forces(approach, slope, sunk))
 
@@ -46,13 +41,7 @@ def _hertz(pair: Pair, force: np.ndarray) -> np.ndarray:
 def pressures_under(slices: Slices, pair: Pair, force, moment, sunk, closed) -> tuple[np.ndarray, np.ndarray]:
     """Pressures on the slices of contacts that bear forces, N, and moments, N m, (..., n), Pa, and their slopes, rad.
 
-    Parameters
-    ----------
-    force, moment, sunk : (...,); `sunk` as of `pressures`
-    closed : (...,), which contacts are meant; others get 0
-
-    Errors
-    ------
+    force, moment, sunk : (...,), `sunk` as of `pressures`; closed : (...,), which contacts are meant; others get 0.
     ValueError: as `placed`. RuntimeError: as `Slices.forces`.
     """
     found, slope = np.zeros((*np.shape(force), slices.count)), np.zeros(np.shape(force))
@@ -80,7 +69,15 @@ class Ends(NamedTuple):
         A knee that bends by Δ adds E* Δ/π cosh⁻¹(a/x) at a distance x (Johnson, Contact Mechanics, 1985, (5.7)): it is
         an edge where KNEE of that makes more than slices know of the contact.
         """
-        found = self._ends_loaded(slices, whole)
+        last = whole[..., [0, -1]]
+        if np.isinf(self.drop).any():
+            found = last.max(axis=-1) > UNEVEN * self.even
+        else:
+            own = np.where(whole > 0.0, slices.law.approach(np.maximum(whole, FAINTEST)), 0.0)
+            (outer, inner), drop = (own[..., ends] for ends in ([0, -1], [1, -2])), slices.drop
+            beyond = outer + 0.5 * (outer + drop[[0, -1]] - inner - drop[[1, -2]]) + drop[[0, -1]] - self.drop
+            fading = outer <= FADING * own.max(axis=-1, keepdims=True)
+            found = ((last > FAINTEST) & ~(fading & (beyond <= 0.0))).any(axis=-1)
         if self.pair is None or not self.knees.size:
             return found
         at = np.abs(slices.place[:, None] - self.knees[0]).argmin(axis=0)
@@ -88,26 +85,14 @@ class Ends(NamedTuple):
         here = np.where(pressure[..., at] > 0.0, pressure[..., at] + more, 0.0)
         return found | (here.max(axis=-1) > UNEVEN * pressure.max(axis=-1))
 
-    def _ends_loaded(self, slices: Slices, whole: np.ndarray) -> np.ndarray:
-        last = whole[..., [0, -1]]
-        if np.isinf(self.drop).any():
-            return last.max(axis=-1) > UNEVEN * self.even
-        own = np.where(whole > 0.0, slices.law.approach(np.maximum(whole, FAINTEST)), 0.0)
-        (outer, inner), drop = (own[..., ends] for ends in ([0, -1], [1, -2])), slices.drop
-        beyond = outer + 0.5 * (outer + drop[[0, -1]] - inner - drop[[1, -2]]) + drop[[0, -1]] - self.drop
-        fading = outer <= FADING * own.max(axis=-1, keepdims=True)
-        return ((last > FAINTEST) & ~(fading & (beyond <= 0.0))).any(axis=-1)
-
 
 def profile_ends(bearing: Bearing, axial: Axial) -> tuple[Ends, Ends]:
     """Of the inner and the outer contact."""
-    end, own, pairs = np.array([-0.5, 0.5]) * bearing.roller_length, axial.roller, contact_pairs(bearing)
-
-    def of(ring: Profile, pair: Pair) -> Ends:
+    end, own, found = np.array([-0.5, 0.5]) * bearing.roller_length, axial.roller, []
+    for ring, pair in zip((axial.inner_raceway, axial.outer_raceway), contact_pairs(bearing)[:2], strict=True):
         drop, even = own.drop(end, bearing) + ring.drop(end, bearing), own.even_load(bearing) + ring.even_load(bearing)
-        return Ends(drop, even, pair, np.concatenate([own.knees, ring.knees], axis=1))
-
-    return of(axial.inner_raceway, pairs[0]), of(axial.outer_raceway, pairs[1])
+        found.append(Ends(drop, even, pair, np.concatenate([own.knees, ring.knees], axis=1)))
+    return found[0], found[1]
 
 
 def borne(pair: Pair, pressure: np.ndarray) -> np.ndarray:
@@ -135,15 +120,10 @@ class PeakTable:
 
 
 def peak_table(slices: Slices, pair: Pair, end: Ends, largest_force: float, steepest: float) -> PeakTable:
-    """The table up to a force, N, and up to the M/Q that a slope, rad, either way makes.
+    """The table up to a force, N, and up to the M/Q that a slope, rad, either way makes; `end` : of its profiles.
 
-    Parameters
-    ----------
-    end : of the contact's profiles
-
-    Errors
-    ------
-    0.05 % of the largest peak beside `pressures` (root mean square), 1 % at worst. RuntimeError: as `Slices.forces`.
+    Errors: 0.05 % of the largest peak beside `pressures` (root mean square), 1 % at worst. RuntimeError: as
+    `Slices.forces`.
     """
     turn = np.linspace(-1.0, 1.0, 2 * SLOPES + 1)
     slope = steepest * turn * np.abs(turn)  # narrower about 0, where small forces have their moments
@@ -171,11 +151,7 @@ def exerted(slices: Slices, force, moment):
 def placed(slices: Slices, force, moment, sunk=0.0) -> tuple[np.ndarray, np.ndarray]:
     """Approaches, m, and slopes, rad, of contacts that bear forces, N, > 0, and moments, N m, of one shape.
 
-    `sunk` : as of `pressures`
-
-    Errors
-    ------
-    ValueError: a moment is more than the force at a roller's end, or nothing is found.
+    `sunk` : as of `pressures`. ValueError: a moment is more than the force at a roller's end, or nothing is found.
     """
     force, moment, arm = np.asarray(force, dtype=float), np.asarray(moment, dtype=float), float(slices.place[-1])
     beyond = np.abs(moment) >= arm * force

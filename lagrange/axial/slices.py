@@ -1,4 +1,4 @@
-"""Forces of a roller's slices by their approaches: each by the plane law, alone or with its neighbours.
+"""Rollers along their axis: profiles, and the forces of slices by their approaches, each by the plane law.
 
 A slice of n carries the n-th part of what the plane law gives the whole length. Coupled, it yields to the others too:
 d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric.
@@ -9,35 +9,152 @@ the slices of elastic bodies, from which pressures along rollers follow by force
 
 from dataclasses import dataclass, replace
 from math import ceil, inf
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from lagrange.axial.facts import Axial
-from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, fitted
+from lagrange.axial.table import ContactTable, SpalledTable, TiltedContact, spline_coefficients
 from lagrange.bearing import Bearing
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw
+from lagrange.errors import ROUND_OFF, exceeds
 from lagrange.files.hdf5 import Damaged, check_array, has, variable
 from lagrange.surface.deviation import profiles
+from lagrange.surface.faults import Spall
 
 if TYPE_CHECKING:
     import h5py
 
+LONG = 2.5  # L_we/D_we beyond which the middle of the standard's profile is straight
 STEPS = 60  # of Newton's method
 SETTLED = 1e-12  # of the largest approach
 MATRICES = 2**22  # numbers in the matrices of contacts that are solved at once: 34 MB, which some copies share
 FIRST = 1e-8  # m, beyond the opening, to begin with
 OUT_OF_REACH = 1e-3  # m, further than any slice approaches
+KNOTS = 72  # between the opening and the largest approach of a straight contact
+COARSER = 2.0  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
+MOST_SLOPES = 300  # steps of slope either way
+BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
+MORE = 3.0  # times the largest force: what moves carries more than what stands
+SIDES = "inner", "outer"  # before _slice_compliance, variables of the file
+LAW = "compliance", "level", "largest_force"  # after law_, their attributes: m/N, 1, N
 
 LineLaw = PowerLaw | LogarithmicLaw
+Laws = tuple[LineLaw, LineLaw]  # of the inner and the outer contact
 
 
-class Sums(NamedTuple):
-    """Of the slices of contacts, (...,)."""
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """Drop of one surface along the roller's length, from its middle. SI."""
 
-    energy: np.ndarray  # J
-    force: np.ndarray  # N
-    moment: np.ndarray  # N m, Σ F z
+    kind: Literal["none", "logarithmic", "crowned", "lundberg", "measured"] = "none"
+    crown: float = 0.0  # m, drop of "crowned" at the roller's ends
+    load: float = 0.0  # N, for which a "lundberg" profile makes the pressure even
+    place: tuple[float, ...] = ()  # m from the middle, of "measured", rising
+    depth: tuple[float, ...] = ()  # m, there
+
+    def drop(self, z, bearing: Bearing) -> np.ndarray:
+        """P(z), m, >= 0, z in m from the roller's middle, shape of z; infinite at the ends of logarithmic profiles.
+
+        Source: ISO/TS 16281:2008 (42) to (44); Lundberg 1939, P = Q/(π E* L) ln[1/(1 − (2z/L)²)].
+        """
+        z, length = np.asarray(z, dtype=float), bearing.roller_length
+        if self.kind == "logarithmic":
+            return logarithmic_drop(z, length, 2.0 * bearing.roller_radius)
+        if self.kind == "crowned":
+            return self.crown * (2.0 * z / length) ** 2
+        if self.kind == "lundberg":
+            return self.load * _even_drop(bearing) * _falling(2.0 * z / length)
+        return np.interp(z, self.place, self.depth) if self.kind == "measured" else np.zeros(z.shape)
+
+    @property
+    def knees(self) -> np.ndarray:
+        """Where a measured profile bends outwards, m, and by how much, rad, (2, n)."""
+        bend = np.diff(np.diff(self.depth) / np.diff(self.place))
+        return np.array([self.place[1:-1], bend])[:, bend > 0.0] if self.place else np.zeros((2, 0))
+
+    def even_load(self, bearing: Bearing) -> float:
+        """Of a roller, N, whose pressure is even up to the ends; 0 of profiles without a logarithm."""
+        if self.kind == "logarithmic":
+            near = 1e-9  # of half the length, from the end
+            drop = self.drop(0.5 * bearing.roller_length * (1.0 - near * np.array([1.0, np.e])), bearing)
+            return float(drop[0] - drop[1]) / _even_drop(bearing)
+        return self.load if self.kind == "lundberg" else 0.0
+
+
+def _even_drop(bearing: Bearing) -> float:
+    """1/(π E* L), m/N: of Lundberg's profile, by its load."""
+    compliance = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / bearing.inner_ring.plane_strain_modulus
+    return compliance / (np.pi * bearing.roller_length)
+
+
+def logarithmic_drop(x, length: float, diameter: float) -> np.ndarray:
+    """P(x) of the standard's logarithmic profile, in the unit of x, length and diameter.
+
+    Source: ISO/TS 16281:2008 (42), of long rollers (43), (44).
+    """
+    x = np.asarray(x, dtype=float)
+    if not exceeds(length, LONG * diameter):
+        return 0.00035 * diameter * _falling(2.0 * x / length)
+    straight = length - LONG * diameter
+    return 0.0005 * diameter * _falling(np.maximum(2.0 * np.abs(x) - straight, 0.0) / (LONG * diameter))
+
+
+def _falling(share: np.ndarray) -> np.ndarray:
+    """ln[1/(1 − s²)]; infinite from s = 1 on."""
+    with np.errstate(divide="ignore"):
+        return -np.log(np.maximum(1.0 - share**2, 0.0))
+
+
+def centres(length: float, slices: int) -> np.ndarray:
+    """z of the middles of equal slices of a length from its middle, (slices,)."""
+    return (np.arange(slices) + 0.5 - 0.5 * slices) * length / slices
+
+
+def slices_over(bearing: Bearing, slices: int, spall: Spall) -> np.ndarray:
+    """Which slices of a roller have their middles over a spall, (slices,)."""
+    z, (first, last) = centres(bearing.roller_length, slices), spall.along or (-np.inf, np.inf)
+    near = ROUND_OFF * bearing.roller_length
+    return (z >= first - near) & (z <= last + near)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axial:
+    """Rollers, raceways and shaft along the axis. SI."""
+
+    roller: Profile
+    inner_raceway: Profile
+    outer_raceway: Profile
+    slices: int  # of a roller, equally wide
+    coupling: bool  # whether neighbouring slices know each other
+    ring_width: float  # m, of both rings
+    hub_tilt_inertia: float | None = None  # kg m², about an axis across the shaft's; None: its slope is prescribed
+    shaft_tilt_stiffness: float = 0.0  # N m/rad, of the shaft, against its slope
+
+    @property
+    def has_free_slope(self) -> bool:
+        """Whether the hub's slope moves, and is not prescribed."""
+        return self.hub_tilt_inertia is not None
+
+    def centres(self, bearing: Bearing) -> np.ndarray:
+        """z of the slices' middles from the roller's middle, (slices,), m."""
+        return centres(bearing.roller_length, self.slices)
+
+    def drops(self, bearing: Bearing) -> np.ndarray:
+        """Drop of roller and raceway together at the slices' middles, inner and outer contact, (2, slices), m."""
+        z, raceways = self.centres(bearing), (self.inner_raceway, self.outer_raceway)
+        return np.stack([self.roller.drop(z, bearing) + raceway.drop(z, bearing) for raceway in raceways])
+
+    def parts(self, bearing: Bearing) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Which slices spalls of part of the length let sink, inner and outer contact, (slices,) each; None: no such.
+
+        A spall takes the slices whose middles it goes over. All that one raceway's contacts meet take the same.
+        """
+        found: dict[str, np.ndarray] = {}
+        for spall in bearing.faults:
+            if isinstance(spall, Spall) and spall.is_part(bearing):
+                for ring in ("inner_ring", "outer_ring") if spall.body == "roller" else (spall.body,):
+                    found.setdefault(ring, slices_over(bearing, self.slices, spall))
+        return found.get("inner_ring"), found.get("outer_ring")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,11 +173,6 @@ class Slices:
     @property
     def count(self) -> int:
         return self.place.size
-
-    @property
-    def is_symmetric(self) -> bool:
-        """Whether a slope and its opposite have the same energy."""
-        return bool(np.allclose(self.drop, self.drop[::-1], rtol=1e-12, atol=0.0))
 
     @property
     def bare(self) -> "Slices":
@@ -96,8 +208,6 @@ class Slices:
     def forces(self, approach, slope, sunk=0.0) -> np.ndarray:
         """Of the slices, (..., n), N, by approach, m, slope, rad, and what those of `part` have sunk, m, (...,).
 
-        Errors
-        ------
         RuntimeError: coupled slices do not settle; they are narrower than their contacts.
         """
         deep = self.approaches(approach, slope, sunk)
@@ -107,17 +217,17 @@ class Slices:
         blocks = np.array_split(every, 1 + len(every) * self.count**2 // MATRICES)
         return np.concatenate([_coupled(self.law, self.coupling, each) for each in blocks]).reshape(deep.shape)
 
-    def sums(self, approach, slope, sunk=0.0) -> Sums:
-        """Energy, force and moment of contacts, (...,)."""
+    def sums(self, approach, slope, sunk=0.0) -> TiltedContact:
+        """Energy, force and moment of contacts, (...,), without the other derivatives."""
         return self._summed(self.approaches(approach, slope, sunk), self.forces(approach, slope, sunk))
 
-    def _summed(self, deep: np.ndarray, forces: np.ndarray) -> Sums:
+    def _summed(self, deep: np.ndarray, forces: np.ndarray) -> TiltedContact:
         if self.coupling is None:
             energy = self.law.potential(deep).mean(axis=-1)
         else:
             own = self.law.potential(self.law.approach(self.count * forces)).mean(axis=-1)
             energy = own + 0.5 * np.einsum("...k,kl,...l->...", forces, self.coupling, forces)
-        return Sums(energy, forces.sum(axis=-1), forces @ self.place)
+        return TiltedContact(energy, forces.sum(axis=-1), forces @ self.place)
 
     def at(self, approach, slope, sunk=0.0) -> TiltedContact:
         """The same with derivatives, as a table has them."""
@@ -130,10 +240,10 @@ class Slices:
             stiff = self.law.slope(deep - forces @ self.coupling)[..., None] / self.count * np.eye(self.count)
             stiff = np.linalg.solve(np.eye(self.count) + stiff @ self.coupling, stiff)  # K (1 + C K)⁻¹, symmetric
             by_approach, by_slope = stiff.sum(axis=-1), stiff @ self.place
-        of_part = np.zeros(self.count) if self.part is None else self.part
-        return TiltedContact(
-            *self._summed(deep, forces), stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1),
-            tilt_stiffness=by_slope @ self.place, part=forces @ of_part,
+        part = forces @ (np.zeros(self.count) if self.part is None else self.part)
+        return self._summed(deep, forces)._replace(
+            stiffness=by_approach.sum(axis=-1), cross=-by_slope.sum(axis=-1), tilt_stiffness=by_slope @ self.place,
+            part=part,
         )  # fmt: skip
 
 
@@ -157,46 +267,26 @@ def _coupled(law: LineLaw, coupling: np.ndarray, deep: np.ndarray) -> np.ndarray
 
 
 def contact_slices(
-    bearing: Bearing,
-    axial: Axial,
-    laws: tuple[LineLaw, LineLaw],
-    couplings: tuple[np.ndarray, np.ndarray] | None = None,
+    bearing: Bearing, axial: Axial, laws: Laws, couplings: tuple[np.ndarray, np.ndarray] | None = None
 ) -> tuple[Slices, Slices]:
     """The slices of the inner and the outer contact.
 
     `laws` : of the whole length; `couplings` : (n, n) each, m/N, of slices; None: each is alone
     """
-    drops, parts = axial.drops(bearing), axial.parts(bearing)
-
-    def side(k: int) -> Slices:
-        coupling = None if couplings is None else couplings[k]
-        return Slices(law=laws[k], place=axial.centres(bearing), drop=drops[k], coupling=coupling, part=parts[k])
-
-    return side(0), side(1)
-
-
-KNOTS = 72  # between the opening and the largest approach of a straight contact
-COARSER = 2.0  # steps of slope, at a roller's end, over those of approach: energy is smoother along it
-MOST_SLOPES = 300  # steps of slope either way
-BELOW = 6  # steps of approach below the opening of which a spline's values above it still know
-MORE = 3.0  # times the largest force: what moves carries more than what stands
+    of_sides = zip(laws, axial.drops(bearing), couplings or (None, None), axial.parts(bearing), strict=True)
+    inner, outer = (Slices(law=law, place=axial.centres(bearing), drop=drop, coupling=coupling, part=part)
+        for law, drop, coupling, part in of_sides)  # fmt: skip
+    return inner, outer
 
 
 def contact_tables(
-    bearing: Bearing,
-    axial: Axial,
-    laws: tuple[LineLaw, LineLaw],
-    largest_force: float,
-    largest_slope: float,
+    bearing: Bearing, axial: Axial, laws: Laws, largest_force: float, largest_slope: float,
     couplings: tuple[np.ndarray, np.ndarray] | None = None,
-) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:  # fmt: skip
     """Tables of the inner and the outer contact, where all rollers are alike; parameters beside `contact_slices`'s:
 
-    largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
-
-    Errors
-    ------
-    RuntimeError: slices do not settle.
+    largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way. RuntimeError:
+    slices do not settle.
     """
     inner, outer = (
         spalled(each, tabulated(each, float(each.approach_under(MORE * largest_force, 0.0)), largest_slope))
@@ -245,10 +335,8 @@ def tabulated(slices: Slices, deepest: float, steepest: float) -> ContactTable:
 
 def without_part(slices: Slices, whole: ContactTable) -> ContactTable:
     """The table on the same knots of a contact in whose part of the length that spalls take nothing bears."""
-    rows, columns = np.subtract(whole.coefficients.shape, (2, 3))
-    return _on_grid(
-        slices.bare, whole.first_approach, whole.approach_step, int(rows), whole.slope_step, int(columns) // 2
-    )
+    rows, columns = (int(n) for n in np.subtract(whole.coefficients.shape, (2, 3)))
+    return _on_grid(slices.bare, whole.first_approach, whole.approach_step, rows, whole.slope_step, columns // 2)
 
 
 def _on_grid(slices: Slices, first: float, step: float, count: int, by_slope: float, half: int) -> ContactTable:
@@ -257,23 +345,23 @@ def _on_grid(slices: Slices, first: float, step: float, count: int, by_slope: fl
     Where the contact is open u goes on as −u of the same depth beyond the opening: no kink there that a spline would
     ring from.
     """
-    slope = by_slope * np.arange(-half, half + 1)
+    slope, drop = by_slope * np.arange(-half, half + 1), slices.drop
+    is_symmetric = np.allclose(drop, drop[::-1], rtol=1e-12, atol=0.0)  # a slope and its opposite have the same energy
     opening = slices.opening(slope)
     signed = (first + step * np.arange(count))[:, None] - opening
     known = signed > -BELOW * step
-    wanted = known & (slope >= 0.0) if slices.is_symmetric else known
+    wanted = known & (slope >= 0.0) if is_symmetric else known
     at, energy = np.nonzero(wanted), np.zeros(signed.shape)
     energy[at] = slices.sums(opening[at[1]] + np.abs(signed[at]), slope[at[1]]).energy
-    if slices.is_symmetric:
+    if is_symmetric:
         energy[:, :half] = energy[:, :half:-1]
     u = np.sign(signed) * np.sqrt(energy)
     least = np.where(known.any(axis=0), u.min(axis=0), u.min())
     u = np.where(known, u, least * signed / (-BELOW * step))
-    return fitted((first, -half * by_slope), (step, by_slope), u)
-
-
-SIDES = "inner", "outer"  # before _slice_compliance, variables of the file
-LAW = "compliance", "level", "largest_force"  # after law_, their attributes: m/N, 1, N
+    return ContactTable(
+        first_approach=first, first_slope=-half * by_slope, approach_step=step, slope_step=by_slope,
+        coefficients=np.ascontiguousarray(spline_coefficients(spline_coefficients(u).T).T),
+    )  # fmt: skip
 
 
 def write_slices(file: "h5py.File", slices: tuple[Slices, Slices]) -> None:
@@ -287,17 +375,11 @@ def write_slices(file: "h5py.File", slices: tuple[Slices, Slices]) -> None:
 
 
 def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slices, Slices] | None:
-    """The slices of a run with [axial]; None: the file holds none.
-
-    Errors
-    ------
-    Damaged: they are none of such a bearing.
-    """
-    names, n = [f"{side}_slice_compliance" for side in SIDES], axial.slices
+    """The slices of a run with [axial]; None: the file holds none. Damaged: they are none of such a bearing."""
+    names, n, found = [f"{side}_slice_compliance" for side in SIDES], axial.slices, []
     if not all(has(file, name) for name in names):
         return None
-
-    def read(name: str) -> tuple[LogarithmicLaw, np.ndarray]:
+    for name in names:
         data = check_array(file, name, n, dimensions=(2,))
         numbers = [float(data.attrs[f"law_{key}"]) for key in LAW]
         coupling = data[:].astype(float) if data.shape == (n, n) else np.empty((0, 0))
@@ -305,7 +387,6 @@ def read_slices(file: "h5py.File", bearing: Bearing, axial: Axial) -> tuple[Slic
             raise Damaged(f"{name} is no compliance of {n} slices")
         S, B, most = numbers
         law = LogarithmicLaw(name="series", compliance=S, level=B, largest_force=most, source="plane series")
-        return law, coupling
-
-    (inner, of_inner), (outer, of_outer) = (read(name) for name in names)
+        found.append((law, coupling))
+    (inner, of_inner), (outer, of_outer) = found
     return contact_slices(bearing, axial, (inner, outer), (of_inner, of_outer))

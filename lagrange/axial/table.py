@@ -22,16 +22,16 @@ class TiltedContact(NamedTuple):
     energy: np.ndarray  # U, J
     force: np.ndarray  # Q = ∂U/∂δ, N
     moment: np.ndarray  # M = −∂U/∂ψ, N m
-    stiffness: np.ndarray  # ∂Q/∂δ, N/m
-    cross: np.ndarray  # ∂Q/∂ψ = −∂M/∂δ, N/rad
-    tilt_stiffness: np.ndarray  # −∂M/∂ψ, N m/rad
+    stiffness: np.ndarray = NOTHING  # ∂Q/∂δ, N/m
+    cross: np.ndarray = NOTHING  # ∂Q/∂ψ = −∂M/∂δ, N/rad
+    tilt_stiffness: np.ndarray = NOTHING  # −∂M/∂ψ, N m/rad
     part: np.ndarray = NOTHING  # −∂U/∂h, N, of the force what slices bear that spalls have sunk by h
     # −∂U/∂s, N², by the compliance of edges across the whole length, and of those of the part that spalls take
     edges: np.ndarray = NOTHING
     part_edges: np.ndarray = NOTHING
 
 
-SUMMED = "energy", "force", "moment", "stiffness", "cross", "tilt_stiffness"
+SUMMED = 6  # of these, which the sum of two contacts has by their sums
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,17 +55,6 @@ class ContactTable:
         """The largest approach, m, that the table holds."""
         return self.first_approach + (self.coefficients.shape[0] - 3) * self.approach_step
 
-    @property
-    def last_slope(self) -> float:
-        """The largest slope, rad, that the table holds."""
-        return self.first_slope + (self.coefficients.shape[1] - 3) * self.slope_step
-
-    def holds(self, approach, slope) -> np.ndarray:
-        """Whether the table goes so far; open contacts with less approach than its first are held at any slope."""
-        approach, slope = np.asarray(approach), np.asarray(slope)
-        known = (slope >= self.first_slope) & (slope <= self.last_slope)
-        return (approach <= self.last_approach) & (known | (approach <= self.first_approach))
-
     def at(self, approach, slope) -> TiltedContact:
         """Energy, force, moment and their derivatives at approaches, m, and slopes, rad, of any shape.
 
@@ -73,15 +62,15 @@ class ContactTable:
         """
         approach, slope = np.broadcast_arrays(np.asarray(approach, dtype=float), np.asarray(slope, dtype=float))
         within = np.clip(approach, self.first_approach, self.last_approach)
-        straight = np.clip(slope, self.first_slope, self.last_slope)
+        last_slope = self.first_slope + (self.coefficients.shape[1] - 3) * self.slope_step
+        straight = np.clip(slope, self.first_slope, last_slope)
         rows, by_row = _weights(within, self.first_approach, self.approach_step, self.coefficients.shape[0])
         columns, by_column = _weights(straight, self.first_slope, self.slope_step, self.coefficients.shape[1])
         near = self.coefficients[rows[..., :, None], columns[..., None, :]]
-
-        def summed(i: int, j: int) -> np.ndarray:
-            return np.einsum("...ij,...i,...j->...", near, by_row[i], by_column[j])
-
-        u, d, p, dd, dp, pp = (summed(*which) for which in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)))
+        u, d, p, dd, dp, pp = (
+            np.einsum("...ij,...i,...j->...", near, by_row[i], by_column[j])
+            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        )
         beyond, aside = approach - within, slope - straight
         u = u + d * beyond + p * aside + dp * beyond * aside
         d, p = d + dp * aside, p + dp * beyond
@@ -110,13 +99,8 @@ class TiltedLaw(Protocol):
 def in_series(at: Callable[..., TiltedContact], approach, slope, compliance, *spalls) -> TiltedContact:
     """A contact with a compliance s in series, which stores U(δ', ψ) + ½ s Q², δ' + s Q(δ', ψ) = δ.
 
-    Parameters
-    ----------
-    at : of the contact; approach, slope : m and rad, of any shape; compliance : m/N; spalls : what `at` takes besides
-
-    Errors
-    ------
-    Newton's method, to round-off.
+    `at` : of the contact; approach, slope : m, rad, of any shape; compliance : m/N; spalls : what `at` takes besides.
+    Errors: Newton's method, to round-off.
     """
     approach, slope, soft, *over = np.broadcast_arrays(np.asarray(approach, dtype=float), slope, compliance, *spalls)
     sound = at(approach, slope, *over)
@@ -169,14 +153,14 @@ class SpalledTable:
         both as if these were across the whole length."""
 
         def of_part(approach, slope) -> TiltedContact:
-            every, rest = self.whole.at(approach, slope), self.rest.at(approach, slope)
-            return TiltedContact(*(getattr(every, name) - getattr(rest, name) for name in SUMMED))
+            both = zip(self.whole.at(approach, slope)[:SUMMED], self.rest.at(approach, slope)[:SUMMED], strict=True)
+            return TiltedContact(*(every - rest for every, rest in both))
 
         of_rest = in_series(self.rest.at, approach, slope, compliance / (1.0 - self.share))
         part = in_series(of_part, approach - sunk, slope, (compliance + part_compliance) / self.share)
         edges, part_edges = of_rest.edges / (1.0 - self.share), part.edges / self.share
-        sums = (getattr(of_rest, name) + getattr(part, name) for name in SUMMED)
-        return TiltedContact._make([*sums, part.force, edges + part_edges, part_edges])
+        sums = (rest + own for rest, own in zip(of_rest[:SUMMED], part[:SUMMED], strict=True))
+        return TiltedContact(*sums, part.force, edges + part_edges, part_edges)
 
 
 def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
@@ -191,22 +175,8 @@ def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarr
     return base[..., None] + np.arange(SPAN), (value, slope, bend)
 
 
-def fitted(first: tuple[float, float], step: tuple[float, float], values: np.ndarray) -> ContactTable:
-    """The table through values of u at equally spaced knots.
-
-    Parameters
-    ----------
-    first, step : of approach, m, and slope, rad
-    values : (n_approaches, n_slopes), J^½
-    """
-    return ContactTable(
-        first_approach=first[0], first_slope=first[1], approach_step=step[0], slope_step=step[1],
-        coefficients=np.ascontiguousarray(_interpolating(_interpolating(values).T).T),
-    )  # fmt: skip
-
-
-def _interpolating(values: np.ndarray) -> np.ndarray:
-    """Coefficients of cubic B-splines through the values of each column; natural ends: no bend beyond them."""
+def spline_coefficients(values: np.ndarray) -> np.ndarray:
+    """Of cubic B-splines through the values of each column at equally spaced knots; no bend beyond their ends."""
     from scipy.linalg import solve_banded
 
     found, inside = np.zeros((len(values) + 2, *values.shape[1:])), 6.0 * values[1:-1]

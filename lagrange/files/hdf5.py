@@ -6,8 +6,7 @@ Variables with dimension scales, a unit and a meaning make such a file valid Net
 
 A file that is read may be damaged or foreign. `read_numbers` takes nothing but plain arrays of the file at hand: no
 links into other files, no filters that the library would load code for, no chunks or shapes far beyond the data there
-are.
-Solver and checker both read result files and don't know each other.
+are. Solver and checker both read result files and don't know each other.
 """
 
 import io
@@ -25,6 +24,20 @@ from lagrange.files.input import LARGEST_FILE, digest
 
 if TYPE_CHECKING:
     import h5py
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
+CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
+SCENE_CHECKSUM = "scene_checksum"  # attribute of the file: CRC-32 of the scene's text
+FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}  # by HDF5's numbers
+LARGEST_CHUNK = 64 * 2**20  # bytes
+MOST_COMPRESSION = 1100  # deflate can't do better than 1032 to 1
+SCENE_FILE = "scene_file_{}"  # variable: bytes of a file that the scene names
+MOST_SCENE_FILES = 200
+WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
+
+
+class Damaged(UsageError):
+    """What a file holds can't be used; the text says what is wrong, without the file's name."""
 
 
 class HeldBack(io.FileIO):
@@ -60,8 +73,6 @@ class HeldBack(io.FileIO):
 def hdf5_to_write(path: Path, mode: str = "w", **options: Any) -> "Iterator[h5py.File]":
     """An HDF5 file, new ("w") or to be changed ("r+"), closed at the end; options are those of h5py.File.
 
-    Errors
-    ------
     OSError: the disk failed, said at the end.
     """
     import h5py
@@ -79,13 +90,10 @@ def hdf5_to_write(path: Path, mode: str = "w", **options: Any) -> "Iterator[h5py
 
 def variable(file: "h5py.File", name: str, values: Any, dimensions: tuple[str, ...], unit: str, long_name: str) -> None:
     """Add numbers, or words (dtype object), along dimensions that the file has; along its own name: a coordinate."""
-    values = np.asarray(values)
-    if values.dtype == object:
-        import h5py
+    import h5py
 
-        file.create_dataset(name, data=values, dtype=h5py.string_dtype())
-    else:
-        file.create_dataset(name, data=values)
+    values = np.asarray(values)
+    file.create_dataset(name, data=values, dtype=h5py.string_dtype() if values.dtype == object else None)
     label(file, name, dimensions, unit, long_name)
 
 
@@ -100,34 +108,17 @@ def label(file: "h5py.File", name: str, dimensions: tuple[str, ...], unit: str, 
         data.dims[axis].attach_scale(file[each])
 
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
-CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
-SCENE_CHECKSUM = "scene_checksum"  # attribute of the file: CRC-32 of the scene's text
-FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}  # by HDF5's numbers
-LARGEST_CHUNK = 64 * 2**20  # bytes
-MOST_COMPRESSION = 1100  # deflate can't do better than 1032 to 1
-SCENE_FILE = "scene_file_{}"  # variable: bytes of a file that the scene names
-MOST_SCENE_FILES = 200
-WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
-
-
-class Damaged(UsageError):
-    """What a file holds can't be used; the text says what is wrong, without the file's name."""
-
-
 def read_numbers(file, name: str, count: int) -> np.ndarray:
     """The first `count` samples of a variable of an open HDF5 file, its checksum verified where it has one.
 
-    Errors
-    ------
     Damaged: no such variable, not an array of floating-point numbers in this file, too short, chunks or shapes out of
     proportion, an unknown filter, another checksum than stored.
     """
     data = check_array(file, name, count)
     values, record = data[:count].astype(float), data.attrs.get(CHECKSUM)
     if record is not None:
-        pairs = np.ravel(record)
-        known = dict(zip(pairs[0::2].tolist(), pairs[1::2].tolist(), strict=False))
+        pairs = np.ravel(record).tolist()
+        known = dict(zip(pairs[0::2], pairs[1::2], strict=False))
         if count not in known:
             raise Damaged(f"{name} has no checksum of its {count} samples")
         if known[count] != checksum(values):
@@ -143,8 +134,6 @@ def has(file, name: str) -> bool:
 def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions: tuple[int, ...] = (1, 2)):
     """The variable, after what is refused before anything is read; `count` None: a group, looked into no further.
 
-    Errors
-    ------
     Damaged: see `read_numbers`.
     """
     link = file.get(name, getlink=True)
@@ -176,12 +165,7 @@ def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions
 
 
 def read_scene_text(file) -> str:
-    """The attribute `scene` of an open HDF5 file, its checksum verified where there is one.
-
-    Errors
-    ------
-    Damaged: another checksum than stored. KeyError: no such attribute.
-    """
+    """The attribute `scene` of an open HDF5 file. Damaged: another checksum than stored. KeyError: there is none."""
     text = file.attrs["scene"]
     text = text.decode("utf-8", errors="replace") if isinstance(text, bytes) else str(text)
     if SCENE_CHECKSUM in file.attrs and int(file.attrs[SCENE_CHECKSUM]) != text_checksum(text):
@@ -190,23 +174,18 @@ def read_scene_text(file) -> str:
 
 
 def read_scene_files(file) -> dict[str, str]:
-    """Texts of the files that an open HDF5 file's scene names, by their digests.
-
-    Errors
-    ------
-    Damaged: too large, or no text.
-    """
+    """Texts of the files that an open HDF5 file's scene names, by their digests. Damaged: too large, or no text."""
     found = {}
     for number in range(MOST_SCENE_FILES):
         name = SCENE_FILE.format(number)
         if not has(file, name):
             break
-        check_array(file, name, 0, kinds="u", dimensions=(1,))
-        if file[name].nbytes > LARGEST_FILE or file[name].dtype.itemsize > 1:
+        data = check_array(file, name, 0, kinds="u", dimensions=(1,))
+        if data.nbytes > LARGEST_FILE or data.dtype.itemsize > 1:
             raise Damaged(f"{name} holds more than {LARGEST_FILE} bytes, or other numbers")
-        check_array(file, name, len(file[name]), kinds="u", dimensions=(1,))
+        check_array(file, name, len(data), kinds="u", dimensions=(1,))
         try:
-            text = file[name][:].tobytes().decode()
+            text = data[:].tobytes().decode()
         except UnicodeDecodeError:
             raise Damaged(f"{name} is no UTF-8 text") from None
         found[digest(text)] = text

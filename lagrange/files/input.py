@@ -5,8 +5,19 @@ import hashlib
 import os
 import stat
 from contextlib import suppress
-from errno import ENOTDIR, EPERM
 from pathlib import Path
+
+LARGEST_FILE = 4 * 2**20  # bytes
+ROOM = 2**16  # bytes, of files whose size the system does not know
+FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
+    b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
+    b"\xd0\xcf\x11\xe0": "an Excel workbook; save the sheet as CSV UTF-8",
+    b"PAR1": 'a Parquet file; pandas.read_parquet(file).to_csv("table.csv", index=False) makes a table of it',
+    b"MATLAB": 'a MATLAB file; writetable(T, "table.csv") in MATLAB makes a table of it',
+    b"\x1f\x8b": "compressed; unpack it by gunzip",
+    b"\xff\xfe": "UTF-16 text; save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text; save it as UTF-8",
+}
 
 
 def user_cache(name: str = "") -> Path:
@@ -20,9 +31,6 @@ def private_folder(path: Path) -> Path:
     """A folder's real path, made where it is missing, below folders that belong to this user or to root alone.
 
     Others may write a folder above it where each may exchange only what is his own, as in the shared temporary folder.
-
-    Errors
-    ------
     PermissionError, which names the folder: another user owns it, or can write it. OSError: it can't be made.
     """
     path = path.absolute()
@@ -37,41 +45,20 @@ def private_folder(path: Path) -> Path:
         about = folder.lstat()
         _check_owner(folder, about)
         if not stat.S_ISDIR(about.st_mode):
-            raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR), str(folder))
-        if not _closed(about, sticky=folder != real):
-            raise PermissionError(EPERM, "others can write there; close it by chmod go-w", str(folder))
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
+        if _is_open(about) and not (folder != real and about.st_mode & stat.S_ISVTX):
+            raise PermissionError(errno.EPERM, "others can write there; close it by chmod go-w", str(folder))
     return real
 
 
-def _check_owner(path: Path, about: os.stat_result) -> None:
+def _check_owner(path: str | Path, about: os.stat_result) -> None:
     if hasattr(os, "geteuid") and about.st_uid not in (0, os.geteuid()):
-        raise PermissionError(EPERM, "belongs to another user", str(path))
+        raise PermissionError(errno.EPERM, "belongs to another user", str(path))
 
 
-def check_private(path: str | Path, about: os.stat_result) -> None:
-    """Refuse an open file that others own or can write: PermissionError. `about`: of its handle."""
-    _check_owner(Path(path), about)
-    if not _closed(about):
-        raise PermissionError(EPERM, "others can write it", str(path))
-
-
-def _closed(about: os.stat_result, sticky: bool = False) -> bool:
-    """Whether others can't write a file or folder; `sticky`: or can't exchange what is in it."""
-    if not hasattr(os, "geteuid"):  # a system that keeps no rights in modes
-        return True
-    return not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or (sticky and bool(about.st_mode & stat.S_ISVTX))
-
-
-ROOM = 2**16  # bytes, of files whose size the system does not know
-FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
-    b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
-    b"\xd0\xcf\x11\xe0": "an Excel workbook; save the sheet as CSV UTF-8",
-    b"PAR1": 'a Parquet file; pandas.read_parquet(file).to_csv("table.csv", index=False) makes a table of it',
-    b"MATLAB": 'a MATLAB file; writetable(T, "table.csv") in MATLAB makes a table of it',
-    b"\x1f\x8b": "compressed; unpack it by gunzip",
-    b"\xff\xfe": "UTF-16 text; save it as UTF-8",
-    b"\xfe\xff": "UTF-16 text; save it as UTF-8",
-}
+def _is_open(about: os.stat_result) -> bool:
+    """Whether others can write a file or folder, on systems that keep rights in modes."""
+    return hasattr(os, "geteuid") and bool(about.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
 def not_text(data: bytes, at: int) -> str:
@@ -83,25 +70,24 @@ def not_text(data: bytes, at: int) -> str:
 def read_plain(path: str | Path, most: int = -1, private: bool = False) -> bytes:
     """The first `most` bytes of a plain file, or all.
 
-    Errors
-    ------
     OSError: it can't be read, or is no plain file: a pipe would be waited for, a device may never end; of a private one
     also that others own it or can write it. ValueError: its name holds a null character.
     """
-    with open(path, "rb", opener=_without_waiting) as file:
+    nonblocking = getattr(os, "O_NONBLOCK", 0)
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | nonblocking)) as file:
         about = os.fstat(file.fileno())
         if not stat.S_ISREG(about.st_mode):
             raise OSError(errno.EINVAL, "a pipe or a device, not a plain file", str(path))
         if private:
-            check_private(path, about)
+            _check_owner(path, about)
+            if _is_open(about):
+                raise PermissionError(errno.EPERM, "others can write it", str(path))
         return file.read(min(most, max(about.st_size + 1, ROOM)))  # room for all that is asked for is made beforehand
 
 
 def plain_text(path: str | Path, most: int) -> str:
     """The text of a plain file of at most `most` bytes, UTF-8 with or without a mark.
 
-    Errors
-    ------
     ValueError, what is wrong, without the file's name: it can't be read, is too large, or not UTF-8.
     """
     try:
@@ -114,13 +100,6 @@ def plain_text(path: str | Path, most: int) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(not_text(data, error.start)) from None
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
-
-
-LARGEST_FILE = 4 * 2**20  # bytes
 
 
 def digest(text: str) -> str:

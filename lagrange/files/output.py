@@ -1,9 +1,11 @@
-"""Files that commands write: whole or not at all, in no foreign file's place, through no foreign link or pipe.
+"""Files that commands write: whole or not at all, in no foreign file's place, through no foreign link or pipe; pages.
 
 Stands on the ground floor, as `input` does: solver, checker and studies write by `replaced`. A file is made
 under a drawn name of this program's own beside its place, and then moved there. No name is foreseeable, so nothing can
 have been laid in its way; `remove_left` takes away what killed processes have left under such names. Meshes, assembled
 matrices and compiled kernels are sealed by a digest: a file that is cut, zeroed or has a flipped bit is known.
+
+Pages and figures: libraries loaded undisturbed by settings around them, and what the commands' pages share.
 """
 
 import errno
@@ -12,21 +14,28 @@ import os
 import re
 import secrets
 import stat
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lagrange.files.input import read_plain
 
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
 BINARY = getattr(os, "O_BINARY", 0)  # Windows would translate line ends in what is read and written
 NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | BINARY
+STYLE = Path(__file__).parents[1] / "page.css"
+VENDOR = STYLE.parent / "vendor"
+_SIZE = hashlib.sha256().digest_size
 
 
 def real_path(path: Path) -> Path:
     """Where a link leads; else the path as it was given. OSError: links that lead round in a circle."""
-    if not path.is_symlink():
-        return path
-    real = Path(os.path.realpath(path))
+    real = Path(os.path.realpath(path)) if path.is_symlink() else path
     if real.is_symlink():
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
     return real
@@ -43,11 +52,8 @@ def refuse_special(path: Path) -> None:
 def replaced(path: str | Path, durable: bool = False) -> Iterator[Path]:
     """An empty new file, to be written and closed, that is moved to `path` at the end, or removed after an error.
 
-    `durable` : it is brought to the disk first
-
-    Errors
-    ------
-    OSError, which names `path`: it can't be made or written, or is there and no plain file. What stands there stays.
+    `durable` : it is brought to the disk first. OSError, which names `path`: it can't be made or written, or is there
+    and no plain file. What stands there stays.
     """
     path = real_path(Path(path))
     refuse_special(path)
@@ -94,12 +100,7 @@ def write_whole(path: str | Path, data: bytes) -> None:
 
 
 def new_part(path: Path) -> Path:
-    """Make an empty file, to be moved to `path` later, under a name that no file has.
-
-    Errors
-    ------
-    OSError, which names `path`: it can't be made.
-    """
+    """Make an empty file, to be moved to `path` later, under a name that no file has. OSError names `path`."""
     part = path.with_name(f"{_start(path)}{secrets.token_hex(4)}.part")
     try:
         os.close(os.open(part, NEW, 0o666))
@@ -122,27 +123,53 @@ def _start(path: Path) -> str:
     return f".roller-bearing-{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:8]}-"
 
 
-_SIZE = hashlib.sha256().digest_size
-
-
 def write_sealed(path: Path, data: bytes) -> None:
-    """Write a file and its seal, behind the data, beside its place and move it there.
-
-    Errors
-    ------
-    OSError: it can't be written; an earlier file stays.
-    """
+    """Write a file and its seal, behind the data, and move it into place. OSError: an earlier file stays."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, data + hashlib.sha256(data).digest())
 
 
 def read_sealed(path: Path, private: bool = False) -> bytes | None:
-    """The data of a sealed file; None if it is not what was written.
-
-    Errors
-    ------
-    OSError: there is no such file, or it can't be read; of a private one also that others own it or can write it.
-    """
+    """The data of a sealed file; None if it is not what was written. OSError: as `read_plain`."""
     whole = read_plain(path, private=private)
     data, seal = whole[:-_SIZE], whole[-_SIZE:]
     return data if len(seal) == _SIZE and hashlib.sha256(data).digest() == seal else None
+
+
+def load_matplotlib() -> None:
+    """Load matplotlib with its own defaults, and to draw into memory. One that is loaded already stays as it is.
+
+    It looks for `matplotlibrc` in the current folder first, then where MATPLOTLIBRC leads.
+    """
+    if "matplotlib" in sys.modules:
+        return
+    before = {name: os.environ.get(name) for name in ("MATPLOTLIBRC", "MPLBACKEND")}
+    os.environ.update(MATPLOTLIBRC=os.devnull, MPLBACKEND="Agg")
+    try:
+        with chdir(Path(__file__).parent):
+            import_module("matplotlib")
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name)
+            os.environ.update({} if value is None else {name: value})
+
+
+def render_page(template: Path, **values: object) -> str:
+    """The text of a page, with uPlot in it: it must open without a network."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folders = FileSystemLoader([template.parent, STYLE.parent])  # page.j2 has tables and pictures
+    environment = Environment(
+        loader=folders, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template(template.name).render(
+        page_style=as_it_is(STYLE), plot_style=as_it_is(VENDOR / "uPlot.min.css"),
+        plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values,
+    )  # fmt: skip
+
+
+def as_it_is(path: Path) -> "Markup":
+    """A style or script that goes into a page unescaped."""
+    from markupsafe import Markup
+
+    return Markup(path.read_text(encoding="utf-8"))

@@ -8,10 +8,12 @@
 Time and memory grow with the size of the text, which is limited, as are its lines, columns and numbers.
 """
 
+# fmt: off
 import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 import numpy as np
 
@@ -29,9 +31,8 @@ HEAD, SAMPLED = 1 << 18, 40  # characters and rows that the form of a record is 
 FORMS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", "."), (None, "."), (None, ","))  # delimiter, decimal
 ERRORS = ("#n/a", "#nv", "#null!", "#div/0!", "#value!", "#wert!", "#ref!", "#bezug!", "#name?", "#num!", "#zahl!")
 MISSING = frozenset(["", "nan", "-nan", "null", "none", "n/a", "na", "-", *ERRORS])  # cells that hold no number
-UNIT = re.compile(
-    r"|[\[(].*[\])]|-|1|m?g|s|sec|[mµun]s|m?V|m?m/s(?:\^?2|²)?|°?C|rpm|Hz|N", re.IGNORECASE
-)  # a cell below names
+UNIT = re.compile(  # a cell below names
+    r"|[\[(].*[\])]|-|1|m?g|s|sec|[mµun]s|m?V|m?m/s(?:\^?2|²)?|°?C|rpm|Hz|N", re.IGNORECASE)
 DATED = re.compile(r"\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{4}|\d{1,2}:\d\d:\d\d")
 GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:[.,]\d{3})+")  # 1.234 where it may be 1234
 FEWEST_GROUPED = 8  # cells that tell marks of thousands from decimal signs
@@ -47,7 +48,7 @@ def decoded(data: bytes) -> str:
                 return data.decode(encoding)
             except UnicodeDecodeError as error:
                 raise ValueError(f"begins as {encoding} but is not (byte {error.start}); save it as UTF-8") from None
-    if any(data.startswith(start) for start in FOREIGN) or b"\0" in data[:4096]:
+    if any(map(data.startswith, FOREIGN)) or b"\0" in data[:4096]:
         raise ValueError(not_text(data, 0))
     try:
         return data.decode()
@@ -85,17 +86,22 @@ class TextTable:
         """The table of which nothing is known. ValueError: no rows of numbers; marks of thousands or decimal signs?"""
         text = _with_line_feeds(text)
         head = text[: text.find("\n", HEAD) + 1 or len(text)].split("\n")
-        lines = [(number, line) for number, line in enumerate(head, 1) if line.strip(" \t")]
-        _check_lengths([line for _, line in lines])
-        first, delimiter, decimal = _form([line for _, line in lines])
-        before = [line.lstrip("#% ") for _, line in lines[:first]]
-        rows = [_cells(line, delimiter) for _, line in lines[first:]]
-        _check_thousands(rows, decimal)
-        number, width = lines[first][0], len(rows[0])
-        names, units = _heads(before, delimiter, width)
-        start = sum(len(line) + 1 for line in head[: number - 1])
-        return cls(text=text, names=names, delimiter=delimiter, decimal=decimal, start=start, line=number, keyed=False,
-                   before=before, units=units)  # fmt: skip
+        lines = {number: line for number, line in enumerate(head) if line.strip(" \t")}
+        _check_lengths(head)
+        first, delimiter, decimal = _form(list(lines.values()))
+        before = [line.lstrip("#% ") for line in list(lines.values())[:first]]
+        rows = [_cells(line, delimiter) for line in list(lines.values())[first:]]
+        for cells in zip(*(row for row in rows if len(row) == len(rows[0])), strict=True):
+            # marks before groups of three digits beside whole numbers below 1000, as of thousands
+            marked = [cell for cell in cells if decimal in cell]
+            bare = [cell for cell in cells if re.fullmatch(r"[-+]?[1-9]\d{0,2}", cell)]
+            if bare and len(marked) >= FEWEST_GROUPED and all(map(GROUPED.fullmatch, marked)):
+                raise ValueError(f"{marked[0]} beside {bare[0]} may be {marked[0].replace(decimal, '')} with a mark of "
+                    "thousands; write numbers without such marks, or all with the same number of decimals")
+        names, units = _heads(before, delimiter, len(rows[0]))
+        number = list(lines)[first]
+        return cls(text=text, names=names, delimiter=delimiter, decimal=decimal, line=number + 1, keyed=False,
+            start=sum(len(line) + 1 for line in head[:number]), before=before, units=units)
 
     def header_below(self, names: Sequence[str]) -> str:
         """What to do where a later line is the header; empty: none is."""
@@ -108,8 +114,6 @@ class TextTable:
     def numbers(self, wanted: Sequence[int] | None = None) -> np.ndarray:
         """Columns, (n_rows, n_wanted); of a sniffed table each line is a row, nan where it holds no number.
 
-        Errors
-        ------
         ValueError, a sentence: the line at fault and what to do; too many numbers, too long a line.
         """
         if self.delimiter == self.decimal:
@@ -117,86 +121,61 @@ class TextTable:
         wanted = range(len(self.names)) if wanted is None else wanted
         if (self.text.count("\n", self.start) + 1) * len(self.names) > MOST_NUMBERS:
             raise ValueError(f"more than {MOST_NUMBERS:,} numbers; cut it into parts".replace(",", " "))
-        found, at, number = [], self.start, self.line
+        found, at, number = [np.empty((0, len(wanted)))], self.start, self.line
         while at < len(self.text):
             end = self.text.find("\n", at + PART) + 1 or len(self.text)
             lines = self.text[at:end].removesuffix("\n").split("\n")
             _check_lengths(lines)
-            found.append(self._part(lines, number, wanted))
+            rows = {k: "" if _is_note(line, self.keyed) else line for k, line in enumerate(lines, number)}
+            if self.keyed:
+                rows = {k: line for k, line in rows.items() if line.strip()}
+            part = self._loaded(list(rows.values()), wanted)
+            if part is None:
+                part = np.array([self._row(k, line, wanted) for k, line in rows.items()], dtype=float)
+            found.append(part)
             at, number = end, number + len(lines)
-        return np.concatenate(found) if found else np.empty((0, len(wanted)))
+        return np.concatenate(found)
 
-    def _part(self, lines: list[str], number: int, wanted: Sequence[int]) -> np.ndarray:
-        """Rows of lines, the first of this number: by numpy as they stand, else cell by cell, else one by one."""
-        kept = [(k, "" if self._is_note(line) else line) for k, line in enumerate(lines, number)]
-        if self.keyed:
-            kept = [(k, line) for k, line in kept if line.strip()]
-        between = len(self.names) - 1
-        if self.delimiter is None:
-            regular = all(len(line.split()) == between + 1 for _, line in kept)
-        else:
-            regular = all(line.count(self.delimiter) == between for _, line in kept)
-        found = self._loaded([line for _, line in kept], self.delimiter, wanted) if regular else None
-        if found is None:
-            found = self._loaded([self._between_tabs(line) for _, line in kept], "\t", wanted)
-        if found is None:  # to say which can't be read
-            found = np.array([self._row(k, line, wanted) for k, line in kept], dtype=float)
-        return found
-
-    def _is_note(self, line: str) -> bool:
-        return line.startswith("#" if self.keyed else ("#", "%")) and not line.lower().startswith(ERRORS)
-
-    def _loaded(self, rows: list[str], delimiter: str | None, wanted: Sequence[int]) -> np.ndarray | None:
-        """Numbers of rows; None: one of them is empty or can't be read."""
+    def _loaded(self, rows: list[str], wanted: Sequence[int]) -> np.ndarray | None:
+        """Numbers of rows as they stand; None: one has other cells than there are names, or can't be read."""
         if not rows:
             return np.empty((0, len(wanted)))
-        if not all(rows):
+        between, mark = len(self.names) - 1, self.delimiter
+        widths = (len(row.split()) - 1 if mark is None else row.count(mark) for row in rows)
+        if not all(rows) or any(width != between for width in widths):
             return None
         if self.decimal == ",":
             rows = [row.replace(".", "?").replace(",", ".") for row in rows]
         try:
-            return np.loadtxt(rows, delimiter=delimiter, usecols=wanted, ndmin=2, comments=None)
+            return np.loadtxt(rows, delimiter=mark, usecols=wanted, ndmin=2, comments=None)
         except ValueError:
             return None
 
-    def _between_tabs(self, line: str) -> str:
-        """A row's cells; of a sniffed table all, nan where they hold no number. Empty: a row to be looked at."""
-        cells, width = _cells(line, self.delimiter), len(self.names)
-        if not self.keyed:
-            cells = ["nan" if cell.lower() in MISSING else cell for cell in cells] + ["nan"] * (width - len(cells))
-        odd = len(cells) > width or (self.delimiter is None and len(cells) < width)
-        row = "\t".join(cells)
-        return "" if odd or row.count("\t") >= max(len(cells), 1) else row
-
     def _row(self, number: int, line: str, wanted: Sequence[int]) -> list[float]:
+        """Numbers of a line, cell by cell."""
         cells, width = _cells(line, self.delimiter), len(self.names)
         too_few = len(cells) <= max(wanted) or (self.delimiter is None and len(cells) < width)
         if any(cells[width:]) or (self.keyed and too_few):
-            hint = ""
-            if len(cells) > width and self.delimiter == ",":
-                hint = '; where commas are decimal, write semicolons or tabs between columns and give decimal = ","'
-            raise ValueError(f"line {number}: {len(cells)} cells under {width} names{hint if self.keyed else ''}")
+            hint = '; where commas are decimal, write semicolons or tabs between columns and give decimal = ","'
+            is_hint = self.keyed and len(cells) > width and self.delimiter == ","
+            raise ValueError(f"line {number}: {len(cells)} cells under {width} names{hint if is_hint else ''}")
         cells += [""] * (width - len(cells))
         values = [_number(cells[k], self.decimal, not self.keyed) for k in wanted]
         if None not in values:
             return [value for value in values if value is not None]
         words = all(re.search(r"[^\W\d]|[%°]", cells[k]) for k in wanted)
         if self.keyed and len(values) > 1 and set(values) == {None} and words and not line.startswith("#"):
-            raise ValueError(
-                f"line {number}: no numbers in it; a line of units is none of the table's rows: delete it, or begin it "
-                "with #"
-            )
+            raise ValueError(f"line {number}: no numbers in it; a line of units is none of the table's rows: delete "
+                "it, or begin it with #")
         at = wanted[values.index(None)]
-        cell = cells[at] if len(cells[at]) <= LONGEST_QUOTE else f"{cells[at][:LONGEST_QUOTE]}…"
-        name = shown(self.names[at][:LONGEST_QUOTE])
-        raise ValueError(f"line {number}: {name} = {cell!r} is no number{self._remedy(cells[at])}")
-
-    def _remedy(self, cell: str) -> str:
+        cell, name = cells[at], shown(self.names[at][:LONGEST_QUOTE])
+        remedy = "; write digits 0 to 9 without marks between thousands"
         if self.keyed and self.decimal == "." and _number(cell, ",", False) is not None:
-            return '; give decimal = "," if commas are decimal signs'
-        if self.decimal == "," and "." in cell:
-            return '; with decimal = "," no point may stand in it' if self.keyed else "; its decimal sign is a comma"
-        return "; write digits 0 to 9 without marks between thousands"
+            remedy = '; give decimal = "," if commas are decimal signs'
+        elif self.decimal == "," and "." in cell:
+            remedy = '; with decimal = "," no point may stand in it' if self.keyed else "; its decimal sign is a comma"
+        quoted = cell if len(cell) <= LONGEST_QUOTE else f"{cell[:LONGEST_QUOTE]}…"
+        raise ValueError(f"line {number}: {name} = {quoted!r} is no number{remedy}")
 
 
 def columns(
@@ -204,14 +183,9 @@ def columns(
 ) -> np.ndarray:
     """Columns of a named table, (n_rows, n_names), in the units of `names`; others are left out.
 
-    Parameters
-    ----------
-    units : by name, as time_ms, the units that a header may have in its place and their size, as in "time_s" or
-        "time [s]"; those without stand as they are named
-
-    Errors
-    ------
-    ValueError, a sentence on the text: columns missing or twice, an unknown unit, a line at fault.
+    `units` : by name, as time_ms, the units that a header may have in its place and their size, as in "time_s" or
+    "time [s]"; those without stand as they are named. ValueError, a sentence on the text: columns missing or twice, an
+    unknown unit, a line at fault.
     """
     table = TextTable.named(text, decimal)
     written = [_in_units(name, table.names, (units or {}).get(name, {})) for name in names]
@@ -230,12 +204,8 @@ def columns(
 def _in_units(name: str, headers: list[str], units: Mapping[str, float]) -> tuple[str, float]:
     """How a header names a column, and the factor to its own unit. ValueError: twice, or in an unknown unit."""
     bare = name.partition("_")[0]
-    found = {
-        header: units[unit]
-        for header in headers
-        for unit in units
-        if re.fullmatch(rf"{bare}[\s_]*[\[(]?({re.escape(unit)}|{re.escape(unit.replace('/', '_'))})[\])]?", header)
-    }
+    found = {header: units[unit] for header in headers for unit in units if re.fullmatch(
+        rf"{bare}[\s_]*[\[(]?({re.escape(unit)}|{re.escape(unit.replace('/', '_'))})[\])]?", header)}
     if len(found) > 1:
         raise ValueError(f"columns {' and '.join(found)} say the same thing; leave all but one out")
     strange = [header for header in headers if units and re.fullmatch(rf"{bare}(\s*[\[(].*|_.*)?", header)]
@@ -254,6 +224,10 @@ def _with_line_feeds(text: str) -> str:
 def _check_lengths(lines: list[str]) -> None:
     if max(map(len, lines), default=0) > LONGEST_LINE:
         raise ValueError(f"a line of more than {LONGEST_LINE} characters; a table has one row in each line")
+
+
+def _is_note(line: str, keyed: bool = False) -> bool:
+    return line.startswith("#" if keyed else ("#", "%")) and not line.lower().startswith(ERRORS)
 
 
 def _names(header: str) -> tuple[list[str], str | None]:
@@ -289,31 +263,25 @@ def _number(cell: str, decimal: str, may_miss: bool) -> float | None:
 
 def _form(lines: Sequence[str]) -> tuple[int, str | None, str]:
     """Number of the first row of numbers, the delimiter (None: blanks) and the decimal sign."""
-    best: tuple[int, int, str | None, str] | None = None
+    forms = []
     for delimiter, decimal in FORMS:
         widths = [_width(line, delimiter, decimal) for line in lines[: MOST_BEFORE + SAMPLED]]
         for first, width in enumerate(widths[:MOST_BEFORE]):
             sample = widths[first : first + SAMPLED]
             if width and set(sample) <= {None, 0, width}:
-                if sample.count(width) >= 0.8 * (len(sample) - sample.count(None)) and (
-                    best is None or width > best[0]
-                ):
-                    best = width, first, delimiter, decimal
+                if sample.count(width) >= 0.8 * (len(sample) - sample.count(None)):
+                    forms.append((width, first, delimiter, decimal))
                 break
-    if best is None:
+    if not forms:
         dated = DATED.search("\n".join(lines[:MOST_BEFORE]))
         marked = next((x for x in lines[:MOST_BEFORE] if re.search(r"\d[.]\d{3},\d|\d,\d{3}[.]\d", x)), None)
-        raise ValueError(
-            "no rows of numbers in it; a record has one sample in each line, in columns"
+        raise ValueError("no rows of numbers in it; a record has one sample in each line, in columns"
             + (f"; dates and clock times ({dated[0]}) are none: leave that column out and give --rate" if dated else "")
-            + (f"; write numbers without marks of thousands ({marked.strip()[:LONGEST_QUOTE]!r})" if marked else "")
-        )
-    width, first, delimiter, decimal = best
-    heads = lines[first - 1] if first else ""
-    rows = lines[first : first + SAMPLED]
-    one_comma = delimiter == "," and width == 2 and all("." not in x and x.count(",") == 1 for x in rows)
-    if one_comma and "," not in heads:  # 0,123 below a header of one name, or none
-        return first, None, ","
+            + (f"; write numbers without marks of thousands ({marked.strip()[:LONGEST_QUOTE]!r})" if marked else ""))
+    width, first, delimiter, decimal = max(forms, key=lambda form: form[0])
+    if delimiter == "," and width == 2 and (first == 0 or "," not in lines[first - 1]):
+        if all("." not in row and row.count(",") == 1 for row in lines[first : first + SAMPLED]):
+            return first, None, ","  # 0,123 below a header of one name, or none
     return first, delimiter, decimal
 
 
@@ -322,36 +290,20 @@ def _width(line: str, delimiter: str | None, decimal: str) -> int | None:
     cells = _cells(line, delimiter)
     if len(cells) > MOST_COLUMNS:
         return 0
-    if line[0] in "#%" and not line.lower().startswith(ERRORS):
+    if _is_note(line):
         return None
-    numbers = 0
-    for cell in cells:
-        value = _number(cell, decimal, True)
-        if value is None:
-            return 0
-        numbers += value == value
-    return len(cells) if numbers else None
-
-
-def _check_thousands(rows: list[list[str]], decimal: str) -> None:
-    """ValueError: marks before groups of three digits beside whole numbers below 1000, as of thousands."""
-    for cells in zip(*(row for row in rows if len(row) == len(rows[0])), strict=True):
-        marked = [cell for cell in cells if decimal in cell]
-        bare = [cell for cell in cells if re.fullmatch(r"[-+]?[1-9]\d{0,2}", cell)]
-        if bare and len(marked) >= FEWEST_GROUPED and all(GROUPED.fullmatch(cell) for cell in marked):
-            raise ValueError(
-                f"{marked[0]} beside {bare[0]} may be {marked[0].replace(decimal, '')} with a mark of thousands; write "
-                "numbers without such marks, or all with the same number of decimals"
-            )
+    values = list(takewhile(lambda value: value is not None, (_number(cell, decimal, True) for cell in cells)))
+    if len(values) < len(cells):
+        return 0
+    return len(cells) if any(value == value for value in values) else None
 
 
 def _heads(before: list[str], delimiter: str | None, width: int) -> tuple[list[str], dict[str, str]]:
     """Names and units of columns from the lines before them; numbers where there are none."""
     fitting = [cells for cells in (_cells(line, delimiter) for line in before[-4:]) if len(cells) == width]
     fitting = [cells for cells in fitting if not all(cell.lower() in MISSING for cell in cells)]  # a first row
-    below = fitting.pop() if len(fitting) > 1 and all(UNIT.fullmatch(cell) for cell in fitting[-1]) else []
+    below = fitting.pop() if len(fitting) > 1 and all(map(UNIT.fullmatch, fitting[-1])) else []
     names = fitting[-1] if fitting else [""] * width
     names = [name[:LONGEST_NAME] or f"column {k}" for k, name in enumerate(names, 1)]
     names = [f"{name} ({k + 1})" if name in names[:k] else name for k, name in enumerate(names)]
-    units = {name: unit.strip("[]()") for name, unit in zip(names, below, strict=False)}
-    return names, units
+    return names, {name: unit.strip("[]()") for name, unit in zip(names, below, strict=False)}

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.axial.facts import centres, logarithmic_drop
-from lagrange.axial.slices import Slices
+from lagrange.axial.slices import Slices, centres, logarithmic_drop
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact.laws import PowerLaw
 from lagrange.rating.life import REDUCTION, Dimensions, DutyCycle, dynamic_capacity

@@ -4,7 +4,7 @@ The default cage is a calibration: rollers orbit within −0.1 to +0.25 % of rol
 act, which the model has not. Its plays are not those of a maker's drawing.
 """
 
-# fmt: off  # a key, or a rule, goes on below where it is long
+# fmt: off
 from collections.abc import Iterator
 from functools import lru_cache
 from math import asin, cos, inf, pi, radians, sin
@@ -13,29 +13,14 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from lagrange.axial.facts import Axial, Profile
+from lagrange.axial.slices import Axial, Profile
 from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
 from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, has_balls, instead, listed, steel_ring_and_shaft
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import exceeds
 from lagrange.files.tables import columns
-from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit, OperatingClearance
-from lagrange.scene.faults import (
-    DecimalSign,
-    Density,
-    Diameter,
-    Digest,
-    File,
-    FileName,
-    FileText,
-    Modulus,
-    PoissonRatio,
-    Rule,
-    Share,
-    Table,
-    key,
-    only,
-)
+from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit
+from lagrange.scene.faults import DecimalSign, Diameter, Digest, File, FileName, FileText, Share, Table, key, only
 from lagrange.surface.film import Lubricant
 
 if TYPE_CHECKING:
@@ -50,8 +35,10 @@ USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 FOLLOWS = "; default with an inner raceway or a pitch"  # of which the paper's rings are none
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm", "contact_angle_deg")  # and the outer raceway
-LARGEST_INTERFERENCE = 2e-3  # of the diameter: steel yields at about that strain
 STEEL_DENSITY = 7850.0
+Modulus = Annotated[float, Field(ge=0.1, le=2000.0)]
+PoissonRatio = Annotated[float, Field(ge=0.0, le=0.45)]
+Density = Annotated[float, Field(ge=100.0, le=30_000.0)]
 Conformity = Annotated[float, Field(gt=0.5, le=1.0)]
 Temperature = Annotated[float, Field(ge=-200.0, le=500.0)]
 Expansion = Annotated[float, Field(ge=0.0, le=1e-4)]
@@ -69,11 +56,9 @@ def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
     if any(type(size) not in (float, int) or size < 0.0 for size in sizes):
         return None
     bore, length, raceway, rows = sizes
-    solid = bore == 0.0  # the shaft itself
-    alone, bore = (SHAFT_WIDTHS, raceway) if solid else (0.0, bore)
-    if steel_ring_and_shaft(bore, rows * length, raceway, alone) < USUAL_MASS:
-        return None
-    return steel_ring_and_shaft(bore, rows * length, raceway, SHAFT_WIDTHS)
+    alone, bore = (SHAFT_WIDTHS, raceway) if bore == 0.0 else (0.0, bore)  # a solid one is the shaft itself
+    ring, whole = (steel_ring_and_shaft(bore, rows * length, raceway, shaft) for shaft in (alone, SHAFT_WIDTHS))
+    return None if ring < USUAL_MASS else whole
 
 
 class BearingTable(Table):
@@ -118,44 +103,40 @@ class BearingTable(Table):
         Of a bearing with an inner raceway, or a pitch, rings and length follow in proportion to the roller as the
         paper's do; without a raceway of its own the outer ring is the paper's.
         """
-        outer_given, outer = "outer_raceway_diameter_mm" in data, data.get("outer_raceway_diameter_mm")
-        pitch: Any = data.get("pitch_diameter_mm")
+        data, outer, pitch = dict(data), data.get("outer_raceway_diameter_mm"), data.get("pitch_diameter_mm")
+        outer_given = "outer_raceway_diameter_mm" in data
         if (found := listed(data.get("designation"))) is not None:
-            given = {"clearance_um": outer_given, "inner_raceway_diameter_mm": pitch is not None}
-            data = {name: value for name, value in bearing_keys(*found).items() if not given.get(name)} | data
+            instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": pitch is not None}
+            data = {name: value for name, value in bearing_keys(*found).items() if not instead_of.get(name)} | data
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
         sized = pitch is not None or data.get("inner_raceway_diameter_mm") is not None
         inner, roller, angle = cls.values(data, *CLEARANCE_OF)
+        clearance: Any = data.get("clearance_um")
         if "inner_raceway_diameter_mm" not in data and all(map(_is_number, (pitch, roller, angle))):
             # without clearance where neither it nor the outer raceway is given
-            clearance: Any = data.get("clearance_um", 0.0 if outer is None else None)
-            if outer is None and _is_number(clearance):
-                inner = pitch - (roller + 0.5e-3 * clearance) * cos(radians(angle))
-            elif clearance is None and _is_number(outer):
+            play = data.get("clearance_um", 0.0 if outer is None else None)
+            if outer is None and _is_number(play):
+                inner, clearance = pitch - (roller + 0.5e-3 * play) * cos(radians(angle)), play
+            elif play is None and _is_number(outer):
                 inner = 2.0 * pitch - outer
             else:
-                inner = None
-            if inner is not None:
-                replaced = "pitch_diameter_mm", "clearance_um"
-                data = {name: value for name, value in data.items() if name not in replaced}
-                data["inner_raceway_diameter_mm"] = round(inner, 9)
-                if clearance is not None:
-                    data["clearance_um"] = clearance
-        (inner, *_), clearance = cls.values(data, *CLEARANCE_OF), data.get("clearance_um")
+                pitch = None
+            if pitch is not None:
+                del data["pitch_diameter_mm"]
+                inner = data["inner_raceway_diameter_mm"] = round(inner, 9)
         if not all(map(_is_number, (inner, roller, angle))):
             return data
         closed = inner + 2.0 * roller * cos(radians(angle))
         if sized:
-            rings = {"bore_diameter_mm": round(max(inner - 1.1 * roller, 0.5 * inner), 6),
-                "roller_length_mm": float(roller)}
+            data.setdefault("bore_diameter_mm", round(max(inner - 1.1 * roller, 0.5 * inner), 6))
+            data.setdefault("roller_length_mm", float(roller))
             if outer_given or clearance is not None:
-                rings["outside_diameter_mm"] = round(closed + 0.9 * roller, 6)
-            data = rings | data
-        if outer_given or not _is_number(clearance):
-            return data
-        data = {name: value for name, value in data.items() if name != "clearance_um"}
-        return data | {"outer_raceway_diameter_mm": round(closed + 1e-3 * clearance * cos(radians(angle)), 9)}
+                data.setdefault("outside_diameter_mm", round(closed + 0.9 * roller, 6))
+        if not outer_given and _is_number(clearance):
+            data.pop("clearance_um", None)
+            data["outer_raceway_diameter_mm"] = round(closed + 1e-3 * clearance * cos(radians(angle)), 9)
+        return data
 
     @property
     def present(self) -> int:
@@ -178,9 +159,10 @@ class BearingTable(Table):
 
     def _missing(self) -> Iterator[str]:
         numbers = self.missing_rollers
-        for number in (each for each in numbers if each >= self.rollers):
-            yield (f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are counted "
-                f"from 0 to {self.rollers - 1}")
+        for number in numbers:
+            if number >= self.rollers:
+                yield (f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are "
+                    f"counted from 0 to {self.rollers - 1}")
         if len(set(numbers)) < len(numbers):
             yield f"missing_rollers = {numbers}: a number is there twice"
         if self.present < FEWEST_ROLLERS:
@@ -204,21 +186,15 @@ class BearingTable(Table):
             yield (f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
                 f"{pitch:g} mm; at most {most}")
 
-    RULES: ClassVar[tuple[Rule, ...]] = (
+    RULES = (
         _standard,
-        (
-            lambda t: t.clearance_um is not None,  # else it has become the diameter
-            "clearance_um = {t.clearance_um:g} and outer_raceway_diameter_mm = {t.outer_raceway_diameter_mm:g} say the "
-            "same thing; leave one of them out",
-        ),
-        (
-            lambda t: t.pitch_diameter_mm is not None,  # else it has become a raceway's diameter
-            "pitch_diameter_mm = {t.pitch_diameter_mm:g}: raceways and clearance already give the pitch; give it with "
-            "roller_diameter_mm and either clearance_um or outer_raceway_diameter_mm",
-        ),
+        (lambda t: t.clearance_um is not None, "clearance_um = {t.clearance_um:g} and outer_raceway_diameter_mm = "
+            "{t.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"),  # else it is the diameter now
+        (lambda t: t.pitch_diameter_mm is not None, "pitch_diameter_mm = {t.pitch_diameter_mm:g}: raceways and "
+            "clearance already give the pitch; give it with roller_diameter_mm and either clearance_um or "
+            "outer_raceway_diameter_mm"),  # else it is a raceway's diameter now
         _missing,
-        only("inner_conformity outer_conformity", lambda t: t.type == "ball", 'only for balls; add type = "ball" or '
-            'leave it out'),
+        only("inner_conformity outer_conformity", "type", "ball"),
         (lambda t: t.bore_diameter_mm >= t.inner_raceway_diameter_mm, "bore_diameter_mm = {t.bore_diameter_mm} must be "
             "below inner_raceway_diameter_mm = {t.inner_raceway_diameter_mm}"),
         (lambda t: t.outside_diameter_mm <= t.outer_raceway_diameter_mm, "outside_diameter_mm = "
@@ -282,10 +258,10 @@ class FitTable(Table):
         si = self.si() | {"housing_density": STEEL_DENSITY}  # it stands still
         usual = {"shaft_C": self.inner_ring_C, "rollers_C": 0.5 * (self.inner_ring_C + self.outer_ring_C),
             "housing_C": self.outer_ring_C}
-        materials = {body: Material(**{name: si[f"{body}_{name}"] for name in ("youngs_modulus", "poisson_ratio",
-            "density")}) for body in ("shaft", "housing")}
+        names = "youngs_modulus", "poisson_ratio", "density"
+        bodies = {body: Material(**{name: si[f"{body}_{name}"] for name in names}) for body in ("shaft", "housing")}
         warm = {name: value for name, value in usual.items() if si[name] is None}
-        return self.fact(Fit, **materials, **warm, housing_outside=si["housing_outside_diameter"] or inf)
+        return self.fact(Fit, **bodies, **warm, housing_outside=si["housing_outside_diameter"] or inf)
 
     @property
     def of_housing(self) -> str | None:
@@ -296,30 +272,6 @@ class FitTable(Table):
         return None
 
 
-def fit_faults(bearing: BearingTable, fit: FitTable) -> Iterator[str]:
-    """Sizes that don't go with the bearing's, and interferences that no ring bears."""
-    bore, outside = bearing.bore_diameter_mm, bearing.outside_diameter_mm
-    if fit.shaft_bore_mm >= bore > 0.0:
-        yield f"fit.shaft_bore_mm = {fit.shaft_bore_mm:g} must be below bearing.bore_diameter_mm = {bore:g}; 0: solid"
-    if 0.0 < fit.housing_outside_diameter_mm <= outside:
-        yield (f"fit.housing_outside_diameter_mm = {fit.housing_outside_diameter_mm:g} must be above "
-            f"bearing.outside_diameter_mm = {outside:g}; 0: so thick that it is stiff")
-    for name, diameter in (("shaft", bore), ("housing", outside)):
-        given, most = getattr(fit, f"{name}_interference_um"), 1e3 * LARGEST_INTERFERENCE * diameter
-        if exceeds(abs(given), most) and most > 0.0:
-            yield (f"fit.{name}_interference_um = {given:g}: more than {LARGEST_INTERFERENCE:g} of the diameter, "
-                f"{diameter:g} mm; between {-most:g} and {most:g}")
-
-
-def interference_faults(bearing: BearingTable, found: OperatingClearance) -> Iterator[str]:
-    """Fits that temperatures make too tight."""
-    for name, diameter in (("shaft", bearing.bore_diameter_mm), ("housing", bearing.outside_diameter_mm)):
-        pressed = 1e6 * getattr(found, f"{name}_interference")
-        if exceeds(pressed, 1e3 * LARGEST_INTERFERENCE * diameter):
-            yield (f"fit: {pressed:.4g} µm of interference in operation, more than {LARGEST_INTERFERENCE:g} of the "
-                f"diameter, {diameter:g} mm; check fit.{name}_interference_um, temperatures and expansions")
-
-
 class BodiesTable(Table):
     """Which bodies are rigid."""
 
@@ -328,9 +280,8 @@ class BodiesTable(Table):
     outer_ring: Rigidity = key("elastic", "outer ring")
 
     def _partners(self) -> Iterator[str]:
-        rings = [name for name in ("inner_ring", "outer_ring") if getattr(self, name) == "rigid"]
-        if self.rollers == "rigid" and rings:
-            too = " and ".join(f'{name} = "rigid"' for name in rings)
+        too = " and ".join(f'{name} = "rigid"' for name in self.rigid if name != "rollers")
+        if self.rollers == "rigid" and too:
             yield (f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
                 'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
                 "between them, leave [bodies] out and use run-fem --model lagrange")
@@ -383,8 +334,7 @@ class CageTable(Table):
     friction_coefficient: Share = key(0.05, "friction coefficient in pockets and at the guiding ring")
     drag_torque_N_m: float = key(0.0, "drag torque of the lubricant on the cage", 0.0, 1e6)
 
-    RULES = (only("guidance_clearance_mm", lambda t: t.guidance != "rollers", 'only with guidance = "inner_ring" or '
-        '"outer_ring"; rollers guide a cage by its pockets; leave it out'),)
+    RULES = (only("guidance_clearance_mm", "guidance", "inner_ring", "outer_ring", None),)
 
     def filled(self, bearing: Bearing, outer_ring_moves: bool) -> "CageTable":
         """With the default cage's values for keys that are left out."""
@@ -393,10 +343,9 @@ class CageTable(Table):
         defaults = {"mass_kg": max(MASS * bearing.n_rollers * bearing.roller_mass, 1e-6),
             "pocket_clearance_mm": min(PLAY * pitch, 0.5 * room_between_rollers(bearing)) / MM, "guidance": guidance,
             "stiffness_N_per_m": max(min(STIFFNESS, SHARE_OF_LINE / line), 1e4)}
-        if guidance == "outer_ring":
-            defaults["guidance_clearance_mm"] = PLAY * pitch / MM
-        elif guidance == "inner_ring":  # which leaves the middle of the rollers' orbit by half the clearance
-            defaults["guidance_clearance_mm"] = max(INNER_GUIDE_PLAY * pitch, 2.0 * bearing.radial_clearance, 1e-6) / MM
+        if guidance != "rollers":  # the inner ring leaves the middle of the rollers' orbit by half the clearance
+            inner = max(INNER_GUIDE_PLAY * pitch, 2.0 * bearing.radial_clearance, 1e-6)
+            defaults["guidance_clearance_mm"] = (PLAY * pitch if guidance == "outer_ring" else inner) / MM
         shown = {name: float(f"{each:.3g}") if isinstance(each, float) else each for name, each in defaults.items()}
         return self.model_copy(update={name: each for name, each in shown.items() if getattr(self, name) is None})
 
@@ -410,11 +359,10 @@ class CageTable(Table):
     @property
     def words(self) -> str:
         """The cage in words, for plans."""
-        whose = "" if self.guidance is None else f"guided by {'' if self.guidance == 'rollers' else 'the '}"
-        whose += (self.guidance or "").replace("_", " ")
+        guide = f"guided by {'' if self.guidance == 'rollers' else 'the '}{self.guidance}" if self.guidance else ""
         play = "" if self.guidance_clearance_mm is None else f" with {self.guidance_clearance_mm:g} mm"
-        return (f"{1e3 * (self.mass_kg or 0.0):.3g} g, {whose}{play}, pocket clearance {self.pocket_clearance_mm:g} "
-            f"mm, {self.stiffness_N_per_m:.3g} N/m")
+        return (f"{1e3 * (self.mass_kg or 0.0):.3g} g, {guide.replace('_', ' ')}{play}, pocket clearance "
+            f"{self.pocket_clearance_mm:g} mm, {self.stiffness_N_per_m:.3g} N/m")
 
 
 def default_cage(scene: "Scene") -> CageTable | str:
@@ -495,11 +443,7 @@ class AxialTable(Table):
             if kind not in kinds and given is not None:
                 yield f'{name} = {given:g}: only with a profile that is "{kind}"; leave it out'
 
-    RULES = (
-        _shapes,
-        only("shaft_tilt_stiffness_N_m_rad", lambda t: t.hub_tilt_inertia_kg_m2 is not None, "only for a shaft whose "
-            "slope can change; give hub_tilt_inertia_kg_m2 too, or leave it out"),
-    )
+    RULES = (_shapes, only("shaft_tilt_stiffness_N_m_rad", "hub_tilt_inertia_kg_m2"))
 
     def axial(self, bearing: Bearing) -> Axial:
         """The table in SI. ValueError: a file is not at hand."""
@@ -515,19 +459,3 @@ class AxialTable(Table):
         if points is None:
             raise ValueError(f'axial.{name} = "{kind}" is not at hand')
         return Profile(kind="measured", place=points.place, depth=points.depth)
-
-
-def axial_faults(bearing: Bearing, table: AxialTable) -> Iterator[str]:
-    """What does not fit the bearing: rings narrower than rollers, profiles shorter than them."""
-    length = 1e3 * bearing.roller_length
-    if table.ring_width_mm is not None and exceeds(length, table.ring_width_mm):
-        yield f"axial.ring_width_mm = {table.ring_width_mm:g} must be at least bearing.roller_length_mm = {length:g}"
-    for name in table.FILES:
-        points = table.read(name)
-        if points is None:
-            continue
-        first, *_, last = 1e3 * np.array(points.place)
-        reach = 0.5 * length * (1.0 - 1.0 / table.slices)
-        if exceeds(reach, -first) or exceeds(reach, last):
-            yield (f'axial.{name} = "{getattr(table, name)}": its z_mm go from {first:g} to {last:g}; slices of '
-                'rollers ' f"of {length:g} mm have their middles from {-reach:g} to {reach:g}")

@@ -4,7 +4,7 @@ Features that models and contact models can't have follow from one table of feat
 feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
 """
 
-# fmt: off  # a key, or a rule, goes on below where it is long
+# fmt: off
 from collections.abc import Iterator
 from math import pi
 from typing import TYPE_CHECKING
@@ -12,16 +12,8 @@ from typing import TYPE_CHECKING
 from lagrange.bearing import room_between_rollers
 from lagrange.contact.laws import OWN, law_names
 from lagrange.errors import exceeds
+from lagrange.scene import bearing as bearings
 from lagrange.scene import surfaces
-from lagrange.scene.bearing import (
-    LARGEST_CLEARANCE,
-    LARGEST_PRELOAD,
-    MM,
-    ROUNDED,
-    axial_faults,
-    fit_faults,
-    interference_faults,
-)
 from lagrange.scene.run import FIRST_SPEEDS
 from lagrange.section import stiffness_factor
 
@@ -30,7 +22,7 @@ if TYPE_CHECKING:
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
-LARGEST_FIT = 2e-3  # of the outside diameter: strains of a press fit, and slopes of a ring in play, are about as large
+LARGEST_FIT = 2e-3  # of a diameter: strains of a press fit, and slopes of a ring in play; steel yields at about that
 
 
 def _law(scene: "Scene") -> Iterator[str]:
@@ -56,8 +48,8 @@ def _mesh(scene: "Scene") -> Iterator[str]:
     if size > coarsest:
         yield f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})"
     if exceeds(finest, size):
-        made = f"contact.model = '{model}' is made for (at least {finest:.3g})"
-        yield f"numerics.mesh_size_mm = {size} is finer than {made}"
+        yield (f"numerics.mesh_size_mm = {size} is finer than contact.model = '{model}' is made for (at least "
+            f"{finest:.3g})")
 
 
 def _fields(scene: "Scene") -> Iterator[str]:
@@ -76,21 +68,38 @@ def _bore(scene: "Scene") -> Iterator[str]:
 
 
 def _fit(scene: "Scene") -> Iterator[str]:
-    if scene.fit is None:
+    """Sizes that don't go with the bearing's; interferences, cold and in operation, and clearances too far out."""
+    fit, b = scene.fit, scene.bearing
+    if fit is None:
         return
-    faults = list(fit_faults(scene.bearing, scene.fit))
-    yield from faults
-    found, roller = None if faults else scene.clearance_without_films(), scene.bearing.roller_diameter_mm
-    if found is None:
+    bore, outside, faults = b.bore_diameter_mm, b.outside_diameter_mm, list[str]()
+    if fit.shaft_bore_mm >= bore > 0.0:
+        faults.append(f"shaft_bore_mm = {fit.shaft_bore_mm:g} must be below bearing.bore_diameter_mm = {bore:g}; 0: "
+            "solid")
+    if 0.0 < fit.housing_outside_diameter_mm <= outside:
+        faults.append(f"housing_outside_diameter_mm = {fit.housing_outside_diameter_mm:g} must be above "
+            f"bearing.outside_diameter_mm = {outside:g}; 0: so thick that it is stiff")
+    sides = [(f"{name}_interference", size, 1e3 * LARGEST_FIT * size) for name, size in (
+        ("shaft", bore), ("housing", outside))]
+    for name, size, most in sides:
+        if exceeds(abs(given := getattr(fit, f"{name}_um")), most) and most > 0.0:
+            faults.append(f"{name}_um = {given:g}: more than {LARGEST_FIT:g} of the diameter, {size:g} mm; between "
+                f"{-most:g} and {most:g}")
+    yield from (f"fit.{fault}" for fault in faults)
+    if faults or (found := scene.clearance_without_films()) is None:
         return
-    yield from interference_faults(scene.bearing, found)
-    total, least, most = round(1e3 * found.total, ROUNDED), -LARGEST_PRELOAD * roller, LARGEST_CLEARANCE * roller
+    for name, size, most in sides:
+        if exceeds(pressed := 1e6 * getattr(found, name), most):
+            yield (f"fit: {pressed:.4g} µm of interference in operation, more than {LARGEST_FIT:g} of the diameter, "
+                f"{size:g} mm; check fit.{name}_um, temperatures and expansions")
+    least, highest = -bearings.LARGEST_PRELOAD * b.roller_diameter_mm, bearings.LARGEST_CLEARANCE * b.roller_diameter_mm
+    total = round(1e3 * found.total, bearings.ROUNDED)
     parts = ", ".join(f"{name} {value} µm" for name, value, _ in found.rows())
     if exceeds(least, total):
         yield (f"fit: more preload than the model bears (at least {1e3 * least:.4g} µm); less interference, or more "
             f"clearance: {parts}")
-    elif exceeds(total, most):
-        yield f"fit: too large a clearance (at most {1e3 * most:.4g} µm); check temperatures and clearance: {parts}"
+    elif exceeds(total, highest):
+        yield f"fit: too large a clearance (at most {1e3 * highest:.4g} µm); check temperatures and clearance: {parts}"
 
 
 def _cage(scene: "Scene") -> Iterator[str]:
@@ -103,7 +112,7 @@ def _cage(scene: "Scene") -> Iterator[str]:
         if turning := scene.operation.turns_outer_ring:
             yield f"{guided}operation.{turning}, of a guide that turns; choose another guidance"
     room, given = room_between_rollers(scene.perfect_bearing()), scene.cage.pocket_clearance_mm
-    if given is not None and not exceeds(room, MM * given):
+    if given is not None and not exceeds(room, 1e-3 * given):
         yield (f"cage.pocket_clearance_mm = {given:g}: neighbouring rollers are {1e3 * room:.4g} mm apart, and a bar "
             "of the cage has to stand between them; reduce it, or use fewer rollers")
 
@@ -113,14 +122,26 @@ def _courses(scene: "Scene") -> Iterator[str]:
     for name in FIRST_SPEEDS if scene.lubricant is not None else ():
         if (table := getattr(scene.operation, name)) is not None:
             yield (f'[lubricant]: only at a steady speed, not with operation.{name} = "{table}": its film is as thick '
-                'as ' "at one speed; leave one of them out")
+                "as at one speed; leave one of them out")
 
 
 def _axial(scene: "Scene") -> Iterator[str]:
-    if scene.axial is not None:
-        yield from axial_faults(scene.perfect_bearing(), scene.axial)
-    elif tilt := scene.operation.misalignment_mrad:
-        yield f"operation.misalignment_mrad = {tilt:g}: needs an [axial] table (an empty one is enough)"
+    """Rings narrower than rollers, profiles shorter than them; a slope without slices."""
+    table, tilt = scene.axial, scene.operation.misalignment_mrad
+    if table is None:
+        if tilt:
+            yield f"operation.misalignment_mrad = {tilt:g}: needs an [axial] table (an empty one is enough)"
+        return
+    length = 1e3 * scene.perfect_bearing().roller_length
+    if table.ring_width_mm is not None and exceeds(length, table.ring_width_mm):
+        yield f"axial.ring_width_mm = {table.ring_width_mm:g} must be at least bearing.roller_length_mm = {length:g}"
+    for name in table.FILES:
+        if (points := table.read(name)) is not None:
+            first, last = 1e3 * points.place[0], 1e3 * points.place[-1]
+            reach = 0.5 * length * (1.0 - 1.0 / table.slices)
+            if exceeds(reach, -first) or exceeds(reach, last):
+                yield (f'axial.{name} = "{getattr(table, name)}": its z_mm go from {first:g} to {last:g}; slices of '
+                    f"rollers of {length:g} mm have their middles from {-reach:g} to {reach:g}")
 
 
 def bore_given(scene: "Scene") -> str | None:
@@ -129,21 +150,10 @@ def bore_given(scene: "Scene") -> str | None:
     return None if bore is None else f"support.fit_clearance_um = {1e6 * bore.clearance:g}"
 
 
-def _surface(scene: "Scene") -> str | None:
-    """The first deviation of a surface from its circle, films included."""
-    named = (f"[[{name}]]" for name in surfaces.SURFACES if getattr(scene, name))
-    return next(named, "[lubricant]" if scene.lubricant else None)
-
-
 def _of_rollers(scene: "Scene") -> str | None:
     """A roller's surface, but for its size."""
     found = (f'{name}.{i}.body = "roller"' for name in surfaces.SURFACES for i, table in enumerate(getattr(scene, name))
-             if getattr(table, "body", None) == "roller")  # fmt: skip
-    return next(found, None)
-
-
-def _part_of_length(scene: "Scene") -> str | None:
-    found = (f"spall.{i}.length_mm = {s.length_mm:g}" for i, s in enumerate(scene.spall) if s.length_mm is not None)
+             if getattr(table, "body", None) == "roller")
     return next(found, None)
 
 
@@ -156,8 +166,10 @@ GIVEN = {"fields": lambda s: (t := s.output.fields_every_ms) > 0.0 and f"output.
     "contacts' damping": lambda s: s.damping.contacts.acts and "[damping] of contacts",
     "load history": lambda s: (name := s.operation.changes) and f"operation.{name}",
     "fit in the housing": lambda s: s.fit and s.fit.of_housing, "fit": lambda s: s.fit and "[fit]",
-    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0 and "bearing.bore_diameter_mm = 0", "surfaces": _surface,
-    "part of the length": _part_of_length, "lubricant": lambda s: s.lubricant and "[lubricant]",
+    "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0 and "bearing.bore_diameter_mm = 0",
+    "surfaces": lambda s: next((f"[[{name}]]" for name in surfaces.SURFACES if getattr(s, name)), s.lubricant and
+    "[lubricant]"), "part of the length": lambda s: next((f"spall.{i}.length_mm = {spall.length_mm:g}" for i, spall in
+    enumerate(s.spall) if spall.length_mm is not None), None), "lubricant": lambda s: s.lubricant and "[lubricant]",
     "rollers' surfaces": _of_rollers, "unequal rollers": lambda s: s.unequal_roller and "[[unequal_roller]]",
     "contact angle": lambda s: (a := s.bearing.contact_angle_deg) > 0.0 and f"bearing.contact_angle_deg = {a:g}",
     "axial": lambda s: s.axial and "[axial]", "rows": lambda s: s.bearing.rows > 1 and
@@ -220,20 +232,17 @@ REFUSED = (
     ("axial", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
     ("axial", "contact angle",
      "{given}: of rollers whose axis is the shaft's, not with contact_angle_deg; leave one of them out"),
-    ("outer ring's speed", "mounted", '{given}: only with support.kind = "held", not with "{support}": whatever '
-        'turns with the outer ring holds it ' f"all around{EITHER}"),
+    ("outer ring's speed", "mounted", '{given}: only with support.kind = "held", not with "{support}": '
+        f"whatever turns with the outer ring holds it all around{EITHER}"),
     ("outer ring's speed", "fitted",
      f"{{given}}: not with [fit], whose housing stands still; give the operating clearance{EITHER}"),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
-)  # fmt: skip
+)
 
 
 def refusals(scene: "Scene") -> Iterator[str]:
     """A sentence for every feature that this kind of scene can't have."""
-    words = {
-        "model": scene.model, "contact": scene.contact.model,
-        "support": "held" if scene.support is None else scene.support.kind,
-    }  # fmt: skip
+    words = {"model": scene.model, "contact": scene.contact.model, "support": scene.support and scene.support.kind}
     found = {feature: written(scene) for feature, written in GIVEN.items()}
     for feature, kind, sentence in REFUSED:
         if found[feature] and KINDS[kind](scene):
@@ -242,5 +251,4 @@ def refusals(scene: "Scene") -> Iterator[str]:
 
 COMBINATIONS = (
     _law, _mass, _mesh, refusals, _fields, _bore, _fit, _cage, _courses, surfaces.roller_faults,
-    surfaces.spall_faults, surfaces.size_faults, surfaces.profile_faults, _axial, surfaces.part_faults,
-)  # fmt: skip
+    surfaces.spall_faults, surfaces.size_faults, surfaces.profile_faults, _axial, surfaces.part_faults)

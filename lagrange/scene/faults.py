@@ -1,13 +1,18 @@
 """What a table of the scene is made of, and what is wrong with one: all of it at once, in the user's words.
 
 Types and keys come first: pydantic judges them value by value. What values may not be together, the RULES of a table,
-is asked afterwards, of sound tables or of what is left of them without the values that can't be used.
+is asked afterwards, of sound tables or of what is left of them without the values that can't be used. The scene as
+text, nested tables and values under dotted keys, is read here too.
 """
 
+# fmt: off
 import difflib
+import re
+import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from copy import deepcopy
 from functools import cache
+from itertools import pairwise
 from math import pi
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args, get_origin
 
@@ -17,12 +22,17 @@ from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import ErrorDetails
 
 from lagrange.errors import UsageError
+from lagrange.messages import shown
 
 SMALLEST = 1e-15  # of a number that is not 0, in its key's unit
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MOST_FAULTS = 15  # named at once: a file that is no scene may have thousands
 MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some milliseconds each
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
+LONGEST_TEXT = 2**20  # characters of a scene
+MOST_PARTS = 50  # of a dotted key; the memory to read one grows by their square
+_PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
+_DOTTED = re.compile(rf"(?:{_PART}\.[ \t]*+)++")
 ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "axial loads": ("axial", "thrust"),
     "temperatures computed from heat ([fit] has given ones)": ("temperature", "thermal", "heat"),
@@ -33,27 +43,23 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "hollow rollers": ("hollow", "roller_bore"),
 }
 # keys of earlier versions: what they were by default, which scenes in their result files spell out, and what to do
-GONE: dict[tuple[str, ...], tuple[Any, str]] = {("reduced",): ({"modes_up_to_kHz": 0.0}, 'the reduced model no longer '
-    'has modes; for elastic waves use model = "fem"'), ("lagrange", "damping_N_s_m"): (None, "contacts are damped by "
-    "damping.contact_N_s_m in all models; write it there"), ("axial", "skew"): ("guided", "rollers are always guided "
-    "against skew; leave it out"), ("axial", "skew_play_mrad"): (None, "rollers are always guided against skew; leave "
-    "it out")}
+GUIDED = "rollers are always guided against skew; leave it out"
+GONE: dict[tuple[str, ...], tuple[Any, str]] = {
+    ("reduced",): ({"modes_up_to_kHz": 0.0}, 'the reduced model no longer has modes; for elastic waves use model = '
+        '"fem"'),
+    ("lagrange", "damping_N_s_m"): (None, "contacts are damped by damping.contact_N_s_m in all models; write it there"),
+    ("axial", "skew"): ("guided", GUIDED), ("axial", "skew_play_mrad"): (None, GUIDED),
+}
 RPM = 2.0 * pi / 60.0  # rad/s
-UNITS: dict[str, tuple[str, float | None]] = {  # endings of keys: the unit, and how much it is in SI; None: it stays
-    "GPa": ("GPa", 1e9), "kg_m3": ("kg/m³", 1.0), "rpm": ("rpm", RPM), "N_per_m": ("N/m", 1.0),
-    "N_per_mm3": ("N/mm³", 1e9), "N_s_m": ("N s/m", 1.0), "N_m": ("N m", 1.0), "N": ("N", 1.0),
-    "N_per_m_n": ("N/mⁿ", 1.0), "N_m_rad": ("N m/rad", 1.0), "mrad": ("mrad", 1e-3), "kg_m2": ("kg m²", 1.0),
-    "kg": ("kg", 1.0), "g_mm": ("g mm", 1e-6), "m_s2": ("m/s²", 1.0), "deg": ("°", pi / 180.0), "mm": ("mm", 1e-3),
-    "um": ("µm", 1e-6), "us": ("µs", 1e-6), "ms": ("ms", 1e-3), "kHz": ("kHz", 1e3), "Hz": ("Hz", 1.0),
-    "s_m": ("s/m", 1.0), "1_s": ("1/s", 1.0), "Pa_s": ("Pa s", 1.0), "1_Pa": ("1/Pa", 1.0), "1_K": ("1/K", 1.0),
-    "C": ("°C", None),
-}  # fmt: skip
+UNITS = {"GPa": "GPa", "kg_m3": "kg/m³", "rpm": "rpm", "N_per_m": "N/m", "N_per_mm3": "N/mm³", "N_s_m": "N s/m",
+    "N_m": "N m", "N": "N", "N_per_m_n": "N/mⁿ", "N_m_rad": "N m/rad", "mrad": "mrad", "kg_m2": "kg m²", "kg": "kg",
+    "g_mm": "g mm", "m_s2": "m/s²", "deg": "°", "mm": "mm", "um": "µm", "us": "µs", "ms": "ms", "kHz": "kHz",
+    "Hz": "Hz", "s_m": "s/m", "1_s": "1/s", "Pa_s": "Pa s", "1_Pa": "1/Pa", "1_K": "1/K", "C": "°C"}  # by keys' endings
+IN_SI = {"GPa": 1e9, "rpm": RPM, "N_per_mm3": 1e9, "mrad": 1e-3, "g_mm": 1e-6, "deg": pi / 180.0, "mm": 1e-3,
+    "um": 1e-6, "us": 1e-6, "ms": 1e-3, "kHz": 1e3}  # that are not SI, how much they are
 
 # kinds of values; of a file beside the scene its name, and the text that a result file keeps of it
 Diameter = Annotated[float, Field(gt=0.0, le=10_000.0)]
-Modulus = Annotated[float, Field(ge=0.1, le=2000.0)]
-PoissonRatio = Annotated[float, Field(ge=0.0, le=0.45)]
-Density = Annotated[float, Field(ge=100.0, le=30_000.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0)]
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
@@ -77,15 +83,20 @@ def key(default: Any, meaning: str, least: float | None = None, most: float | No
     return Field(default, description=meaning, ge=least, le=most, **limits)
 
 
-def only(keys: str, holds: Callable[[Any], Any], why: str) -> Rule:
-    """Keys, in one text, that are given only where a condition holds, and what to say of them otherwise."""
+def only(keys: str, other: str, *values: str | None) -> Rule:
+    """Keys, in one text, that are given only together with another key: one of these values of it, or any."""
 
     def rule(table: "Table") -> Iterator[str]:
-        for name in () if holds(table) else keys.split():
-            value = getattr(table, name)
-            if value != type(table).model_fields[name].default:
+        there, fields = getattr(table, other), type(table).model_fields
+        if there in values if values else there is not None:
+            return
+        words = " or ".join(f'"{value}"' for value in values if value)
+        words += "" if there is None else f', not "{there}"'
+        why = f"only with {other} = {words}; leave it out" if values else f"give {other} too, or leave it out"
+        for name in keys.split():
+            if (value := getattr(table, name)) != fields[name].default:
                 given = f'"{value}"' if isinstance(value, str) else f"{value:g}" if type(value) is float else value
-                yield f"{name} = {given}: {why.format(t=table)}"
+                yield f"{name} = {given}: {why}"
 
     return rule
 
@@ -120,18 +131,16 @@ class Table(BaseModel):
         return table
 
     def _fill(self, data: dict[str, Any], name: str) -> None:
-        every: list[ErrorDetails] = []
+        every, rest, unmade = list[ErrorDetails](), self, list[ValueError]()
         try:
             super().__init__(**data)
-            rest: Table = self
         except ValidationError as error:
-            every, kind = error.errors(), type(self)
-        unmade: list[ValueError] = []
-        found = every[:MOST_EXPLAINED]
-        lines = [_explain(fault, kind) for fault in found]
+            every = error.errors()
+        found = [_explained(fault, type(self)) for fault in every[:MOST_EXPLAINED]]
+        lines = [line for line, _ in found]
         if found:
-            rest = _usable(kind, {k: plain(v) for k, v in data.items()}, {_meant(fault, kind) for fault in found})
-        if found == every:  # else values that can't be used are still among those to be judged together
+            rest = _usable(type(self), {k: plain(v) for k, v in data.items()}, {place for _, place in found})
+        if len(found) == len(every):  # else values that can't be used are still among those to be judged together
             lines += _contradictions(rest, "", unmade, whole=not found)
         lines += [str(error) for error in unmade if not lines]  # bodies that can't be made, which no rule looks for
         lines = [printable(line) for line in dict.fromkeys(lines)]
@@ -181,12 +190,6 @@ class Table(BaseModel):
         found = {self.of_file(name, "sha256"): self.of_file(name, "content") for name in self.FILES}
         return {digest: text for digest, text in found.items() if digest is not None and text is not None}
 
-    def all_rules(self) -> Iterator[Rule]:
-        yield Table._numbers
-        if self.FILES:
-            yield Table._files
-        yield from self.RULES
-
     def _numbers(self) -> Iterator[str]:
         """Numbers so near to 0 that a square or a quotient of them is no number any more."""
         for name in type(self).model_fields:
@@ -214,11 +217,9 @@ def beside(name: str, end: str) -> str:
 @cache
 def unit_of_key(name: str) -> tuple[str, str, float | None]:
     """A key without the unit that it spells, the unit ("" of none), and its factor to SI; None: the value stays."""
-    ending = next((ending for ending in UNITS if name.endswith(f"_{ending}")), None)
-    if ending is None:
-        return name, "", None
-    unit, factor = UNITS[ending]
-    return (name if factor is None else name.removesuffix(f"_{ending}")), unit, None if factor == 1.0 else factor
+    ending = next((ending for ending in UNITS if name.endswith(f"_{ending}")), "")
+    bare = name if ending in ("", "C") else name.removesuffix(f"_{ending}")
+    return bare, UNITS.get(ending, ""), IN_SI.get(ending)
 
 
 def table_of(field: FieldInfo) -> tuple[type[Table] | None, bool]:
@@ -263,33 +264,31 @@ def _short(text: str) -> str:
     return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
-def _explain(fault: ErrorDetails, model: type[Table]) -> str:
-    """One of pydantic's faults."""
-    parts = map(str, fault["loc"])
+def _explained(fault: ErrorDetails, model: type[Table]) -> tuple[str, Place]:
+    """One of pydantic's faults in words, and the key whose value it leaves unknown."""
+    at, value, kind = fault["loc"], fault["input"], fault["type"]
+    parts = map(str, at)
     place = ".".join(_short(part if part.isprintable() else repr(part)) for part in parts)  # or as TOML quotes a key
-    value, kind = fault["input"], fault["type"]
     if kind == "extra_forbidden":
-        if (gone := GONE.get(tuple(map(str, fault["loc"])))) is not None:
-            return f"{place}: {gone[1]}"
-        likely, lacking = _likely(fault["loc"], model), _absent(str(fault["loc"][-1]))
+        likely, lacking = _likely(at, model), _absent(str(at[-1]))
+        meant = at if not likely else tuple(likely[0].split(".")) if "." in likely[0] else (*at[:-1], likely[0])
+        if (gone := GONE.get(tuple(map(str, at)))) is not None:
+            return f"{place}: {gone[1]}", meant
         if lacking is not None and not likely:
-            return f"{place}: not supported: {lacking}; see docs/limits"
-        known = ", ".join(keys_of(_table_at(fault["loc"][:-1], model)))
-        return f"{place}: unknown key; " + (f"did you mean {' or '.join(likely)}?" if likely else
-            f"known here: {known}")
+            return f"{place}: not supported: {lacking}; see docs/limits", meant
+        known = f"known here: {', '.join(keys_of(_table_at(at[:-1], model)))}"
+        return f"{place}: unknown key; " + (f"did you mean {' or '.join(likely)}?" if likely else known), meant
     if kind == "value_error":  # of a field's own validator
-        reason = str(fault["ctx"]["error"])
-        return f"{place}: {reason}"
-    if kind == "list_type" and table_of(_table_at(fault["loc"][:-1], model).model_fields[str(fault["loc"][-1])])[0]:
+        return f"{place}: {fault['ctx']['error']}", at
+    if kind == "list_type" and table_of(_table_at(at[:-1], model).model_fields[str(at[-1])])[0]:
         reason = f"must be an array of tables, [[{place}]]"
     elif kind == "model_type":
-        header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"
-        reason = f"must be a table, {header}"
+        reason = "must be a table, " + (f"[[{at[-2]}]]" if isinstance(at[-1], int) else f"[{place}]")
     else:
         reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
         if kind in ("float_type", "int_type") and isinstance(value, str):
             reason += ", without quotes and unit"
-    return f"{place} = {quoted(value)}: {reason}"
+    return f"{place} = {quoted(value)}: {reason}", at
 
 
 def _table_at(place: Place, model: type[Table]) -> type[Table]:
@@ -334,16 +333,6 @@ def likely_of(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)), None)
 
 
-def _meant(fault: ErrorDetails, model: type[Table]) -> Place:
-    """The key whose value a fault leaves unknown."""
-    place, likely = fault["loc"], None
-    if fault["type"] == "extra_forbidden":
-        likely = next(iter(_likely(place, model)), None)
-    if likely is None:
-        return place
-    return tuple(likely.split(".")) if "." in likely else (*place[:-1], likely)
-
-
 def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], place: Place = ()) -> Table:
     """A table without the values that can't be used: who asks for them meets an AttributeError."""
     given = place not in unusable  # a table of an array may be no table
@@ -356,8 +345,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
         elif kind is None:
             values |= {name: data[name]} if name in data else {}
         elif many:
-            items = enumerate(data.get(name, []))
-            values[name] = [_usable(kind, item, unusable, (*at, i)) for i, item in items]
+            values[name] = [_usable(kind, item, unusable, (*at, i)) for i, item in enumerate(data.get(name, []))]
         elif name in data or field.default is not None:
             values[name] = _usable(kind, data.get(name, {}), unusable, at)
     table = model.model_construct(**values)
@@ -371,11 +359,10 @@ def _contradictions(table: Table, place: str, unmade: list[ValueError], whole: b
     before = f"{place}: " if place else ""
     for name in type(table).model_fields:
         value = table.__dict__.get(name)
-        for i, item in enumerate(value) if isinstance(value, list) else [(-1, value)]:
+        for at, item in enumerate(value) if isinstance(value, list) else [("", value)]:
             if isinstance(item, Table):
-                at = f"{place}.{name}.{i}" if i >= 0 else f"{place}.{name}"
-                yield from _contradictions(item, at.lstrip("."), unmade, whole)
-    for rule in table.all_rules():
+                yield from _contradictions(item, f"{place}.{name}.{at}".strip("."), unmade, whole)
+    for rule in (Table._numbers, Table._files, *table.RULES):
         try:
             if callable(rule):
                 yield from (before + sentence for sentence in rule(table))
@@ -386,3 +373,79 @@ def _contradictions(table: Table, place: str, unmade: list[ValueError], whole: b
                 raise
         except ValueError as error:  # of bodies that can't be made, for the most part of values that are named already
             unmade.append(error)
+
+
+def load(text: str, name: str) -> dict[str, Any]:
+    """Tables of a TOML text. SceneError."""
+    if len(text) > LONGEST_TEXT:
+        raise SceneError(f"{name}: longer than {LONGEST_TEXT} characters; is it a scene file?")
+    if long := next((key[0] for key in _DOTTED.finditer(text) if key[0].count(".") >= MOST_PARTS), None):
+        raise SceneError(f"{name}: {quoted(long)}: a key of more than {MOST_PARTS} parts; is it a scene file?")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{name}: not valid TOML: {error}{_hint(text, str(error))}") from None
+    except RecursionError:
+        raise SceneError(f"{name}: not a scene: arrays or tables are nested too deeply") from None
+    except ValueError as error:  # Python's own limit on the digits of a whole number
+        raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
+
+
+def _hint(text: str, reason: str) -> str:
+    """The line at which TOML can't be read, and what is often wrong with such a one; empty where it is not known."""
+    number, lines = re.search(r"line (\d+)", reason), text.split("\n")
+    if number is None or int(number[1]) > len(lines):
+        return ""
+    line = shown(lines[int(number[1]) - 1].strip())
+    value = line.partition("=")[2].strip()
+    if re.match(r"[-+]?\d+,\d", value):
+        return f": {line}: write a decimal point"
+    return f": {line}: put text in quotes" if re.match(r"[A-Za-z]", value) else f": {line}"
+
+
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
+    key, equals, text = override.partition("=")
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
+    try:
+        found = load(f"value = {text}", "")
+    except SceneError:
+        found = {}
+    value = found["value"] if set(found) == {"value"} else text.strip()  # more than one: a string with line breaks
+    set_key(data, key, value, f"--set {override!r}")
+
+
+def set_key(data: dict[str, Any], key: str, value: Any, origin: str) -> None:
+    """Put a value under a dotted key into nested tables; numbers count the entries of an array, as in spall.0.width_mm.
+
+    `origin` : name of the request in an error message. SceneError: the key leads through a value, to a whole table or
+    past the end of an array.
+    """
+    parts = [part.strip() for part in key.split(".")]
+    if not all(parts):
+        raise SceneError(f"{origin}: {key!r} must read table.key, e.g. operation.speed_rpm")
+    table: Any = data
+
+    def check_number(number: str, what: str) -> None:
+        if not number.isdecimal() or int(number[:9]) > len(table):
+            raise SceneError(f"{origin}: {number} is none of {len(table)} {what}; numbers go on from 0")
+
+    for part, after in pairwise(parts):  # a table, or an array of tables, is made where there is none
+        empty: Any = [] if after.isdecimal() else {}
+        if isinstance(table, dict):
+            table = table.setdefault(part, empty)
+        else:
+            check_number(part, "tables")
+            table.extend([empty] if int(part) == len(table) else [])
+            table = table[int(part)]
+        if not isinstance(table, dict | list):
+            raise SceneError(f"{origin}: {part} is a value, not a table")
+    last = parts[-1]
+    if isinstance(table, dict):
+        table[last] = value
+        return
+    check_number(last, "entries")  # of a list of values, as in bearing.missing_rollers.0
+    if any(isinstance(each, dict) for each in table):
+        raise SceneError(f"{origin}: {last} is a whole table; set one of its keys")
+    table[int(last) : int(last) + 1] = [value]

@@ -11,7 +11,6 @@ from typing import Any, Literal, get_args, get_origin
 
 import tomli_w
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
 from lagrange.scene.faults import Table, table_of, unit_of_key
 from lagrange.scene.scene import Scene
@@ -51,8 +50,7 @@ def key_tables(model: type[Table] = Scene, name: str = "", many: bool = False, g
             there = given and not is_many and field.default is not None
             inner += key_tables(kind, f"{name}.{key}".lstrip("."), is_many, there)
         elif not field.exclude:
-            default = None if field.default is PydanticUndefined else field.default
-            meaning = field.description or ""
+            default, meaning = None if field.is_required() else field.default, field.description or ""
             own.append(Key(name=key, default=default, meaning=meaning, unit=unit_of(key), limits=_limits(field)))
     meaning = (model.__doc__ or "").strip().partition("\n")[0]
     return [KeyTable(name=name, meaning=meaning, many=many, given=given, keys=tuple(own)), *inner]
@@ -85,11 +83,10 @@ def scene_with_every_key() -> str:
     """A TOML file with every key, its default and its meaning; what a scene need not have stands as comments."""
     lines = ["# Every key of a scene, with its default. A scene needs only what differs."]
     for table in key_tables():
+        lines.append("")
         if table.name:
             header = f"[[{table.name}]]" if table.many else f"[{table.name}]"
-            lines += ["", *_commented(header if table.given else f"# {header}", table.meaning)]
-        else:
-            lines.append("")
+            lines += _commented(header if table.given else f"# {header}", table.meaning)
         for key in table.keys:
             value = "" if key.default is None else tomli_w.dumps({key.name: key.default}).strip()
             written = value or f"{key.name} ="

@@ -16,9 +16,10 @@ first_roller = 1               # number of the first roller in the names; defaul
 decimal = ","                  # default "."
 """
 
-# fmt: off  # a key, or a rule, goes on below where it is long
+# fmt: off
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import lru_cache
 from math import cos, pi, radians, sin
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -34,21 +35,8 @@ from lagrange.files.tables import columns
 from lagrange.load_history import TIME, joined, points_of, steady, turn_of
 from lagrange.load_history import Shape as Curve
 from lagrange.messages import G
-from lagrange.mounting import Bore, Housing, Points, Sensor, Shaft
-from lagrange.scene.faults import (
-    RPM,
-    Angle,
-    DecimalSign,
-    Digest,
-    File,
-    FileName,
-    FileText,
-    Rule,
-    Share,
-    Table,
-    key,
-    only,
-)
+from lagrange.mounting import Bore, Housing, Points, Shaft
+from lagrange.scene.faults import RPM, Angle, DecimalSign, Digest, File, FileName, FileText, Share, Table, key, only
 
 FASTEST, HEAVIEST = 200_000.0, 1e7  # rpm, N
 FIRST_SPEEDS = {"speed_table": "speed_rpm", "outer_ring_speed_table": "outer_ring_speed_rpm"}  # keys in whose place
@@ -116,33 +104,26 @@ class OperationTable(Table):
         defaults = {"radial_load_N": 0.0} if data.get("load_table") is not None else {}
         for name, speed in FIRST_SPEEDS.items():
             if isinstance(text := data.get(f"{name}_content"), str):
-                try:
-                    decimal, shape = data.get(f"{name}_decimal") or ".", data.get(f"{name}_shape") or "smooth"
-                    defaults[speed] = _first_speed(text, decimal, shape)
-                except (ValueError, TypeError):  # a decimal sign that is no text
-                    pass  # refused as a file
+                with suppress(ValueError, TypeError):  # refused as a file; a decimal sign that is no text
+                    defaults[speed] = _first_speed(text, data.get(f"{name}_decimal"), data.get(f"{name}_shape"))
         return defaults | data
 
     def _first_speeds(self) -> Iterator[str]:
         for name, speed in FIRST_SPEEDS.items():
-            text, given = self.of_file(name, "content"), getattr(self, speed)
-            if text is not None:
-                decimal, shape = self.of_file(name, "decimal") or ".", self.of_file(name, "shape") or "smooth"
-                first = _first_speed(text, decimal, shape)
-                if abs(first - given) > ENOUGH * max(abs(first), 1.0):
-                    file = getattr(self, name)
-                    yield f'{speed} = {given:g}: {name} = "{file}" starts at {first:g}; leave {speed} out'
+            given, about = getattr(self, speed), [self.of_file(name, end) for end in ("content", "decimal", "shape")]
+            first = given if about[0] is None else _first_speed(*about)
+            if abs(first - given) > ENOUGH * max(abs(first), 1.0):
+                file = getattr(self, name)
+                yield f'{speed} = {given:g}: {name} = "{file}" starts at {first:g}; leave {speed} out'
 
     RULES = (
-        only("unbalance_deg", lambda t: t.unbalance_g_mm is not None, "give unbalance_g_mm too, or leave it out"),
-        only("rotating_load_deg rotating_load_with", lambda t: t.rotating_load_N is not None,
-            "give rotating_load_N too, or leave it out"),
+        only("unbalance_deg", "unbalance_g_mm"),
+        only("rotating_load_deg rotating_load_with", "rotating_load_N"),
         (lambda t: t.shaft == "springs" and t.shaft_stiffness_N_per_m is None, 'shaft = "springs" needs '
             'shaft_stiffness_N_per_m, e.g. 1e7'),
-        only("shaft_stiffness_N_per_m shaft_damping_N_s_m", lambda t: t.shaft == "springs",
-            'only with shaft = "springs"; give that, or leave it out'),
+        only("shaft_stiffness_N_per_m shaft_damping_N_s_m", "shaft", "springs"),
         (lambda t: t.load_table is not None and t.radial_load_N > 0.0, 'radial_load_N = {t.radial_load_N:g}: '
-            'load_table = "{t.load_table}" is the whole load; leave out one of ' "them"),
+            'load_table = "{t.load_table}" is the whole load; leave out one of them'),
         _first_speeds,
     )
 
@@ -158,7 +139,7 @@ class OperationTable(Table):
             found = self.read(name)
             if found is not None and exceeds(duration, found[0][-1]):
                 yield (f'operation.{name} = "{getattr(self, name)}": it ends at {TIME} = {found[0][-1]:g}, before the '
-                    'run ' f"(numerics.duration_ms = {duration:g}); give more rows, or shorten the run")
+                    f"run (numerics.duration_ms = {duration:g}); give more rows, or shorten the run")
 
     @property
     def changes(self) -> str | None:
@@ -173,12 +154,7 @@ class OperationTable(Table):
         return next((name for name in names if getattr(self, name)), None)
 
     def ideal(self) -> Operation:
-        """The operating point in SI, at the start, and how it goes on; angles from +x.
-
-        Errors
-        ------
-        ValueError: a table is not at hand.
-        """
+        """The operating point in SI, and how it goes on; angles from +x. ValueError: a table is not at hand."""
         return _ideal(self)
 
 
@@ -190,13 +166,12 @@ def _ideal(o: OperationTable) -> Operation:
         return found
     functions = {"speed_table": steady(found.speed), "outer_ring_speed_table": steady(RPM * o.outer_ring_speed_rpm),
         "load_table": steady(0.0, -found.radial_load)}
-    for name in o.FILES:
-        if getattr(o, name) is not None:
-            points = o.read(name)
-            if points is None:
-                raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
-            unit = RPM if name in FIRST_SPEEDS else 1.0
-            functions[name] = joined(1e-3 * points[0], unit * points[1], o.of_file(name, "shape") or "smooth")
+    for name in (name for name in o.FILES if getattr(o, name) is not None):
+        points = o.read(name)
+        if points is None:
+            raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
+        unit = RPM if name in FIRST_SPEEDS else 1.0
+        functions[name] = joined(1e-3 * points[0], unit * points[1], o.of_file(name, "shape") or "smooth")
     load, rotating, angle = functions["load_table"], o.rotating_load_N or 0.0, (o.rotating_load_deg or 0.0) + FROM_LOAD
     if o.rotating_load_with == "outer_ring" and o.turns_outer_ring is None:  # it stands with that ring
         load.c[-1] += rotating * cos(radians(angle)), rotating * sin(radians(angle))
@@ -209,10 +184,9 @@ def _ideal(o: OperationTable) -> Operation:
 
 
 @lru_cache(maxsize=16)
-def _first_speed(text: str, decimal: str, shape: Curve) -> float:
+def _first_speed(text: str, decimal: str | None, shape: Curve | None) -> float:
     """Speed of a table at t = 0, rpm. ValueError."""
-    time, values = SPEEDS.read(text, decimal)
-    return float(joined(time, values, shape)(0.0)[0])
+    return float(joined(*SPEEDS.read(text, decimal or "."), shape or "smooth")(0.0)[0])
 
 
 OF_KINDS: dict[str, dict[str, Any]] = {  # keys that each kind needs, with their defaults
@@ -256,38 +230,24 @@ class SupportTable(Table):
                 yield f"angles_deg = {self.angles_deg}: {angle:g} is not between -360 and 360"
 
     RULES = (
-        only("angles_deg width_mm", lambda t: t.kind == "points",
-             'only with kind = "points", not "{t.kind}"; leave it out'),
-        only("mass_kg stiffness_N_per_m damping_N_s_m", lambda t: t.kind == "housing",
-             'only with kind = "housing", not "{t.kind}"; leave it out'),
-        only("fit_clearance_um bore_stiffness_N_per_mm3", lambda t: t.kind in ("housing", "bore"),
-            'only with kind = "housing" or "bore", not "{t.kind}"; leave it out'),
-        only("bore_stiffness_N_per_mm3", lambda t: t.kind != "housing" or t.fit_clearance_um is not None,
-            "only with fit_clearance_um, without which the ring is held all around; give that too, 0 for a bore as "
-            "wide as the ring"),
+        only("angles_deg width_mm", "kind", "points"),
+        only("mass_kg stiffness_N_per_m damping_N_s_m", "kind", "housing"),
+        only("fit_clearance_um bore_stiffness_N_per_mm3", "kind", "housing", "bore"),
+        (lambda t: t.kind == "housing" and t.fit_clearance_um is None and t.bore_stiffness_N_per_mm3 is not None,
+            "bore_stiffness_N_per_mm3 = {t.bore_stiffness_N_per_mm3:g}: only with fit_clearance_um, without which the "
+            "ring is held all around; give that too, 0 for a bore as wide as the ring"),
+        (lambda t: None in (getattr(t, name) for name in OF_KINDS.get(t.kind, ())),
+            'kind = "{t.kind}" without one of its keys; leave None out'),
         _angles,
     )
 
-    def points(self) -> Points | None:
-        """The points in SI. ValueError: keys are None that the kind needs, as of `housing`."""
-        if self.kind != "points":
-            return None
-        if self.angles_deg is None or self.width_mm is None:
-            raise ValueError('kind = "points" without angles_deg or width_mm; leave None out')
-        return self.fact(Points, angles=tuple(radians(angle + FROM_LOAD) for angle in self.angles_deg))
-
-    def housing(self) -> Housing | None:
-        """The housing in SI."""
-        if self.kind != "housing":
-            return None
-        if self.mass_kg is None or self.stiffness_N_per_m is None or self.damping_N_s_m is None:
-            raise ValueError('kind = "housing" without a mass, a stiffness or a damping; leave None out')
-        return self.fact(Housing)
-
-    def bore(self) -> Bore | None:
-        """The bore in SI."""
+    def parts(self) -> dict[str, Any]:
+        """Points, housing and bore in SI, as `Mounting` has them; None: there are none."""
         clearance, stiffness = (self.si()[name] for name in ("fit_clearance", "bore_stiffness"))
-        return None if clearance is None else Bore(clearance=clearance, stiffness=stiffness)
+        angles = tuple(radians(angle + FROM_LOAD) for angle in self.angles_deg or ())
+        return {"points": self.fact(Points, angles=angles) if self.kind == "points" else None,
+            "housing": self.fact(Housing) if self.kind == "housing" else None,
+            "bore": None if clearance is None else Bore(clearance=clearance, stiffness=stiffness)}
 
 
 class SensorTable(Table):
@@ -295,10 +255,6 @@ class SensorTable(Table):
 
     frequency_Hz: float = key(15_000.0, "undamped natural frequency of the sensor", 1.0, 1e7)
     damping_ratio: float = key(0.05, "damping ratio of the sensor", 0.0, 0.99)
-
-    def sensor(self) -> Sensor:
-        """The sensor in SI."""
-        return self.fact(Sensor)
 
 
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
@@ -319,8 +275,7 @@ class ContactTable(Table):
         compared = data.get("model") in COMPARISONS
         return {"penalty_stiffness_N_per_m": STIFF_PENALTY} | data if compared else data
 
-    RULES = (only("penalty_stiffness_N_per_m", lambda t: t.model in COMPARISONS, 'only for the comparison models model '
-        '= "penalty" and "faceted", not for "{t.model}"; leave it out'),)
+    RULES = (only("penalty_stiffness_N_per_m", "model", *COMPARISONS),)
 
 
 class DampingTable(Table):
@@ -378,12 +333,9 @@ def fitted_law(text: str, decimal: str = ".") -> OwnLaw:
     """The power law Q = K δ^n of both raceways with the least squares of relative differences, ln Q over ln δ.
 
     The table has columns `force [N], approach [um]`, or other units, as `force [kN]` or `force_kN`. A row without force
-    and approach says nothing of K and n.
-
-    Errors
-    ------
-    ValueError, a sentence on the text: columns or units missing, rows that can't be read, fewer than three rows,
-    values that are not positive, approaches all alike, an exponent outside 1 to 3.
+    and approach says nothing of K and n. ValueError, a sentence on the text: columns or units
+    missing, rows that can't be read, fewer than three rows, values that are not positive, approaches all alike, an
+    exponent outside 1 to 3.
     """
     units = {"force_N": FORCES, "approach_m": LENGTHS}
     rows = columns(text, tuple(units), decimal, units)
@@ -428,15 +380,10 @@ class LagrangeTable(Table):
         given = any(data.get(name) is not None for name in ("contact_stiffness_N_per_m_n", "law_table"))
         return {"law": OWN} | data if given else data
 
-    RULES: ClassVar[tuple[Rule, ...]] = (
-        (
-            lambda t: (
-                t.law_table is not None
-                and (t.contact_stiffness_N_per_m_n is not None or t.contact_exponent is not None)
-            ),
+    RULES = (
+        (lambda t: t.law_table is not None and (t.contact_stiffness_N_per_m_n or t.contact_exponent),
             'law_table = "{t.law_table}": K and n are fitted to it; leave it out, or contact_stiffness_N_per_m_n and '
-            "contact_exponent",
-        ),
+            "contact_exponent"),
         (lambda t: (t.contact_stiffness_N_per_m_n is None) != (t.contact_exponent is None),
             "contact_stiffness_N_per_m_n and contact_exponent make one law Q = K δⁿ; give both, or neither"),
         (lambda t: t.law == OWN and t.contact_stiffness_N_per_m_n is None and t.law_table is None,

@@ -3,12 +3,11 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
-# fmt: off  # a key, or a rule, goes on below where it is long
+# fmt: off
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import replace
-from math import radians
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
@@ -21,25 +20,11 @@ from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
 from lagrange.kinematics import kinematics
-from lagrange.mounting import Mounting
+from lagrange.mounting import Mounting, Sensor
 from lagrange.scene import bearing as bearings
-from lagrange.scene import run
+from lagrange.scene import faults, run
 from lagrange.scene.checks import COMBINATIONS
-from lagrange.scene.faults import (
-    File,
-    Rule,
-    SceneError,
-    Table,
-    beside,
-    key,
-    likely_of,
-    plain,
-    printable,
-    quoted,
-    table_of,
-    without_gone,
-)
-from lagrange.scene.files import LONGEST_TEXT, apply_override, load, set_key
+from lagrange.scene.faults import SceneError, Table, apply_override, beside, key, load, plain, quoted, set_key, table_of
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.section import section_mounting, section_operation
 from lagrange.step_size import fitting_interval, wave_interval
@@ -85,7 +70,7 @@ class Scene(Table):
     profile: list[ProfileTable] = key([], "", max_length=MOST_TABLES)
     table: run.Columns = run.Columns()
 
-    RULES: ClassVar[tuple[Rule, ...]] = COMBINATIONS
+    RULES: ClassVar[tuple[faults.Rule, ...]] = COMBINATIONS
     _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
 
     def _fill(self, data: dict[str, Any], name: str) -> None:
@@ -127,11 +112,11 @@ class Scene(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        data = without_gone(data)
-        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
-        if not isinstance(bearing, dict):
+        data = faults.without_gone(data)
+        options, operation, numerics = (data.get(name, {}) for name in ("lagrange", "operation", "numerics"))
+        if not isinstance(bearing := data.get("bearing"), dict):
             return data
-        standard, numerics = listed(bearing.get("designation")), data.get("numerics", {})
+        standard = listed(bearing.get("designation"))
         known: dict[str, Any] = {} if standard is None else bearing_keys(*standard)
         diameter: Any = bearing.get("roller_diameter_mm")
         if diameter is None and not FITTING[0] <= known.get("roller_diameter_mm", FITTING[0]) <= FITTING[1]:
@@ -143,10 +128,9 @@ class Scene(Table):
         elif type(diameter) in (float, int) and 0.5 <= diameter <= 500.0 and isinstance(numerics, dict):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
         if isinstance(operation, dict):
+            mass = bearings.heavy_inner_ring_and_shaft(bearing)
             if standard is not None:
-                data = {"name": standard[0]} | data
-            heavy = bearings.heavy_inner_ring_and_shaft
-            mass = heavy(bearing) if standard is None else inner_ring_and_shaft(standard[0])
+                data, mass = {"name": standard[0]} | data, inner_ring_and_shaft(standard[0])
             if mass is not None:
                 data = data | {"operation": {"inner_ring_and_shaft_kg": mass} | operation}
         return data
@@ -156,27 +140,22 @@ class Scene(Table):
 
             scene.varied({"operation.speed_rpm": 3000.0, "spall.0.body": "outer_ring"})
 
-        Errors
-        ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
         data = self._as_written()
-        names = {"sha256", "content"} | {name for _, kind, _ in _kinds() for name in kind.FILES}
-        for dotted, value in changes.items():
+        names = {"sha256", "content"} | {name for kind, _ in FILED.values() for name in kind.FILES}
+        for dotted in changes:
             if dotted.rpartition(".")[2] in names and not dotted.endswith("_profile"):
                 raise SceneError(f"{dotted}: files of a scene can't be varied; write a scene for each file")
-            set_key(data, dotted, value, dotted)
-        _refuse_beside_tables(data, changes)
-        with _refused(self.name):
-            content_of(data, self.files)
+        _change(data, changes)
+        content_of(data, self.files, self.name)
         return parse_scene(data, self.name)
 
     @property
     def assumed(self) -> str:
         """Speed and load that a scene of a bearing or an operation leaves to the defaults; empty: it gives both."""
-        given = self._as_written()
-        operation = given.get("operation", {})
-        if "bearing" not in given and not operation:
+        operation = self._as_written().get("operation", {})
+        if not self.is_given("bearing") and not operation:
             return ""
         missing = (name for name, others in DECIDING.items() if operation.keys().isdisjoint((name, *others)))
         return ", ".join(f"operation.{name} = {getattr(self.operation, name):g}" for name in missing)
@@ -232,9 +211,9 @@ class Scene(Table):
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
         found = dict[str, str]()
-        for name, _, many in _kinds():
-            for table in getattr(self, name) if many else [getattr(self, name)]:
-                found |= {} if table is None else table.files
+        for name, (_, many) in FILED.items():
+            for table in getattr(self, name) if many else filter(None, [getattr(self, name)]):
+                found |= table.files
         return found
 
     def ideal_bearing(self) -> Bearing:
@@ -254,16 +233,16 @@ class Scene(Table):
 
     def unmounted_bearing(self) -> Bearing:
         """The bearing's section in SI with the sizes of the scene, without faults of its surfaces."""
-        b, si, rigid = self.bearing, self.bearing.si(), self.bodies.rigid
+        b, si, rigid, balls = self.bearing, self.bearing.si(), self.bodies.rigid, self.bearing.type == "ball"
         roller = self.material.of("roller", "rollers" in rigid)  # elements have m cos α, see `section`
-        shape: dict[str, Any] = dict(n_rollers=b.present, missing=tuple(sorted(b.missing_rollers)),
-            contact_angle=radians(b.contact_angle_deg), roller_radius=0.5 * si["roller_diameter"] * b.cosine,
-            inner_raceway_radius=0.5 * si["inner_raceway_diameter"], outer_raceway_radius=0.5 * si[
-            "outer_raceway_diameter"], bore_radius=0.5 * si["bore_diameter"], outside_radius=0.5 * si[
-            "outside_diameter"], roller=replace(roller, density=roller.density / b.cosine ** (2 if b.type ==
-            "ball" else 1)), inner_ring=self.material.of("inner_ring", "inner_ring" in rigid),
-            outer_ring=self.material.of("outer_ring", "outer_ring" in rigid), own_law=self.lagrange.own_law())
-        if b.type == "roller":
+        radii = {f"{name}_radius": 0.5 * si[f"{name}_diameter"]
+            for name in ("inner_raceway", "outer_raceway", "bore", "outside")}
+        shape: dict[str, Any] = dict(n_rollers=b.present, missing=tuple(sorted(b.missing_rollers)), **radii,
+            roller_radius=0.5 * si["roller_diameter"] * b.cosine, own_law=self.lagrange.own_law(),
+            roller=replace(roller, density=roller.density / b.cosine ** (2 if balls else 1)),
+            inner_ring=self.material.of("inner_ring", "inner_ring" in rigid),
+            outer_ring=self.material.of("outer_ring", "outer_ring" in rigid))
+        if not balls:
             return b.fact(Bearing, **shape)
         if b.inner_conformity is None or b.outer_conformity is None:
             raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
@@ -314,42 +293,31 @@ class Scene(Table):
         return section_mounting(self.perfect_bearing(), self._mounting())
 
     def _mounting(self) -> Mounting:
-        support, shaft = self.support, self.operation.springs()
-        sensor = None if self.sensor is None else self.sensor.sensor()
-        if support is None:
-            return Mounting(sensor=sensor, shaft=shaft)
-        points, housing, bore = support.points(), support.housing(), support.bore()
-        return Mounting(points=points, housing=housing, bore=bore, sensor=sensor, shaft=shaft)
+        return Mounting(**{} if self.support is None else self.support.parts(), shaft=self.operation.springs(),
+            sensor=None if self.sensor is None else self.sensor.fact(Sensor))
 
     @property
     def parts_of_tilt(self) -> tuple[str, ...]:
         """Of `lagrange.columns.COLUMNS` that runs of rollers that tilt have."""
-        if self.axial is None:
-            return ()
-        return "axial", *(("damping of tilt",) if self.damping.contacts.acts else ())
+        return ("axial", "damping of tilt")[: 1 + self.damping.contacts.acts] if self.axial is not None else ()
 
     @property
     def parts(self) -> tuple[str, ...]:
         """Of `lagrange.columns.COLUMNS` that runs have beside those of every run."""
-        there = {
-            "surfaces": self.ideal_bearing().faults,  # no films where nothing rolls
-            "cage": self.cage is not None,
-            "damping": self.damping.acts,
-        }
+        there = {"surfaces": self.ideal_bearing().faults, "cage": self.cage, "damping": self.damping.acts}
         return *self.mounting().parts, *(name for name, is_there in there.items() if is_there), *self.parts_of_tilt
 
 
-def _kinds() -> Iterator[tuple[str, type[Table], bool]]:
-    """Tables of a scene that name files, and whether there may be many."""
-    for name, field in Scene.model_fields.items():
-        kind, many = table_of(field)
-        if kind is not None and kind.FILES:
-            yield name, kind, many
+parse_scene = Scene.parsed  # a scene from nested tables; SceneError: all that is wrong with them
 
 
-def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, File]]:
+# tables of a scene that name files: their class, and whether there may be many
+FILED = {name: kind for name, field in Scene.model_fields.items() if (kind := table_of(field))[0] and kind[0].FILES}
+
+
+def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, faults.File]]:
     """Keys of a scene's tables that name files: place, table, key; tables of other forms are left to their checks."""
-    for place, kind, many in _kinds():
+    for place, (kind, many) in FILED.items():
         given: Any = data.get(place)
         tables = enumerate(given if isinstance(given, list) else ()) if many else [("", given)]
         for number, table in tables:
@@ -357,51 +325,36 @@ def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str,
                 yield f"{place}.{number}".rstrip("."), table, name, file
 
 
-def _named_files(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, File]]:
-    """The files themselves, with what to call them. ValueError: a text stands where a file is to be named."""
-    for place, table, name, file in _file_keys(data):
-        if (content := beside(name, "content")) in table:
-            raise ValueError(f"{place}.{content}: unknown key; {file.kind} are read from a file")
-        if isinstance(given := table.get(name), str) and given and given not in file.forms:
-            yield f'{place}.{name} = "{given}"', table, name, file
+def content_of(data: dict[str, Any], files: Mapping[str, str] | Path | None, name: str = "scene") -> None:
+    """Put the files of [[profile]], [operation], [lagrange] and [axial] into the tables of a scene.
 
-
-def content_in_place(data: dict[str, Any], folder: Path) -> None:
-    """Put the files of [[profile]], [operation], [lagrange] and [axial] into the tables of a scene in a folder.
-
-    Errors
-    ------
-    ValueError: no such file, unreadable, too large, not text; not the one whose digest the scene gives.
+    `files` : the folder in which they are, or their texts by digests; None: all stay out. SceneError: no such file,
+    unreadable, too large, not text; not the one whose digest the scene gives.
     """
-    for described, table, name, file in _named_files(data):
-        path = folder / table[name]
-        try:
-            text = plain_text(path, LARGEST_FILE)
-        except ValueError as error:
-            forms = f"; forms are {', '.join(file.forms)}" if file.forms else ""
-            hint = f"; is it a table of {file.kind}?"
-            if "can't be read" in str(error):
-                hint = f" (looked for in {path.parent.resolve()}){forms}"
-            raise ValueError(f"{described}: {error}{hint}") from None
-        if table.setdefault(beside(name, "sha256"), digest(text)) != digest(text):
-            raise ValueError(f"{described}: its sha256 is {digest(text)}, another than the scene gives; leave the "
-                "sha256 out for this file")
-        table[beside(name, "content")] = text
-
-
-def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
-    """The same from texts by their digests; None: all stay out.
-
-    Errors
-    ------
-    ValueError: one is not among them.
-    """
-    for described, table, name, _ in _named_files(data):
-        if files is not None:
-            text = files.get(table.get(beside(name, "sha256"), ""))
-            if text is None:
-                raise ValueError(f"{described}: its text is not here")
-            table[beside(name, "content")] = text
+    for place, table, field, file in _file_keys(data):
+        given, content, sha256, text = table.get(field), beside(field, "content"), beside(field, "sha256"), None
+        described, wrong = f'{place}.{field} = "{given}"', ""
+        if content in table:
+            described, wrong = f"{place}.{content}", f"unknown key; {file.kind} are read from a file"
+        elif not isinstance(given, str) or not given or given in file.forms or files is None:
+            continue
+        elif not isinstance(files, Path):
+            text = files.get(str(table.get(sha256)))
+            wrong = "its text is not here" if text is None else ""
+        else:
+            try:
+                text = plain_text(files / given, LARGEST_FILE)
+                if table.setdefault(sha256, digest(text)) != digest(text):
+                    wrong = f"its sha256 is {digest(text)}, another than the scene gives; leave the sha256 out for this "
+                    wrong += "file"
+            except ValueError as error:
+                wrong = f"{error}; is it a table of {file.kind}?"
+                if "can't be read" in str(error):
+                    forms = f"; forms are {', '.join(file.forms)}" if file.forms else ""
+                    wrong = f"{error} (looked for in {(files / given).parent.resolve()}){forms}"
+        if wrong:
+            raise SceneError(f"{name}: {faults.printable(f'{described}: {wrong}')}")
+        table[content] = text
 
 
 def read_scene(
@@ -409,8 +362,6 @@ def read_scene(
 ) -> Scene:
     """The scene of a TOML file (None: the paper's), with `table.key=value` overrides and values by key put on top.
 
-    Errors
-    ------
     SceneError: unreadable file, bad TOML, unknown key (with the likely one), wrong type, value out of range,
     values that contradict each other; all faults of the file at once.
     """
@@ -418,29 +369,28 @@ def read_scene(
     if path is not None:
         name, path = str(path), Path(path)
         try:
-            text = plain_text(path, LONGEST_TEXT)
+            text = plain_text(path, faults.LONGEST_TEXT)
         except ValueError as error:
             if path.exists():
                 hint = "" if "can't be read" in str(error) else "; is it a scene file?"
                 raise SceneError(f"{name}: {error}{hint}") from None
             scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
-            likely = likely_of(path.stem, scenes)
+            likely = faults.likely_of(path.stem, scenes)
             hint = f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
             raise SceneError(f"{name}: no such file; {hint}") from None
         data = load(text, name)
     for override in overrides:
         apply_override(data, override)
-    for dotted, value in (changes or {}).items():
-        set_key(data, dotted, value, dotted)
-    _refuse_beside_tables(data, [*(override.partition("=")[0].strip() for override in overrides), *(changes or {})])
-    with _refused(name):
-        content_in_place(data, Path() if path is None else Path(path).parent)
+    _change(data, changes or {}, (override.partition("=")[0].strip() for override in overrides))
+    content_of(data, Path() if path is None else Path(path).parent, name)
     return parse_scene(data, name)
 
 
-def _refuse_beside_tables(data: dict[str, Any], changed: Iterable[str]) -> None:
-    """Refuse a change of a value in whose place a table is. SceneError."""
-    operation = data.get("operation")
+def _change(data: dict[str, Any], changes: Mapping[str, Any], changed: Iterable[str] = ()) -> None:
+    """Set keys; refuse these, and others that were changed, where a table is in the value's place. SceneError."""
+    for dotted, value in changes.items():
+        set_key(data, dotted, value, dotted)
+    operation, changed = data.get("operation"), {*changes, *changed}
     for table, name in run.IN_PLACE_OF.items():
         if f"operation.{name}" in changed and isinstance(operation, dict) and operation.get(table) is not None:
             raise SceneError(f"operation.{name} = {quoted(operation.get(name))}: operation.{table} = "
@@ -450,15 +400,11 @@ def _refuse_beside_tables(data: dict[str, Any], changed: Iterable[str]) -> None:
 def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None, **usual: Any) -> Scene:
     """A scene from TOML text, e.g. the `scene` attribute of a result file.
 
-    Parameters
-    ----------
-    files : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
-        but gives no bearing
-    usual : tables where the text has none
+    `files` : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
+    but gives no bearing; `usual` : tables where the text has none
     """
     data = load(text, name)
-    with _refused(name):
-        content_of(data, files)
+    content_of(data, files, name)
     return parse_scene(usual | data, name)
 
 
@@ -468,17 +414,3 @@ def parse_stored_scene(text: str, name: str, files: dict[str, str] | None = None
         return parse_scene_text(text, name, files, cage={"kind": "none"})
     except SceneError as error:
         raise SceneError(f"{error}\nif an earlier version wrote the file, run the scene again") from None
-
-
-@contextmanager
-def _refused(name: str) -> Iterator[None]:
-    """Name the scene where a file of it can't be used."""
-    try:
-        yield
-    except ValueError as error:
-        raise SceneError(f"{name}: {printable(str(error))}") from None
-
-
-def parse_scene(data: dict[str, Any], name: str) -> Scene:
-    """A scene from nested tables. SceneError: all that is wrong with them."""
-    return Scene.parsed(data, name)

@@ -3,25 +3,17 @@
 Any number of each; spalls, waves, deviations and a measured profile of one surface add up, but spalls must not overlap.
 """
 
-# fmt: off  # a key, or a rule, goes on below where it is long
+# fmt: off
 from collections.abc import Iterator
 from math import asin, degrees, pi, radians
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from lagrange.axial.facts import slices_over
+from lagrange.axial.slices import slices_over
 from lagrange.errors import exceeds
 from lagrange.scene.faults import Angle, DecimalSign, Digest, File, FileName, FileText, Rule, Table, key, only
-from lagrange.surface.faults import (
-    MeasuredSurface,
-    Spall,
-    UnequalRoller,
-    Waviness,
-    height_table,
-    own_radius,
-    thickness,
-)
+from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, height_table, own_radius, thickness
 
 if TYPE_CHECKING:
     from lagrange.scene.scene import Scene
@@ -47,7 +39,7 @@ class SurfaceTable(Table):
     RULES: ClassVar[tuple[Rule, ...]] = (
         (lambda t: t.body == "roller" and t.roller is None, 'body = "roller" needs the number of the roller, e.g. '
             'roller = 0 for the first'),
-        only("roller", lambda t: t.body == "roller", 'only with body = "roller", not with "{t.body}"; leave it out'),
+        only("roller", "body", "roller"),
     )
 
     @property
@@ -67,10 +59,7 @@ class SpallTable(SurfaceTable):
         most=1000.0, gt=0.0)
     z_mm: float = key(0.0, "offset of its middle along the rollers, with length_mm", -1000.0, 1000.0)
 
-    RULES: ClassVar[tuple[Rule, ...]] = (
-        *SurfaceTable.RULES,
-        only("z_mm", lambda t: t.length_mm is not None, "only with length_mm, of spalls of part of the rollers' length")
-    )
+    RULES = (*SurfaceTable.RULES, only("z_mm", "length_mm"))
 
     def fault(self) -> Spall:
         si, along = self.si(), None
@@ -139,8 +128,8 @@ def roller_faults(scene: "Scene") -> Iterator[str]:
 def spall_faults(scene: "Scene") -> Iterator[str]:
     """Spalls that the bodies have no room for, and those that overlap."""
     edges: list[tuple[int, Spall, float]] = []
+    bearing = scene.perfect_bearing()
     for i, table in enumerate(scene.spall):
-        bearing = scene.perfect_bearing()
         spall, place = table.fault(), f"spall.{i}"
         own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
         widest = WIDEST * min(own, bearing.roller_radius)
@@ -166,21 +155,20 @@ def spall_faults(scene: "Scene") -> Iterator[str]:
 
 def part_faults(scene: "Scene") -> Iterator[str]:
     """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
-    met: dict[str, tuple[int, np.ndarray]] = {}
-    for i, table in enumerate(scene.spall):
-        bearing, spall = scene.perfect_bearing(), table.fault()
-        slices = 0 if scene.axial is None else scene.axial.slices
-        if not slices or not spall.is_part(bearing):
+    met: dict[str, tuple[int, list[bool]]] = {}
+    bearing, slices = scene.perfect_bearing(), 0 if scene.axial is None else scene.axial.slices
+    for i, table in enumerate(scene.spall if slices else ()):
+        if not (spall := table.fault()).is_part(bearing):
             continue
-        over, place = slices_over(bearing, slices, spall), f"spall.{i}.length_mm = {table.length_mm:g}"
-        if over.all() or not over.any():
-            yield (f"{place} at z_mm = {table.z_mm:g} goes over {'all' if over.all() else 'no'} middles of "
-                f"axial.slices = {slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; " + (
-                "leave length_mm out" if over.all() else "use more slices, or a longer spall within the rollers"))
+        over, place = slices_over(bearing, slices, spall).tolist(), f"spall.{i}.length_mm = {table.length_mm:g}"
+        if all(over) or not any(over):
+            yield (f"{place} at z_mm = {table.z_mm:g} goes over {'all' if all(over) else 'no'} middles of "
+                f"axial.slices = {slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; " + ("leave "
+                "length_mm out" if all(over) else "use more slices, or a longer spall within the rollers"))
             continue
         for raceway in ("inner_ring", "outer_ring") if table.body == "roller" else (table.body,):
             k, other = met.setdefault(raceway, (i, over))
-            if not np.array_equal(over, other):
+            if over != other:
                 yield (f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than "
                     f"spall.{k}; give both the same length_mm and z_mm")
 
@@ -188,17 +176,15 @@ def part_faults(scene: "Scene") -> Iterator[str]:
 def profile_faults(scene: "Scene") -> Iterator[str]:
     """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
     seen: dict[tuple[str, int | None], int] = {}
+    bearing = scene.perfect_bearing()
     for i, table in enumerate(scene.profile):
-        bearing = scene.perfect_bearing()
-        place = f'profile.{i}.file = "{table.file}"'
-        before = seen.setdefault((table.body, table.roller), i)
+        place, before = f'profile.{i}.file = "{table.file}"', seen.setdefault((table.body, table.roller), i)
         if before != i:
             yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
         heights = table.read("file")
         if heights is None:
             continue
-        angle, height = heights.angle, heights.height
-        own, roller = own_radius(bearing, table), bearing.roller_radius
+        angle, height, own, roller = heights.angle, heights.height, own_radius(bearing, table), bearing.roller_radius
         highest, range_ = float(height.max()), float(np.ptp(height))
         if exceeds(highest, 2.0 * LARGEST_DEVIATION * roller):
             yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"

@@ -28,8 +28,7 @@ from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
 from fem.statics.exact_statics import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation
 from lagrange.axial import ContactTable, SpalledTable, contact_tables
-from lagrange.axial.facts import Axial
-from lagrange.axial.slices import steepest_slope
+from lagrange.axial.slices import Axial, steepest_slope
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw

@@ -176,6 +176,7 @@ def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.
     """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
     for body, axis in product(bodies, "xy"):
-        moved = samples.get(f"outer_ring_{axis}", samples.get(f"housing_{axis}", 0.0))
-        found.append((samples[f"{body}_{axis}"].T - moved).T)
+        place, moved = samples[f"{body}_{axis}"], samples.get(f"outer_ring_{axis}")
+        moved = samples.get(f"housing_{axis}") if moved is None else moved
+        found.append(place if moved is None else (place.T - moved).T)
     return found

@@ -113,7 +113,7 @@ def test_sizes_and_places_at_their_limits_are_taken_as_they_are_typed(tmp_path):
         ({"operation": {"misalignment_mrad": 1.0}}, "operation.misalignment_mrad = 1: needs an [axial] table"),
         ({"axial": {}, "model": "lagrange", "bearing": {"type": "ball"}}, "[axial]: only for rollers"),
         ({"spall": [{"length_mm": 5.0}]}, "spall.0.length_mm = 5: needs an [axial] table"),
-        ({"spall": [{"z_mm": 2.0}]}, "only with length_mm"),
+        ({"spall": [{"z_mm": 2.0}]}, "give length_mm too"),
         (
             {"axial": {}, "model": "reduced", "spall": [{"length_mm": 9.9}]},
             "goes over all middles of axial.slices = 21",

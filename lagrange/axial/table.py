@@ -160,7 +160,7 @@ class SpalledTable:
         part = in_series(of_part, approach - sunk, slope, (compliance + part_compliance) / self.share)
         edges, part_edges = of_rest.edges / (1.0 - self.share), part.edges / self.share
         sums = (rest + own for rest, own in zip(of_rest[:SUMMED], part[:SUMMED], strict=True))
-        return TiltedContact(*sums, part.force, edges + part_edges, part_edges)
+        return TiltedContact._make([*sums, part.force, edges + part_edges, part_edges])
 
 
 def _weights(x: np.ndarray, first: float, step: float, n: int) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:

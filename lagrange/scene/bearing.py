@@ -103,8 +103,9 @@ class BearingTable(Table):
         Of a bearing with an inner raceway, or a pitch, rings and length follow in proportion to the roller as the
         paper's do; without a raceway of its own the outer ring is the paper's.
         """
-        data, outer, pitch = dict(data), data.get("outer_raceway_diameter_mm"), data.get("pitch_diameter_mm")
-        outer_given = "outer_raceway_diameter_mm" in data
+        data, outer_given = dict(data), "outer_raceway_diameter_mm" in data
+        outer: Any = data.get("outer_raceway_diameter_mm")
+        pitch: Any = data.get("pitch_diameter_mm")
         if (found := listed(data.get("designation"))) is not None:
             instead_of = {"clearance_um": outer_given, "inner_raceway_diameter_mm": pitch is not None}
             data = {name: value for name, value in bearing_keys(*found).items() if not instead_of.get(name)} | data
@@ -115,7 +116,7 @@ class BearingTable(Table):
         clearance: Any = data.get("clearance_um")
         if "inner_raceway_diameter_mm" not in data and all(map(_is_number, (pitch, roller, angle))):
             # without clearance where neither it nor the outer raceway is given
-            play = data.get("clearance_um", 0.0 if outer is None else None)
+            play: Any = data.get("clearance_um", 0.0 if outer is None else None)
             if outer is None and _is_number(play):
                 inner, clearance = pitch - (roller + 0.5e-3 * play) * cos(radians(angle)), play
             elif play is None and _is_number(outer):

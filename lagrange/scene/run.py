@@ -186,7 +186,8 @@ def _ideal(o: OperationTable) -> Operation:
 @lru_cache(maxsize=16)
 def _first_speed(text: str, decimal: str | None, shape: Curve | None) -> float:
     """Speed of a table at t = 0, rpm. ValueError."""
-    return float(joined(*SPEEDS.read(text, decimal or "."), shape or "smooth")(0.0)[0])
+    time, values = SPEEDS.read(text, decimal or ".")
+    return float(joined(time, values, shape or "smooth")(0.0)[0])
 
 
 OF_KINDS: dict[str, dict[str, Any]] = {  # keys that each kind needs, with their defaults

@@ -312,7 +312,8 @@ parse_scene = Scene.parsed  # a scene from nested tables; SceneError: all that i
 
 
 # tables of a scene that name files: their class, and whether there may be many
-FILED = {name: kind for name, field in Scene.model_fields.items() if (kind := table_of(field))[0] and kind[0].FILES}
+FILED = {name: (kind, many) for name, field in Scene.model_fields.items()
+    for kind, many in [table_of(field)] if kind is not None and kind.FILES}
 
 
 def _file_keys(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any], str, faults.File]]:
@@ -345,8 +346,8 @@ def content_of(data: dict[str, Any], files: Mapping[str, str] | Path | None, nam
             try:
                 text = plain_text(files / given, LARGEST_FILE)
                 if table.setdefault(sha256, digest(text)) != digest(text):
-                    wrong = f"its sha256 is {digest(text)}, another than the scene gives; leave the sha256 out for this "
-                    wrong += "file"
+                    wrong = (f"its sha256 is {digest(text)}, another than the scene gives; leave the sha256 out for "
+                        "this file")
             except ValueError as error:
                 wrong = f"{error}; is it a table of {file.kind}?"
                 if "can't be read" in str(error):

@@ -15,20 +15,17 @@ LACKING = ("fork", "forkpty", "pwrite", "pread", "posix_fallocate", "geteuid", "
 MODULES = ("fcntl", "resource", "pwd", "grp", "termios")
 CODE_PAGE = "cp1252"
 PROGRAM = f"""
-import io, os, sys
+import builtins, io, os, sys
 for name in {LACKING!r}:
     if hasattr(os, name):
         delattr(os, name)
-for name in {MODULES!r}:
-    sys.modules[name] = None
-plain = io.open
+sys.modules |= dict.fromkeys({MODULES!r})
+plain, rename = io.open, os.replace
 def in_code_page(file, mode="r", buffering=-1, encoding=None, *rest, **more):
     if "b" not in mode and encoding in (None, "locale"):
         encoding = {CODE_PAGE!r}
     return plain(file, mode, buffering, encoding, *rest, **more)
-import builtins
 builtins.open = io.open = in_code_page
-rename = os.replace
 def of_closed_files(old, new, **more):
     links = [os.path.realpath(f"/proc/self/fd/{{number}}") for number in os.listdir("/proc/self/fd")]
     for path in (old, new):
@@ -41,13 +38,9 @@ os.replace = os.rename = of_closed_files
 
 def bare(name: str, *arguments: object, folder: Path) -> subprocess.CompletedProcess:
     """Run a command there to its end."""
-    return subprocess.run(
-        [sys.executable, "-P", "-c", f"{PROGRAM}\n{ENTRIES[name]}\nmain()", *map(str, arguments)],
-        cwd=folder,
-        env=environment(PYTHONIOENCODING=CODE_PAGE, PYTHONUTF8="0"),
-        capture_output=True,
-        timeout=300.0,
-    )
+    words = [sys.executable, "-P", "-c", f"{PROGRAM}\n{ENTRIES[name]}\nmain()", *map(str, arguments)]
+    bare_environment = environment(PYTHONIOENCODING=CODE_PAGE, PYTHONUTF8="0")
+    return subprocess.run(words, cwd=folder, env=bare_environment, capture_output=True, timeout=300.0)
 
 
 def can_be_made_bare() -> bool:

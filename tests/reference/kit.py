@@ -48,8 +48,7 @@ from residual.record import Record
 from tests.reference.continua import cubic_bspline_patch
 from tests.waiting import GIVE_UP, wait_until
 
-# ---- Bearings, bodies and loads that tests and verification share, each built once a session; states of the time
-# loop.
+# ---- Bearings, bodies and loads that tests and verification share, each built once a session; states of the time loop.
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 STEEL_ON_STEEL = {"roller": STEEL, "inner_ring": STEEL, "outer_ring": STEEL}
@@ -66,27 +65,23 @@ def paper(**changes) -> Bearing:
     return replace(read_scene().ideal_bearing(), **changes)
 
 
+def of_steel(n, roller, length, inner, outer, bore, outside) -> Bearing:
+    """Radii and length, m."""
+    return Bearing(
+        n_rollers=n, roller_radius=roller, roller_length=length, inner_raceway_radius=inner,
+        outer_raceway_radius=outer, bore_radius=bore, outside_radius=outside, **STEEL_ON_STEEL,
+    )  # fmt: skip
+
+
 SHAPES = {
-    "paper": paper(),
-    "clearance": paper(outer_raceway_radius=0.02801),
-    "preload": paper(outer_raceway_radius=0.027995),
-    "three rollers": paper(n_rollers=3),
-    "full complement": paper(n_rollers=14),
+    "paper": paper(), "clearance": paper(outer_raceway_radius=0.02801), "preload": paper(outer_raceway_radius=0.027995),
+    "three rollers": paper(n_rollers=3), "full complement": paper(n_rollers=14),
     "ceramic rollers": paper(roller=Material(youngs_modulus=310e9, poisson_ratio=0.26, density=3200.0)),
     "light-alloy housing": paper(outer_ring=Material(youngs_modulus=70e9, poisson_ratio=0.33, density=2700.0)),
-    "large": Bearing(
-        n_rollers=17, roller_radius=0.012, roller_length=0.03, inner_raceway_radius=0.06,
-        outer_raceway_radius=0.08402, bore_radius=0.045, outside_radius=0.1, **STEEL_ON_STEEL,
-    ),
-    "small": Bearing(
-        n_rollers=11, roller_radius=0.001, roller_length=0.003, inner_raceway_radius=0.004,
-        outer_raceway_radius=0.006, bore_radius=0.003, outside_radius=0.0075, **STEEL_ON_STEEL,
-    ),
+    "large": of_steel(17, 0.012, 0.03, 0.06, 0.08402, 0.045, 0.1),
+    "small": of_steel(11, 0.001, 0.003, 0.004, 0.006, 0.003, 0.0075),
     "thin rings": paper(bore_radius=0.0155, outside_radius=0.0305),
-    "many rollers": Bearing(
-        n_rollers=31, roller_radius=0.004, roller_length=0.012, inner_raceway_radius=0.045,
-        outer_raceway_radius=0.053, bore_radius=0.037, outside_radius=0.06, **STEEL_ON_STEEL,
-    ),
+    "many rollers": of_steel(31, 0.004, 0.012, 0.045, 0.053, 0.037, 0.06),
 }  # fmt: skip
 
 
@@ -101,15 +96,18 @@ def model(bearing: Bearing, mesh_size: float) -> Model:
 
 
 @cache
+def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
+    return ResolvedModel.build(bearing, mesh_size)
+
+
+@cache
 def disc(radius: float, layers: int, material: Material = STEEL) -> DiscBody:
     """A roller of LENGTH with 6·layers surface nodes."""
     return disc_body(Disc(radius=radius, layers=layers), material, LENGTH)
 
 
 @cache
-def ring(
-    inner: float, outer: float, sectors: int, layers: int, held_inside: bool, material: Material = STEEL
-) -> RingBody:
+def ring(inner: float, outer: float, sectors: int, layers: int, held_inside: bool, material=STEEL) -> RingBody:
     """A ring of LENGTH."""
     shape = Annulus(inner_radius=inner, outer_radius=outer, sectors=sectors, layers=layers)
     return ring_body(shape, material, LENGTH, held_inside)
@@ -118,13 +116,7 @@ def ring(
 @cache
 def soft(**changes) -> Bearing:
     """The paper's bearing of a plastic (5 GPa): its contacts are 0.3 mm wide on either side."""
-    plastic = replace(STEEL, youngs_modulus=5e9)
-    return paper(roller=plastic, inner_ring=plastic, outer_ring=plastic, **changes)
-
-
-@cache
-def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
-    return ResolvedModel.build(bearing, mesh_size)
+    return paper(**dict.fromkeys(STEEL_ON_STEEL, replace(STEEL, youngs_modulus=5e9)), **changes)
 
 
 def operation(**changes) -> Operation:
@@ -137,14 +129,9 @@ def start_of(a_model: Model, how: Operation, from_rest: bool = False) -> Start:
 
 
 def arrays(
-    a_model: Model,
-    how: Operation,
-    dt: float,
-    friction: float = 0.0,
-    from_rest: bool = False,
-    ramp: float = 0.0,
+    a_model: Model, how: Operation, dt: float, friction: float = 0.0, from_rest: bool = False, ramp: float = 0.0,
     mass: ReciprocalMass = LUMPED,
-) -> Arrays:
+) -> Arrays:  # fmt: skip
     """Arrays of the time loop at t = 0."""
     return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, mass)
 
@@ -161,8 +148,7 @@ def loop_arguments(state: Arrays) -> tuple:
 def run(state: Arrays, n_samples: int, stride: int) -> np.ndarray:
     """Run on and return the samples, (n_samples, n_columns); the state is left at its end."""
     samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
-    status, step, body = advance(*loop_arguments(state), 0, stride, samples)
-    assert (status, step, body) == (0, n_samples * stride, -2)
+    assert advance(*loop_arguments(state), 0, stride, samples) == (0, n_samples * stride, -2)
     return samples
 
 
@@ -181,14 +167,11 @@ HARRIS = contact_laws("harris", PAPER)
 PRELOADED = replace(PAPER, outer_raceway_radius=0.02799)  # every contact stays closed: smooth forces
 DOWN = -0.5 * np.pi
 STEEL_207 = Material(youngs_modulus=207e9, poisson_ratio=0.3, density=7850.0)
-
-
 # the 209 deep-groove bearing of Harris' examples: 9 balls of 12.7 mm, grooves of 52 %
 DGBB_209 = BallBearing(
-    n_rollers=9, roller_radius=6.35e-3, roller_length=19e-3,
-    inner_raceway_radius=26.1455e-3, outer_raceway_radius=38.853e-3, bore_radius=22.5e-3, outside_radius=42.5e-3,
-    inner_groove_radius=6.604e-3, outer_groove_radius=6.604e-3,
-    roller=STEEL_207, inner_ring=STEEL_207, outer_ring=STEEL_207,
+    n_rollers=9, roller_radius=6.35e-3, roller_length=19e-3, inner_raceway_radius=26.1455e-3,
+    outer_raceway_radius=38.853e-3, bore_radius=22.5e-3, outside_radius=42.5e-3, inner_groove_radius=6.604e-3,
+    outer_groove_radius=6.604e-3, **dict.fromkeys(STEEL_ON_STEEL, STEEL_207),
 )  # fmt: skip
 
 
@@ -216,7 +199,14 @@ def state_of(run) -> State:
     )  # fmt: skip
 
 
-# ---- A run from its start to its end, kept in memory.
+def stiffness_without_load(bearing: Bearing, operation: Operation, laws: ContactLaws, push: float) -> float:
+    """Secant stiffness, N/m, of the hub between a push and a pull of so many N from the side, by statics alone."""
+    still = replace(operation, history=None, radial_load=0.0, side_load=0.0)
+    low, high = (static_equilibrium(bearing, replace(still, side_load=side), laws).x for side in (-push, push))
+    return 2.0 * push / (high - low)
+
+
+# ---- Runs from their start to their end, kept in memory, and gone on with; their forces and energies.
 
 
 def whole_run(plan: Plan, state: RunState | None = None, said: list[str] | None = None) -> Samples:
@@ -230,7 +220,51 @@ def whole_run(plan: Plan, state: RunState | None = None, said: list[str] | None 
     return Samples.joined(blocks)
 
 
-# ---- Runs whose files tests disturb: options of short ones, and what is left in a folder.
+def rest_of_run(plan: Plan, first: int, rest: int) -> tuple[Samples, Samples]:
+    """The samples after the first so many, of the run that was not stopped and of one kept there and gone on with."""
+    whole, half, later = (plan.first_state() for _ in range(3))
+    whole.advance(first)
+    half.advance(first)
+    arrays, numbers = half.to_keep()
+    later.done = half.done
+    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    return whole.advance(rest).samples, later.advance(rest).samples
+
+
+def assert_same_bits(found: Samples, expected: Samples) -> None:
+    """In every column."""
+    assert set(found.values) == set(expected.values)
+    for name in expected.values:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def within(found, wanted, error, name="") -> None:
+    """Numbers agree to an absolute error."""
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=error, err_msg=name)
+
+
+def budget_terms(found) -> list[dict[str, np.ndarray]]:
+    """Terms of the hub's two equations, which add up to their errors."""
+    for direction in found.directions:
+        within(sum(direction.budget.terms.values()), direction.budget.error, 1e-9 * 2000.0)  # round-off, N
+    return [direction.budget.terms for direction in found.directions]
+
+
+def energy_left(result) -> np.ndarray:
+    """What the energies and works of a run leave, J; constant where they balance."""
+    energies = result.energies
+    left = sum(energies[name] for name in energies if name.startswith("energy_"))
+    return left - energies["work_external"] + energies["work_dissipated"]
+
+
+def balance_of(result) -> float:
+    """The same, its largest change over what is exchanged and dissipated."""
+    left, energies = energy_left(result), result.energies
+    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
+    return np.abs(left - left[0]).max() / passed
+
+
+# ---- Result files: options of short runs, what is left in a folder, copies whose content a test may change.
 
 EARLIER = SIGNATURE + b"an earlier result"
 OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
@@ -248,28 +282,17 @@ def names_in(folder):
     return sorted(entry.name for entry in folder.iterdir())
 
 
-# ---- A run that is kept half way and gone on with by another state of its plan, beside the one that nobody stopped.
+def unchecked_copy(path, target):
+    """A copy without checksums."""
+    shutil.copy(path, target)
+    with h5py.File(target, "r+") as file:
+        file.attrs.pop(SCENE_CHECKSUM, None)
+        for variable in file.values():
+            variable.attrs.pop(CHECKSUM, None)
+    return target
 
 
-def rest_of_run(plan: Plan, first: int, rest: int) -> tuple[Samples, Samples]:
-    """The samples after the first so many, of the run that was not stopped and of the one that was."""
-    whole, half, later = (plan.first_state() for _ in range(3))
-    whole.advance(first)
-    half.advance(first)
-    arrays, numbers = half.to_keep()
-    later.done = half.done
-    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
-    return whole.advance(rest).samples, later.advance(rest).samples
-
-
-def assert_same_bits(found: Samples, expected: Samples) -> None:
-    """In every column."""
-    assert set(found.values) == set(expected.values)
-    for name in expected.values:
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
-
-
-# ---- What scenes are refused with.
+# ---- What scenes are refused with; scenes whose speed or load come from tables, and their records.
 
 
 def refusal(given: dict | str | Sequence[str]) -> str:
@@ -290,42 +313,11 @@ def assert_refused(given: dict | str | Sequence[str], *words: str) -> None:
     assert all(word in told for word in words), told
 
 
-# ---- What a run's forces and energies add up to.
-
-ROUND_OFF = 1e-9 * 2000.0  # N
-
-
-def budget_terms(found) -> list[dict[str, np.ndarray]]:
-    """Terms of the hub's two equations, which add up to their errors."""
-    for direction in found.directions:
-        terms = direction.budget.terms.values()
-        np.testing.assert_allclose(sum(terms), direction.budget.error, rtol=0.0, atol=ROUND_OFF)
-    return [direction.budget.terms for direction in found.directions]
-
-
-def energy_left(result) -> np.ndarray:
-    """What the energies and works of a run leave, J; constant where they balance."""
-    energies = result.energies
-    left = sum(energies[name] for name in energies if name.startswith("energy_"))
-    return left - energies["work_external"] + energies["work_dissipated"]
-
-
-def balance_of(result) -> float:
-    """The same, its largest change over what is exchanged and dissipated."""
-    left, energies = energy_left(result), result.energies
-    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
-    return np.abs(left - left[0]).max() / passed
-
-
-# ---- Scenes whose speed or load come from tables, and their records as the checker sees them.
-
 RAMP = "time_ms,speed_rpm\n0,1000\n2,1500\n6,5000\n8,6000\n"
 LOADS = "time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n10,-300,-2000\n"
 
 
-def scene_with(
-    folder: Path, *settings: str, speeds: str | None = None, loads: str | None = None, more: str = ""
-) -> Scene:
+def scene_with(folder: Path, *settings: str, speeds: str | None = None, loads: str | None = None, more="") -> Scene:
     """A scene in a folder with its tables, texts; `settings` as --set takes them, `more` after [operation]."""
     lines = ["[operation]"]
     for key, text in (("speed_table", speeds), ("load_table", loads)):
@@ -339,38 +331,19 @@ def scene_with(
 
 def record_of(scene: Scene, run: SimpleNamespace) -> Record:
     """A Lagrangian run as a record."""
-    return Record(
-        name="run", source=Path("run"), scene=scene, time=run.time, inner_x=run.inner_x, inner_y=run.inner_y,
-        roller_x=run.roller_x, roller_y=run.roller_y, inner_ax=run.inner_ax, inner_ay=run.inner_ay,
-        inner_force=run.inner_force, outer_force=run.outer_force, attributes={"program": "run-fem"},
-    )  # fmt: skip
+    names = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_ax", "inner_ay", "inner_force", "outer_force")
+    values = {name: getattr(run, name) for name in names}
+    return Record(name="run", source=Path("run"), scene=scene, attributes={"program": "run-fem"}, **values)
 
 
-# ---- Copies of result files whose content a test may change.
-
-
-def unchecked_copy(path, target):
-    """A copy without checksums."""
-    shutil.copy(path, target)
-    with h5py.File(target, "r+") as file:
-        file.attrs.pop(SCENE_CHECKSUM, None)
-        for variable in file.values():
-            variable.attrs.pop(CHECKSUM, None)
-    return target
-
-
-# ---- The commands as a user has them: a process started from any folder, in which nothing of it is imported from
-# there.
+# ---- The commands as a user has them: started from any folder, in which nothing of it is imported from there.
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
-    "run-fem": "from fem.commands.entry import run_fem as main",
-    "render-fem": "from fem.commands.entry import render_fem as main",
-    "run-live": "from fem.commands.entry import run_live as main",
-    "run-study": "from fem.commands.entry import run_study as main",
-    "rate-bearing": "from fem.commands.entry import rate_bearing as main",
+    **{name: f"from fem.commands.entry import {name.replace('-', '_')} as main"
+       for name in ("run-fem", "render-fem", "run-live", "run-study", "rate-bearing")},
     "check-residual": "from residual.entry import check_residual as main",
-}
+}  # fmt: skip
 
 
 def started_as(name: str) -> list[str]:
@@ -386,21 +359,15 @@ def environment(**more: object) -> dict[str, str]:
 def command(name: str, *arguments: object, folder: Path | None = None, prepare=None, **variables: object):
     """Run a command to its end in a folder; `prepare` is called in its process before it begins."""
     return subprocess.run(
-        [*started_as(name), *map(str, arguments)],
-        cwd=folder,
-        env=environment(**variables),
-        preexec_fn=prepare,
-        capture_output=True,
-        text=True,
-        timeout=GIVE_UP,
-    )
+        [*started_as(name), *map(str, arguments)], cwd=folder, env=environment(**variables), preexec_fn=prepare,
+        capture_output=True, text=True, timeout=GIVE_UP,
+    )  # fmt: skip
 
 
 def start_run(path, *options, duration="2000"):
     """The command in a process of its own, once it has committed samples."""
-    run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
-    command = [*run_fem, "--mesh-size", "2", "--duration", duration, "--output", str(path)]
-    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+    run_fem = [sys.executable, "-m", "fem.commands.run_fem", "--mesh-size", "2", "--duration", duration]
+    process = subprocess.Popen([*run_fem, "--output", str(path), *options], stderr=subprocess.PIPE, text=True)
 
     def has_committed() -> bool:
         try:
@@ -414,38 +381,25 @@ def start_run(path, *options, duration="2000"):
     return process
 
 
-# ---- A study to be tried quickly: two speeds, a millisecond each of the Lagrangian model.
+# ---- Studies to be tried quickly: a millisecond each of the Lagrangian model.
 
-TWO_SPEEDS = """
-[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-[parameters]
-"operation.speed_rpm" = [1500, 3000]
-[keep]
-quantities = ["hub_mean_y"]
-"""
-
-
-BASE = """
-[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-"""
-GRID = (
-    BASE
-    + """
+BASE = '\n[fixed]\nmodel = "lagrange"\n"numerics.duration_ms" = 1.0\n'
+TWO_SPEEDS = BASE + '[parameters]\n"operation.speed_rpm" = [1500, 3000]\n[keep]\nquantities = ["hub_mean_y"]\n'
+GRID = f"""{BASE}
 [sampling]
 method = "grid"
 [parameters]
 "operation.speed_rpm" = [1500.0, 3000.0, 4500.0]
-"bearing.outer_raceway_diameter_mm" = { from = 56.0, to = 56.02, count = 2 }
+"bearing.outer_raceway_diameter_mm" = {{ from = 56.0, to = 56.02, count = 2 }}
 [keep]
 quantities = ["hub_mean_y", "largest_force"]
 signals = ["inner_ay", "inner_force"]
 signal_rate_kHz = 25.0
 """
-)
+
+
+def many(n):
+    return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
 
 
 def same(one, other):
@@ -456,12 +410,7 @@ def same(one, other):
     for name in set(a.variables) - {"seconds"}:
         mine, theirs = a[name].values, b[name].values
         assert mine.dtype == theirs.dtype and mine.shape == theirs.shape
-        equal = mine.tobytes() == theirs.tobytes() if mine.dtype.kind != "O" else np.array_equal(mine, theirs)
-        assert equal, name
-
-
-def many(n):
-    return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
+        assert mine.tobytes() == theirs.tobytes() if mine.dtype.kind != "O" else np.array_equal(mine, theirs), name
 
 
 # ---- Short runs of the paper's bearing with rollers that tilt.
@@ -494,16 +443,11 @@ def missed(samples):
 
 def defects(half):
     """Tables of spalls of part of the length by its keys `half`, of one of all of it, of waves and a larger roller."""
-    return {
-        "spall": [
-            {"body": "inner_ring", "angle_deg": -3.0, **half},
-            {"body": "roller", "roller": 1, "angle_deg": 20.0, **half},
-            {"body": "outer_ring", "angle_deg": 10.0, **half},
-            {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3},
-        ],
-        "waviness": [{"order": 11}],
-        "unequal_roller": [{"roller": 2}],
-    }
+    places = {"body": "inner_ring", "angle_deg": -3.0}, {"body": "roller", "roller": 1, "angle_deg": 20.0}
+    places += ({"body": "outer_ring", "angle_deg": 10.0},)
+    whole = {"body": "outer_ring", "angle_deg": 40.0, "width_mm": 0.3}
+    spalls = [*(place | half for place in places), whole]
+    return {"spall": spalls, "waviness": [{"order": 11}], "unequal_roller": [{"roller": 2}]}
 
 
 # ---- Runs of the reduced model: plans of scenes, their samples, runs that restart with shorter steps.
@@ -528,12 +472,10 @@ def samples_of(plan, change=lambda state: None, count: int | None = None) -> dic
 
 
 RATTLES = {
-    "model": "reduced",
-    "bearing": {"outer_raceway_diameter_mm": 56.04},
-    "operation": {"radial_load_N": 200.0},
+    "model": "reduced", "bearing": {"outer_raceway_diameter_mm": 56.04}, "operation": {"radial_load_N": 200.0},
     "contact": {"friction_coefficient": 0.0},
     "numerics": {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 20.0, "time_step_safety": 0.9},
-}
+}  # fmt: skip
 
 
 def in_longer_steps(settings):
@@ -558,9 +500,8 @@ def ran(plan):
 def couplings(model: ReducedBearing, angle: np.ndarray) -> np.ndarray:
     """Of rollers at any angles, by the series themselves, (2, n, n), m/N."""
     bearing, n = model.bearing, len(angle)
-    found = np.zeros((2, n, n))
+    found, width = np.zeros((2, n, n)), HALF_WIDTH * bearing.roller_radius
     for row, ring in enumerate(ring_sections(bearing)):
-        width = HALF_WIDTH * bearing.roller_radius
         harmonics = np.arange(int(30.0 * ring.loaded / width))
         series, load = plane_compliance(ring, harmonics), cubic_bspline_patch(harmonics, width, ring.loaded)
         for i in range(n):
@@ -577,10 +518,9 @@ PEDESTAL = {"kind": "housing"}  # its defaults: 12.638 kg, 15.1e6 N/m, 2210.7 N 
 
 def drive(dt: float, gravity: float = 0.0) -> Drive:
     arrays = {name: np.zeros(6) for name in ("hub", "velocity", "frame", "impulse", "moment", "sums")}
-    numbers = {name: 0.0 for name in ("speed", "radial_load", "ramp")}
     return Drive(
-        **arrays, **numbers, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0, gravity=gravity, dt=dt,
-        slowing=SECOND.at(dt).waves, calming=0.0,
+        **arrays, speed=0.0, radial_load=0.0, ramp=0.0, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0,
+        gravity=gravity, dt=dt, slowing=SECOND.at(dt).waves, calming=0.0,
     )  # fmt: skip
 
 
@@ -595,24 +535,12 @@ def ring_down(values: np.ndarray, dt: float) -> tuple[float, float]:
     return damped / np.sqrt(1.0 - zeta**2), zeta
 
 
-# ---- How stiff a bearing is that nothing loads, from statics alone.
-
-
-def stiffness_without_load(bearing: Bearing, operation: Operation, laws: ContactLaws, push: float) -> float:
-    """Secant stiffness, N/m, of the hub between a push and a pull of so many N from the side."""
-    still = replace(operation, history=None, radial_load=0.0, side_load=0.0)
-    low, high = (static_equilibrium(bearing, replace(still, side_load=side), laws).x for side in (-push, push))
-    return 2.0 * push / (high - low)
-
-
 # ---- Static equilibrium of the paper's bearing, resolved, computed independently of this project. Every body on its
 # own locally refined mesh of quadratic elements (six of them across the contact half-width), self-consistent Hertz
 # pressures; frictionless, weightless, standing; rigid bore (25 mm) and rigid outside diameter (65 mm); 2000 N.
-# Converged to 0.02 %.
-
-
-# angle of the first roller, rad; hub displacement along the load, µm; loads of the seven most loaded rollers, N
+# Converged to 0.02 %. Angle of the first roller, rad; hub displacement along the load, µm; loads of the seven most
+# loaded rollers, N.
 RESOLVED = {
-    "on a roller": (-0.5 * pi, 3.6140, (628.5, 549.5, 549.5, 337.2, 337.2, 62.9, 62.9)),
-    "between rollers": (-0.5 * pi + pi / 13.0, 3.6012, (606.0, 606.0, 454.8, 454.8, 200.8, 200.8, 0.0)),
+    "on a roller": (ON_A_ROLLER, 3.6140, (628.5, 549.5, 549.5, 337.2, 337.2, 62.9, 62.9)),
+    "between rollers": (HALF_PITCH, 3.6012, (606.0, 606.0, 454.8, 454.8, 200.8, 200.8, 0.0)),
 }

@@ -20,7 +20,7 @@ from fem.commands.run_fem import run_main
 from fem.interface import simulate
 from lagrange.scene.scene import parse_scene, parse_scene_text
 from lagrange.surface.faults import Spall
-from residual.fault_finding import find_faults
+from residual.fault_finding import FoundSpall, find_faults
 from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
 from residual.measured.signals import Signal
 from residual.record import Record
@@ -113,22 +113,11 @@ def noisy(record: Record, rng: np.random.Generator) -> Record:
     return replace(record, **shaken, roller_turn=record.roller_turn + along)
 
 
-class Told(NamedTuple):
-    """What a search told of a spall, SI."""
-
-    body: str
-    roller: int | None
-    angle: float
-    angle_error: float
-    width: float
-    width_error: float
-
-
 class Spot(NamedTuple):
     """A spall that is there, and what was told of it."""
 
     truth: Spall
-    told: Told | None
+    told: FoundSpall | None
 
     @property
     def angle(self) -> float:
@@ -147,7 +136,7 @@ class Case(NamedTuple):
     kind: str
     number: int
     spots: tuple[Spot, ...]
-    false: tuple[Told, ...]  # told where there is none
+    false: tuple[FoundSpall, ...]  # told where there is none
     more: bool  # said to be there without being matched
     scene: str  # in words
 
@@ -176,16 +165,17 @@ def _apart(one: float, other: float) -> float:
     return (one - other + np.pi) % (2.0 * np.pi) - np.pi
 
 
-def _named(of: Told | Spall) -> str:
-    return of.body.replace("_", " ") if of.roller is None else f"roller {of.roller}"
+def _named(of: FoundSpall | Spall) -> str:
+    place = of if isinstance(of, Spall) else of.place
+    return place.body.replace("_", " ") if place.roller is None else f"roller {place.roller}"
 
 
 def case(kind: str, number: int, record: Record) -> Case:
     """Search one run."""
     search, spots, operation = find_faults(record), [], record.scene.operation
-    left = [Told(f.place.body, f.place.roller, f.angle, f.angle_error, f.width, f.width_error) for f in search.found]
+    left = list(search.found)
     for truth in (fault for fault in record.bearing.faults if isinstance(fault, Spall)):
-        same = (t for t in left if (t.body, t.roller) == (truth.body, truth.roller))
+        same = (t for t in left if (t.place.body, t.place.roller) == (truth.body, truth.roller))
         one = kind != "two spalls"  # then the place need not be told for the body to be the right one
         hit = next((t for t in same if one or abs(_apart(t.angle, truth.angle)) < SAME), None)
         left = [t for t in left if t is not hit]

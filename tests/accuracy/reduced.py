@@ -15,12 +15,12 @@ import os
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from math import ceil, hypot, inf, nan, pi
+from math import ceil, hypot, inf, pi
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -210,123 +210,77 @@ NAMED = {  # what a refusal says: its name in the table
 }  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
-class Said:
-    """What a model says of a scene. SI."""
-
-    ending: str = FAILED
-    what: str = ""
-    mean_x: float = nan
-    mean_y: float = nan
-    std: float = nan  # of the hub, both directions
-    largest: float = nan  # N, contact force
-    imbalance: float = nan  # largest, over the exchanged energy
-    shock: float = nan
-    warned: tuple[str, ...] = ()  # of what: values of WARNINGS
-    halvings: int = 0
-    seconds: float = nan  # of the time loop
-
-    @property
-    def name(self) -> str:
-        """Its ending, in the table's words."""
-        refusals = (name for sign, name in NAMED.items() if self.ending == REFUSED and sign in self.what)
-        return COMPLETE if self.ending == COMPLETE else f"{self.ending}: {next(refusals, self.what)}"
-
-
-def watched(tables: dict[str, Any], model: str) -> Said:
-    """Run a scene by a model to its end, whatever that is."""
+def said(tables: dict[str, Any], model: str) -> dict[str, Any]:
+    """How a scene ends by a model, whatever that is; of a run what is compared, SI."""
     try:
         plan = make_plan(parse_scene(tables | {"model": model}, "scene"))
     except (SceneError, UsageError) as error:
-        return Said(ending=REFUSED, what=str(error))
+        refusal = next((name for sign, name in NAMED.items() if sign in str(error)), str(error))
+        return {"ending": f"{REFUSED}: {refusal}"}
     run = found(plan)
-    ending, what = (STOPPED, run.trouble) if run.trouble else (COMPLETE, "")
+    ending = f"{STOPPED}: {run.trouble}" if run.trouble else COMPLETE
     if run.samples is None:
-        return Said(ending=ending, what=what)
+        return {"ending": ending}
     if strange := [name for name, values in run.samples.values.items() if not np.all(np.isfinite(values))]:
-        ending, what = FAILED, f"{', '.join(strange)} not finite"
-    x, y = run["inner_x"], run["inner_y"]
-    return Said(
-        ending=ending, what=what, mean_x=float(x.mean()), mean_y=float(y.mean()), std=hypot(x.std(), y.std()),
-        largest=run.largest, imbalance=run.imbalance, shock=run.state.shock if model == "reduced" else nan,
-        warned=tuple(name for words, name in WARNINGS.items() if any(words in each for each in run.state.warnings)),
-        halvings=run.restarts, seconds=run.state.wall,
-    )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pair:
-    """A scene by both models."""
-
-    number: int
-    fem: Said
-    reduced: Said
-
-    @property
-    def compared(self) -> bool:
-        return self.fem.ending == self.reduced.ending == COMPLETE
-
-    @property
-    def hub_error(self) -> float:
-        """Difference of the hub's mean positions, over the root mean square of its displacement."""
-        off = hypot(self.fem.mean_x - self.reduced.mean_x, self.fem.mean_y - self.reduced.mean_y)
-        return off / hypot(self.fem.mean_x, self.fem.mean_y, self.fem.std) if off > NOTHING else 0.0
-
-    @property
-    def load_error(self) -> float:
-        """Of the largest force, relative, signed."""
-        return self.reduced.largest / self.fem.largest - 1.0 if self.fem.largest > 0.0 else 0.0
-
-    @property
-    def off(self) -> bool:
-        return self.hub_error > HUB_LIMIT or abs(self.load_error) > LOAD_LIMIT
+        ending = f"{FAILED}: {', '.join(strange)} not finite"
+    x, y, warnings = run["inner_x"], run["inner_y"], run.state.warnings
+    return {
+        "ending": ending, "hub": [float(x.mean()), float(y.mean())], "std": hypot(x.std(), y.std()),
+        "largest": run.largest, "imbalance": run.imbalance, "shock": run.state.shock if model == "reduced" else None,
+        "warned": [name for words, name in WARNINGS.items() if any(words in each for each in warnings)],
+        "restarts": run.restarts, "seconds": run.state.wall,
+    }  # fmt: skip
 
 
 def keep(folder: Path, number: int) -> None:
     """Run a scene by both models and write its file, whole or not at all; a crash is an ending as well."""
-    tables, both = random_scene(SEED, number, DURATION_MS), {}
+    tables, both = random_scene(SEED, number, DURATION_MS), {"number": number}
     for model in ("fem", "reduced"):
         try:
-            both[model] = watched(tables, model)
+            both[model] = said(tables, model)
         except Exception as error:  # that is what is looked for
-            both[model] = Said(what=f"{type(error).__name__}: {error}")
+            both[model] = {"ending": f"{FAILED}: {type(error).__name__}: {error}"}
     rough = folder / f"{number}.{os.getpid()}"
-    rough.write_text(json.dumps(asdict(Pair(number=number, **both))))
+    rough.write_text(json.dumps(both))
     rough.replace(folder / f"{number}.json")
+
+
+class Pair(NamedTuple):
+    """A scene that both models bring to its end."""
+
+    number: int
+    hub: float  # difference of the hub's mean positions, over the root mean square of its displacement
+    load: float  # of the largest force, relative, signed
+    shock: float
+    warned: list[str]
+    imbalance: float
+    restarts: int
+    faster: float
+
+    @classmethod
+    def of(cls, number: int, fem: dict, reduced: dict) -> "Pair":
+        off = hypot(*np.subtract(fem["hub"], reduced["hub"]))
+        hub = off / hypot(*fem["hub"], fem["std"]) if off > NOTHING else 0.0
+        load = reduced["largest"] / fem["largest"] - 1.0 if fem["largest"] > 0.0 else 0.0
+        told = (reduced[name] for name in ("shock", "warned", "imbalance", "restarts"))
+        return cls(number, hub, load, *told, fem["seconds"] / reduced["seconds"])
+
+    @property
+    def off(self) -> bool:
+        return self.hub > HUB_LIMIT or abs(self.load) > LOAD_LIMIT
 
 
 def class_rows(pairs: list[Pair]) -> Iterable[list[str]]:
     """A row for each class of shocks: the reduced model's errors, median, nine in ten, and the worst with its scene."""
     for low, high in pairwise(CLASSES):
-        some = [pair for pair in pairs if low <= pair.reduced.shock < high]
-        if not some:
-            continue
-        cells = [f"{low:g} … {high:g}" if high < inf else f"from {low:g}", str(len(some))]
-        for name in ("hub_error", "load_error"):
-            sizes = [abs(getattr(pair, name)) for pair in some]
-            shares = [f"{100.0 * np.quantile(sizes, share):.2f} %" for share in (0.5, 0.9)]
-            cells += [*shares, f"{100.0 * max(sizes):.2f} % ({some[int(np.argmax(sizes))].number})"]
-        ratios = [pair.fem.seconds / pair.reduced.seconds for pair in some]
-        imbalance, halved = max(p.reduced.imbalance for p in some), sum(p.reduced.halvings > 0 for p in some)
-        yield [*cells, f"{imbalance:.0e}", str(halved), f"{np.median(ratios):.0f}"]
-
-
-def ending_rows(pairs: list[Pair]) -> Iterable[list[str]]:
-    """How the other scenes ended, by each model."""
-    endings = {p.number: (p.reduced.name, p.fem.name) for p in pairs}
-    counts = Counter(endings[pair.number] for pair in pairs if not pair.compared)
-    for key, count in sorted(counts.items(), key=lambda item: -item[1]):
-        numbers = [number for number, ending in endings.items() if ending == key]
-        yield [*key, str(count), ", ".join(map(str, numbers[:8])) + (" …" if count > 8 else "")]
-
-
-def warning_rows(pairs: list[Pair]) -> Iterable[list[str]]:
-    """A row for each warning: scenes that have it, have no other, and are off."""
-    for name in WARNINGS.values():
-        some = [pair for pair in pairs if name in pair.reduced.warned]
-        alone = [pair for pair in some if len(pair.reduced.warned) == 1]
-        counts = (f"{len(few)}, {sum(pair.off for pair in few)}" for few in (some, alone))
-        yield [name, *counts, ", ".join(str(pair.number) for pair in alone) if len(alone) <= 10 else ""]
+        if some := [pair for pair in pairs if low <= pair.shock < high]:
+            cells = [f"{low:g} … {high:g}" if high < inf else f"from {low:g}", str(len(some))]
+            for name in ("hub", "load"):
+                sizes = 100.0 * np.abs([getattr(pair, name) for pair in some])
+                cells += [f"{np.quantile(sizes, share):.2f} %" for share in (0.5, 0.9)]
+                cells.append(f"{max(sizes):.2f} % ({some[int(np.argmax(sizes))].number})")
+            imbalance, halved = max(pair.imbalance for pair in some), sum(pair.restarts > 0 for pair in some)
+            yield [*cells, f"{imbalance:.0e}", str(halved), f"{np.median([pair.faster for pair in some]):.0f}"]
 
 
 def random(*, first: int = 0, last: int = 500, workers: int = 1, folder: Path = Path("runs/reduced_random")):
@@ -339,25 +293,34 @@ def random(*, first: int = 0, last: int = 500, workers: int = 1, folder: Path = 
             for done, _ in enumerate(pool.map(partial(keep, folder), missing[1:]), 2):
                 if done % 20 == 0:
                     print(f"{done} of {len(missing)} scenes", flush=True)
-    kept = [json.loads(path.read_text(encoding="utf-8")) for path in folder.glob("*.json")]
-    pairs = [Pair(number=each["number"], fem=Said(**each["fem"]), reduced=Said(**each["reduced"])) for each in kept]
-    pairs.sort(key=lambda pair: pair.number)
-    compared = [pair for pair in pairs if pair.compared]
-    silently = sorted((p for p in compared if p.off and not p.reduced.warned), key=lambda pair: -abs(pair.load_error))
-    named = [f"{p.number} (hub {100.0 * p.hub_error:.2f} %, load {100.0 * p.load_error:+.2f} %)" for p in silently]
+    every = [json.loads(path.read_text(encoding="utf-8")) for path in folder.glob("*.json")]
+    endings = {each["number"]: (each["reduced"]["ending"], each["fem"]["ending"]) for each in every}
+    pairs = [Pair.of(**each) for each in every if endings[each["number"]] == (COMPLETE, COMPLETE)]
+    pairs.sort()
+    warned = []  # scenes that have a warning, have no other, and are off
+    for name in WARNINGS.values():
+        some = [pair for pair in pairs if name in pair.warned]
+        alone = [pair for pair in some if len(pair.warned) == 1]
+        counts = (f"{len(few)}, {sum(pair.off for pair in few)}" for few in (some, alone))
+        warned.append([name, *counts, ", ".join(str(pair.number) for pair in alone) if len(alone) <= 10 else ""])
+    others = []
+    for key, count in Counter(ending for ending in endings.values() if ending != (COMPLETE, COMPLETE)).most_common():
+        numbers = sorted(number for number, ending in endings.items() if ending == key)
+        others.append([*key, str(count), ", ".join(map(str, numbers[:8])) + (" …" if count > 8 else "")])
+    silently = sorted((p for p in pairs if p.off and not p.warned), key=lambda pair: -abs(pair.load))
+    named = [f"{p.number} (hub {100.0 * p.hub:.2f} %, load {100.0 * p.load:+.2f} %)" for p in silently]
     heads = ("shock", "scenes", "hub, median", "nine in ten", "worst (scene)", "largest load, median", "nine in ten",
              "worst (scene)", "energy", "halved", "times faster")  # fmt: skip
     yield (
         "reduced", "Random bearings",
-        f"{len(pairs)} scenes of `tests/stability/random_scenes.py`, seed {SEED}, {DURATION_MS:g} ms, by both models, "
+        f"{len(every)} scenes of `tests/stability/random_scenes.py`, seed {SEED}, {DURATION_MS:g} ms, by both models, "
         "finite elements on the scene's mesh (0.5 to 3 mm for a roller of 10 mm). The hub's mean is compared with the "
         "root mean square of its displacement; `halved` counts scenes that restarted with a shorter step.",
-        markdown_table(heads, class_rows(compared)),
-        markdown_table(("warned of", "scenes, off", "of this alone, off", "which"), warning_rows(compared)),
+        markdown_table(heads, class_rows(pairs)),
+        markdown_table(("warned of", "scenes, off", "of this alone, off", "which"), warned),
         f"Without a warning, and off by more than {100.0 * HUB_LIMIT:g} % (hub) or {100.0 * LOAD_LIMIT:g} % (largest "
         f"load): {', '.join(named) or 'none'}.",
-        "Not compared:",
-        markdown_table(("reduced model", "finite elements", "scenes", "which"), ending_rows(pairs)),
+        "Not compared:", markdown_table(("reduced model", "finite elements", "scenes", "which"), others),
     )  # fmt: skip
 
 

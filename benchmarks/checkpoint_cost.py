@@ -47,9 +47,8 @@ def one_run(plan: ElementPlan, folder: Path, every: float | None, watched: dict[
     if simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
-    return found | {name: sum(spent) for name, spent in watched.items()} | {
-        f"{name} calls": len(spent) for name, spent in watched.items()
-    }
+    found |= {name: sum(spent) for name, spent in watched.items()}
+    return found | {f"{name} calls": len(spent) for name, spent in watched.items()}
 
 
 app = App(help=__doc__)

@@ -42,12 +42,10 @@ PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a table in markdown."""
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))
 
 
 def markdown_of(table: Table) -> str:
-    """Write a table of the terminal in markdown."""
     columns = [[str(cell) for cell in column.cells] for column in table.columns]
     return markdown_table([str(column.header) for column in table.columns], zip(*columns, strict=True))
 
@@ -61,6 +59,7 @@ def publish(name: str, heading: str, command: str, *parts: str | Table, write: b
     parts : paragraphs and tables, from top to bottom
     """
     console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
+    console.print(f"## {heading}", markup=False)
     for part in parts:
         console.print(part, soft_wrap=isinstance(part, str), markup=not isinstance(part, str))
     if write:
@@ -102,7 +101,6 @@ def head(command: str) -> str:
 
 
 def processor() -> str:
-    """Name of this machine's processor."""
     try:
         name = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
     except OSError:

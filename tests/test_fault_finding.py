@@ -80,9 +80,7 @@ def test_three_samples_tell_how_deep_a_surface_lies_under_a_roller_that_rattles(
 def test_a_roller_in_flight_misses_nothing():
     """Between both contacts, without a pull, it goes straight on."""
     aside = 1e-6 * np.linspace(-1.0, 1.0, 20)
-    samples = ThreeSamples(
-        flat_motion(aside, -5e-6 - aside, -5e-6 + aside), np.arange(1, 19), np.zeros(18, dtype=int)
-    )
+    samples = ThreeSamples(flat_motion(aside, -5e-6 - aside, -5e-6 + aside), np.arange(1, 19), np.zeros(18, dtype=int))
     assert np.abs(samples.over([])).max() < 1e-15
 
 

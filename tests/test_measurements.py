@@ -18,7 +18,6 @@ TABLE = measurements.markdown_table(
 
 @pytest.fixture
 def page(tmp_path):
-    """A page that quotes two cells of a table."""
     (tmp_path / "measurements").mkdir()
     (tmp_path / "measurements" / "one.md").write_text(f"# One\n\n## Some runs\n\n{TABLE}\n", encoding="utf-8")
     path = tmp_path / "page.md"

@@ -31,8 +31,6 @@ LIMIT = 1e-3  # of the exchanged energy and of the dissipated one: more is a run
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """All samples of a run."""
-
     scene: Scene
     values: dict[str, np.ndarray]
     imbalance: float  # over the exchanged and the dissipated energy
@@ -56,7 +54,6 @@ class Run:
 
 
 def run(tables: dict) -> Run:
-    """Run a scene in this process."""
     scene = parse_scene(tables, "scene")
     ended = found(make_plan(scene))
     passed = ended.samples.exchanged.max() + ended["work_dissipated"].max()
@@ -65,7 +62,6 @@ def run(tables: dict) -> Run:
 
 
 def caged(model: str, duration: float, cage: dict, **tables) -> Run:
-    """The paper's bearing with a cage; ms."""
     numerics = {"duration_ms": duration} | tables.pop("numerics", {})
     return run({"model": model, "cage": LOOSE | cage, "numerics": numerics, **tables})
 
@@ -116,8 +112,6 @@ def light_loads() -> str:
 
 
 def random_scene(random: np.random.Generator) -> dict:
-    """A bearing with a cage, on a mesh of 2.5 mm."""
-
     def between(low, high):
         return float(low * (high / low) ** random.random())
 
@@ -136,7 +130,6 @@ def random_scene(random: np.random.Generator) -> dict:
 
 
 def judged(count: int) -> tuple[str, str]:
-    """Random bearings with cages, seed 17."""
     random, silent, worst, rows = np.random.default_rng(17), 0, 0.0, []
     for scene in (random_scene(random) for _ in range(count)):
         cage, how = scene["cage"], scene["operation"]

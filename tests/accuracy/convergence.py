@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import log2, nan, pi
 from pathlib import Path
@@ -61,37 +61,21 @@ make. The mesh carries its time step with it. The series of step and interval st
 under a load that comes within 0.05 ms."""
 
 
-@dataclass(frozen=True)
-class Series:
-    """Values of one quantity along a series of halvings, coarsest first."""
+def series(name: str, unit: str, values: np.ndarray, exact: float | None) -> tuple[list[str], float]:
+    """Cells of a quantity along a series of halvings, coarsest first: name, unit, values, orders, limit; the limit.
 
-    name: str
-    unit: str
-    values: np.ndarray
-    exact: float | None
-
-    @property
-    def orders(self) -> list[float]:
-        """Orders between successive changes, or between true errors where the exact value is known."""
-        steps = np.abs(np.diff(self.values) if self.exact is None else self.values - self.exact)
-        return [log2(a / b) if a > 0.0 and b > 0.0 else nan for a, b in pairwise(steps)]
-
-    @property
-    def limit(self) -> float:
-        """The exact value, or Richardson's, extrapolated from the last two with the last order observed."""
-        if self.exact is not None:
-            return self.exact
-        before, last = self.values[-2:]
-        gain = 2.0 ** self.orders[-1] - 1.0
-        return last + (last - before) / gain if gain > 0.5 else last  # else no convergence to speak of
-
-    @property
-    def cells(self) -> list[str]:
-        """Name, unit, values, orders, limit."""
-        orders = ", ".join("-" if np.isnan(order) else f"{order:.1f}" for order in self.orders)
-        scale, unit = (1e6, "µm") if self.unit == "m" else (1.0, self.unit)
-        limit = f"{scale * self.limit:.7g}" + ("" if self.exact is None else " (exact)")
-        return [self.name, unit, *(f"{scale * value:.7g}" for value in self.values), orders, limit]
+    Orders are those between successive changes, or between true errors where the exact value is known. Else the limit
+    is Richardson's, extrapolated from the last two with the last order observed.
+    """
+    steps = np.abs(np.diff(values) if exact is None else values - exact)
+    orders, limit = [log2(a / b) if a > 0.0 and b > 0.0 else nan for a, b in pairwise(steps)], exact
+    if exact is None:
+        gain = 2.0 ** orders[-1] - 1.0
+        limit = values[-1] + (values[-1] - values[-2]) / gain if gain > 0.5 else values[-1]  # else no convergence
+    scale, unit = (1e6, "µm") if unit == "m" else (1.0, unit)
+    numbers, told = [f"{scale * value:.7g}" for value in (*values, limit)], "" if exact is None else " (exact)"
+    words = ", ".join("-" if np.isnan(order) else f"{order:.1f}" for order in orders)
+    return [name, unit, *numbers[:-1], words, numbers[-1] + told], limit
 
 
 def scene(*overrides: str) -> Scene:
@@ -152,23 +136,24 @@ def orders():
     )  # fmt: skip
     figure, panels = pyplot().subplots(1, 3, figsize=(11.0, 4.2), layout="constrained", sharey=True)
     tables = []
-    for axes, (title, label, sizes, words, setting, known) in zip(panels, choices, strict=True):
+    for axes, (title, panel, sizes, words, setting, known) in zip(panels, choices, strict=True):
         runs = [quantities(scene(*setting(size)), bool(known)) for size in sizes]
-        parts = [
-            Series(name, unit, np.array([one[name][0] for one in runs]), known.get(name))
-            for name, (_, unit) in runs[0].items()
-        ]
+        rows = []
+        for name, (_, unit) in runs[0].items():
+            values = np.array([one[name][0] for one in runs])
+            cells, limit = series(name, unit, values, known.get(name))
+            rows.append(cells)
+            if name in SHOWN:
+                label, color, marker = SHOWN[name]
+                off = 100.0 * np.abs(values / limit - 1.0)
+                drawn = off if name in known else off[:-1]  # the last one makes the limit
+                axes.loglog(sizes[: len(drawn)], drawn, marker + "-", color=color, label=label, markersize=5)
         heads = [title, "unit", *map(words.format, sizes), "orders", "limit"]
-        tables.append(markdown_table(heads, [one.cells for one in parts]))
-        for one in (each for each in parts if each.name in SHOWN):
-            name, color, marker = SHOWN[one.name]
-            off = 100.0 * np.abs(one.values / one.limit - 1.0)
-            drawn = off[:-1] if one.exact is None else off  # the last one makes the limit
-            axes.loglog(sizes[: len(drawn)], drawn, marker + "-", color=color, label=name, markersize=5)
+        tables.append(markdown_table(heads, rows))
         ends = np.array([min(sizes), max(sizes)])
         axes.loglog(ends, 1e-1 * (ends / ends[1]) ** 2, ":", color="0.5")
         axes.annotate("order 2", (ends[1], 1e-1), color="0.4", ha="right", va="bottom")
-        axes.set(xlabel=label, ylim=(1e-6, 30.0))
+        axes.set(xlabel=panel, ylim=(1e-6, 30.0))
         axes.set_xticks(sizes, [f"{size:.3g}" for size in sizes])
         axes.minorticks_off()
         axes.grid(True, color="0.9")

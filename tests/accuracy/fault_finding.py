@@ -37,8 +37,6 @@ SAME = np.radians(20.0)  # two spalls of one body lie farther apart
 
 
 def random_settings(rng: np.random.Generator, kind: str) -> list[str]:
-    """One random scene: speeds and loads by their logarithm."""
-
     def between(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
@@ -121,12 +119,10 @@ class Spot(NamedTuple):
 
     @property
     def angle(self) -> float:
-        """Error, degrees."""
         return float(np.degrees(_apart(self.told.angle, self.truth.angle)))
 
     @property
     def width(self) -> float:
-        """Error over the width."""
         return self.told.width / self.truth.width - 1.0
 
 
@@ -171,7 +167,6 @@ def _named(of: FoundSpall | Spall) -> str:
 
 
 def case(kind: str, number: int, record: Record) -> Case:
-    """Search one run."""
     search, spots, operation = find_faults(record), [], record.scene.operation
     left = list(search.found)
     for truth in (fault for fault in record.bearing.faults if isinstance(fault, Spall)):
@@ -186,7 +181,6 @@ def case(kind: str, number: int, record: Record) -> Case:
 
 
 def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, ...]:
-    """One run as it is, and with noise."""
     seed, kind, number, folder = task
     record = random_record(seed, kind, number, folder)
     return tuple(case(kind, number, each) for each in (record, noisy(record, np.random.default_rng((seed, number, 1)))))

@@ -333,7 +333,6 @@ QUIETEST = 1e-5  # of the exchanged energy, the largest imbalance at shares up t
 
 
 def unstruck(tables: dict[str, Any]) -> ReducedPlan | None:
-    """The plan of a scene that nothing strikes, else None."""
     try:
         plan = make_plan(parse_scene(tables, "scene"))
     except (SceneError, UsageError):

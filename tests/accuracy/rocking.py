@@ -57,7 +57,6 @@ def vibration(plan: ElementPlan) -> list[float]:
 
 
 def rocking():
-    """Frequencies by mesh."""
     rows, wanted = [], []
 
     def row(name: str, springs: str, found) -> None:

@@ -249,7 +249,6 @@ def yardstick(width: float, hub, fine: Fineness = FINE, step=STEP, hollow=True) 
 
 
 def row(width: float, name: str, seen: Strike, exact: Strike | None = None) -> list[str]:
-    """Cells of the table: figures, or differences from `exact`."""
     if exact is None:
         cells = [f"{seen.before:.1f} N", f"{1e6 * seen.time:.2f} µs", f"{seen.peak:.0f} N",
                  f"{1e3 * seen.impulse:.2f} mN s"]  # fmt: skip

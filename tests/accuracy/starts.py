@@ -26,13 +26,10 @@ LOUD = 1.3  # times the largest force with a hub that stands at first: a start t
 
 
 def problem_of(tables: dict) -> Problem:
-    """The problem of a scene's tables."""
     return make_plan(parse_scene({"model": "lagrange", **tables}, "scene")).problem
 
 
 def random_tables(random: np.random.Generator) -> dict:
-    """A lightly loaded bearing."""
-
     def between(low, high):
         return float(low * (high / low) ** random.random())
 
@@ -157,12 +154,12 @@ def starts(*, count: int = 40, seed: int = 1):
             print(f"{k}: {100 * error:.3g} % off, {over_first:.3g} of the first force, {over_still:.3g} of a standing "
                   f"hub's, {said}: {tables}", flush=True)  # fmt: skip
     median, most = 100 * np.median(errors), 100 * np.quantile(errors, 0.99)
-    yield "lagrange", "Light starts", (
-        f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {median:.2g}, "
-        f"99 % {most:.2g}, largest {100 * max(errors):.3g}; over a standing hub's at most "
-        f"{max(loud):.3g}; refused {refused}; beyond {CLOSE:.0%} or {LOUD:g} times: {missed}; "
-        f"{process_time() - began:.0f} s"
+    words = (
+        f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {median:.2g}, 99 % {most:.2g}, "
+        f"largest {100 * max(errors):.3g}; over a standing hub's at most {max(loud):.3g}; refused {refused}; beyond "
+        f"{CLOSE:.0%} or {LOUD:g} times: {missed}; {process_time() - began:.0f} s"
     )
+    yield "lagrange", "Light starts", words
 
 
 if __name__ == "__main__":

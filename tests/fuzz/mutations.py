@@ -117,7 +117,6 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
 
 
 def _number(text: str, random: Random) -> str:
-    """Exchange a number for one near or far from it."""
     try:
         value = float(text)
     except ValueError:

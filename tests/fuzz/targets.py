@@ -58,12 +58,10 @@ class Targets:
         return True
 
     def speeds(self, data: bytes) -> bool:
-        """Run-fem's plan of a scene whose speed is a table."""
         self._file("fuzzed-speeds.csv", data)
         return _planned(self._file("speeds.toml", b'[operation]\nspeed_table = "fuzzed-speeds.csv"\n'))
 
     def loads(self, data: bytes) -> bool:
-        """Run-fem's plan of a scene whose load is a table."""
         self._file("fuzzed-loads.csv", data)
         return _planned(self._file("loads.toml", b'[operation]\nload_table = "fuzzed-loads.csv"\n'))
 
@@ -116,11 +114,9 @@ class Targets:
         return True
 
     def record_wav(self, data: bytes) -> bool:
-        """The same from a WAV file."""
         return self.record_text(data, "fuzzed-record.wav")
 
     def record_numpy(self, data: bytes) -> bool:
-        """The same from an NPY or NPZ file."""
         return self.record_text(data, "fuzzed-record.npz")
 
     def _file(self, name: str, data: bytes) -> Path:
@@ -196,7 +192,6 @@ NAMES = (*SOUND, "folder", "table", "record_text", "record_wav", "record_numpy")
 
 
 def seeds(name: str) -> list[bytes]:
-    """Small sound inputs to start from."""
     if name.startswith("record_"):
         return _records(name.removeprefix("record_"))
     with tempfile.TemporaryDirectory() as place:

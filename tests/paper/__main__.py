@@ -43,7 +43,6 @@ def text(value: float, digits: int = 3) -> str:
 
 
 def span(ends: Range, scale: float = 1.0, zero: float = 0.0, digits: int = 3) -> str:
-    """Write a range."""
     return f"{text(scale * (ends[0] - zero), digits)} … {text(scale * (ends[1] - zero), digits)}"
 
 
@@ -70,7 +69,6 @@ def delta_star_error() -> float:
 
 
 def paper(folder: Path = Path("runs/paper-variants"), /):
-    """The tables and the pictures."""
     from tests.paper.figures import draw_records, draw_variants
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -117,7 +115,6 @@ def paper(folder: Path = Path("runs/paper-variants"), /):
 
 
 def run_row(variant: Variant, m: Measured) -> list[str]:
-    """A run's row of the table."""
     return [
         variant.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e6, 23e-3), span(m.velocity, 1e3),
         span(m.acceleration, 1.0, digits=2), f"{m.loaded[0]}–{m.loaded[1]}, {m.usual}",

@@ -42,15 +42,12 @@ OUTSIDE_MM = (65.0, 62.0, 60.0)  # 4.5 mm behind the raceway, as in this project
 
 
 class Variant(NamedTuple):
-    """One run of the paper's scene."""
-
     name: str
     title: str
     settings: tuple[str, ...] = ()
 
 
 def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:
-    """What of the paper's scene differs."""
     angles, outside = SUPPORTS[name], f"bearing.outside_diameter_mm={outside_mm}"
     given = f"support.angles_deg={list(angles or ())}", f"support.width_mm={2e3 * HALF_SUPPORT:g}"
     return (outside,) if angles is None else (outside, "support.kind=points", *given)
@@ -129,7 +126,6 @@ class Measured(NamedTuple):
 
 
 def record_of(variant: Variant, folder: Path) -> Record:
-    """The record of a variant's run, from its file if that is there."""
     path = folder / f"{variant.name}.nc"
     if not path.exists():
         words = [word for setting in variant.settings for word in ("--set", setting)]

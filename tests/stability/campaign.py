@@ -271,7 +271,6 @@ def _roller_limits(bearing) -> tuple[float, float]:
 
 
 def _misplaced(record: Record) -> list[str]:
-    """Rollers that are in a ring; a hub that has left the bearing."""
     bearing, (inside, outside) = record.bearing, _roller_limits(record.bearing)
     give = ASTRAY * bearing.roller_radius + 1e-6 * max((spall.depth_um for spall in record.scene.spall), default=0.0)
     hub = np.hypot(record.roller_x - record.inner_x[:, None], record.roller_y - record.inner_y[:, None])

@@ -90,7 +90,6 @@ def _concerns(arguments: str, kind: str, mine: str) -> bool:
 
 
 def ends(calls: dict[int, Hashable]) -> list[int]:
-    """The first and the last of calls that are alike."""
     groups = defaultdict(list)
     for number, alike in calls.items():
         groups[alike].append(number)
@@ -144,7 +143,6 @@ class Loop:
         self.known: dict[str, str] = {}  # of states left by a fault: what was wrong afterwards, or nothing
 
     def laid(self) -> None:
-        """The desk as it was."""
         shutil.rmtree(self.desk, ignore_errors=True)
         shutil.copytree(self.model, self.desk, symlinks=True)
 

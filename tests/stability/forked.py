@@ -35,8 +35,6 @@ _forks.set_forkserver_preload(list(USUAL))
 
 
 class Ended(NamedTuple):
-    """How a command ended."""
-
     code: int | None  # None: not within its limit; negative: by that signal
     said: str  # on both outputs
 
@@ -90,7 +88,6 @@ def run(
 
 
 def _command(words, folder, environment, said, limit, waits, before) -> None:
-    """What the fork does."""
     limit_processor_time(limit)
     with open(said, "ab") as output:
         for number in (1, 2):

@@ -85,7 +85,6 @@ class History:
         self.flipped = False
 
     def words(self, resume: bool, result: str = "run.nc") -> list[str]:
-        """The command."""
         usual = ["--checkpoint", "0", "--quiet", "--output", result]
         return ["run-fem", *MODELS[self.model], *usual, *(["--resume"] if resume else [])]
 

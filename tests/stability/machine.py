@@ -190,7 +190,6 @@ def _loads(tables: Tables, kinds: Draw, values: Draw) -> None:
 
 
 def _without(tables: Tables, *names: str) -> None:
-    """Leave out tables that a feature is refused with, so that most scenes run."""
     for name in names:
         tables.pop(name, None)
 

@@ -60,8 +60,6 @@ class Case:
 
 
 class Outcome(NamedTuple):
-    """A case that was run."""
-
     case: Case
     checks: tuple[Check, ...]
     seconds: float

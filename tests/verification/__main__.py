@@ -8,8 +8,6 @@ from itertools import groupby
 from typing import Annotated
 
 from cyclopts import App, Parameter
-from rich.console import Console
-from rich.table import Table
 
 from tests.measurements import SUPERSCRIPT, markdown_table, publish
 from tests.verification import Case, Check, Outcome, contact_statics, elastic_bodies, impact, rolling, run_case
@@ -41,7 +39,6 @@ def main(
     list_cases: Annotated[bool, Parameter("--list", negative="", help="say what there is, run nothing")] = False,
     write: Annotated[bool, option("write the subjects' tables into docs/measurements/verification.md")] = False,
 ) -> int:
-    console = Console(width=160, highlight=False)
     try:
         cases = named(list(names)) if names else CASES
         touched = {case.subject for case in cases}
@@ -58,11 +55,12 @@ def main(
     outcomes = []
     for case in cases:
         outcomes.append(run_case(case))
-        console.print(screen(outcomes[-1]))
+        print(f"{case.name}: {'passed' if outcomes[-1].passed else 'FAILED'}, {outcomes[-1].seconds:.1f} s")
+        print(markdown_table(HEADINGS, rows(outcomes[-1])), flush=True)
     checks, seconds = sum(len(each.checks) for each in outcomes), sum(each.seconds for each in outcomes)
     failed = ", ".join(each.case.name for each in outcomes if not each.passed)
     verdict = f"FAILED: {failed}" if failed else "all passed"
-    console.print(f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {verdict}")
+    print(f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {verdict}")
     for subject, group in groupby(outcomes if write else [], key=lambda outcome: outcome.case.subject):
         write_section(subject, list(group))
     return FAILED if failed else OK
@@ -83,24 +81,15 @@ def named(names: list[str]) -> list[Case]:
 
 
 def dashed(subject: str) -> str:
-    """A subject's name as it is typed."""
     return subject.replace(" ", "-")
 
 
-def screen(outcome: Outcome) -> Table:
-    """Table of one case for the terminal."""
-    verdict = "passed" if outcome.passed else "FAILED"
-    table = Table(title=f"{outcome.case.name}: {verdict}, {outcome.seconds:.1f} s", title_justify="left")
-    for i, heading in enumerate(HEADINGS):
-        table.add_column(heading, justify="left" if i in (0, 5) else "right", overflow="fold")
-    for check in outcome.checks:
-        table.add_row(*cells(check), style=None if check.passed else "bold red")
-    table.caption = outcome.trouble or None
-    return table
+def rows(outcome: Outcome) -> list[list[str]]:
+    trouble = [[f"FAILED: {outcome.trouble}", *[""] * (len(HEADINGS) - 1)]] if outcome.trouble else []
+    return [cells(check) for check in outcome.checks] + trouble
 
 
 def cells(check: Check) -> list[str]:
-    """Cells of a check's row."""
     values = [f"{_powers(f'{x:.5g}')} {check.unit}".strip() for x in (check.computed, check.reference)]
     error = _percent(check.error) + ("" if check.passed else " FAILS")
     return [check.quantity, *values, error, _percent(check.tolerance, sign=False), check.source]
@@ -123,14 +112,10 @@ def _powers(number: str) -> str:
 
 def write_section(subject: str, outcomes: list[Outcome]) -> None:
     """Write a subject's section of docs/measurements/verification.md: what each case does, and its checks."""
-    about, rows = "\n".join(f"* `{each.case.name}`: {each.case.description}" for each in outcomes), []
-    for outcome in outcomes:
-        own = [cells(check) for check in outcome.checks]
-        if outcome.trouble:
-            own.append([f"FAILED: {outcome.trouble}", *[""] * (len(HEADINGS) - 1)])
-        rows += [[f"`{outcome.case.name}`" if k == 0 else "", *row] for k, row in enumerate(own)]
-    command = f"python -m tests.verification {dashed(subject)}"
-    publish("verification", subject.capitalize(), command, about, markdown_table(("case", *HEADINGS), rows), write=True)
+    about = "\n".join(f"* `{each.case.name}`: {each.case.description}" for each in outcomes)
+    every = [[f"`{each.case.name}`" if k == 0 else "", *row] for each in outcomes for k, row in enumerate(rows(each))]
+    table, command = markdown_table(("case", *HEADINGS), every), f"python -m tests.verification {dashed(subject)}"
+    publish("verification", subject.capitalize(), command, about, table, write=True)
 
 
 if __name__ == "__main__":

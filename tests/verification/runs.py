@@ -32,8 +32,6 @@ MAX_STEPS = 5000
 
 @dataclass(frozen=True)
 class RunSamples:
-    """All samples of a run, by the result file's names; SI."""
-
     plan: ElementPlan
     values: dict[str, np.ndarray]  # time first
     imbalance: np.ndarray  # J
@@ -53,13 +51,11 @@ def plan_of(**settings: float | str) -> ElementPlan:
 
 
 def record(plan: ElementPlan) -> RunSamples:
-    """Run a plan to its end."""
     found = whole_run(plan)
     return RunSamples(plan, found.values, found.imbalance)
 
 
 def every_step(plan: ElementPlan, n_steps: int) -> ElementPlan:
-    """The plan with a sample at each of its first steps."""
     return replace(plan, stride=1, n_samples=n_steps + 1)
 
 

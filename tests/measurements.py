@@ -24,6 +24,7 @@ from rich.table import Table
 
 from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
+from tests.documented import value
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -38,7 +39,6 @@ QUOTE = re.compile(
 MEASURED = re.compile(r"^\*Measured with version [^*]+\.\*$", re.M)
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -136,7 +136,7 @@ class Quote:
         ValueError: no such section, row or column, or fewer numbers in the cell than in the text.
         """
         found = NUMBER.findall(cell_of(self.target, self.anchor, self.cell))
-        values = iter([float(number.replace("·10", "e").translate(PLAIN)) for number in found])
+        values = iter([value(number)[0] for number in found])
         try:
             return NUMBER.sub(lambda shown: _written(next(values), shown[0]), self.text)
         except StopIteration:

@@ -47,7 +47,7 @@ def found(plan: Plan, halving: bool = True) -> Found:
     """Run a plan; without `halving` a reduced model keeps its step whatever its energy does."""
     blocks, restarts, state, trouble = [], [], plan.first_state(), None
     if not halving:
-        state.restarts["halvings"] = 99  # none is left
+        state.most_halvings = 0
     plan.prepare()
     try:
         run(plan, blocks.append, state=state, restart=lambda reason: (restarts.append(reason), blocks.clear()))

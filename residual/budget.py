@@ -20,8 +20,8 @@ other_forces      the rest of a table from elsewhere: what acts on the hub and s
 and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + shaft + the rest.
 """
 
-from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,34 +30,29 @@ from lagrange.equations import Overlaps, approaches, contact_resultant, error_fo
 from lagrange.load_history import load_share
 from lagrange.motion import State
 from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
-from residual.laws import Identification, Law, Pushes, inner_law, misaligned, moment_resultant, sliced
-from residual.record import Record
+from residual.laws import Identification, Law, inner_law, misaligned, moment_resultant, sliced
+from residual.record import Held, Pair, Record
 from residual.spectrum import Statistics, derivative, rms
-
-Pair = tuple[np.ndarray, np.ndarray]  # along x and y
 
 # terms that the run's own forces account for: without them the error is the momentum balance
 ACCOUNTED = ("contact_law", "damping", "friction", "cage", "load_and_weight")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Accelerations:
+class Accelerations(NamedTuple):
     """From positions, along x and y; each (n_times,), m/s², and a velocity, m/s."""
 
-    hub: tuple[np.ndarray, np.ndarray]  # relative to the outer ring
-    outer_ring: tuple[np.ndarray | None, np.ndarray | None] = (None, None)  # None: it stands still
+    hub: Pair  # relative to the outer ring
+    outer_ring: tuple[Held, Held] = (None, None)  # None: it stands still
     velocity: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of the hub in the fixed frame
 
     @property
-    def whole(self) -> tuple[np.ndarray, np.ndarray]:
+    def whole(self) -> Pair:
         """Accelerations of the hub in the fixed frame."""
-        pairs = zip(self.hub, self.outer_ring, strict=True)
-        x, y = (hub if moved is None else hub + moved for hub, moved in pairs)
+        x, y = (a if b is None else a + b for a, b in zip(self.hub, self.outer_ring, strict=True))
         return x, y
 
 
-@dataclass(frozen=True, kw_only=True)
-class DirectionBudget:
+class DirectionBudget(NamedTuple):
     """Error force of one equation and its terms, which add up to it; each (n_times,), N.
 
     Where the source holds no contact forces there are no terms and `momentum` is None.
@@ -65,17 +60,16 @@ class DirectionBudget:
 
     error: np.ndarray
     terms: dict[str, np.ndarray]
-    momentum: np.ndarray | None  # the error with the run's own forces in place of the law
+    momentum: Held  # the error with the run's own forces in place of the law
 
 
-@dataclass(frozen=True, kw_only=True)
-class Budget:
+class Budget(NamedTuple):
     """Error forces of both equations, and the contacts they come from."""
 
     x: DirectionBudget
     y: DirectionBudget
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
-    law_resultant: tuple[np.ndarray, np.ndarray]  # (n_times,), N, of these on the hub, x and y
+    law_resultant: Pair  # (n_times,), N, of these on the hub, x and y
     contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
@@ -87,15 +81,9 @@ class Budget:
 
 
 def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
-    """Split the error forces that a contact law leaves into their terms.
+    """Split the error forces that a contact law leaves into their terms, which add up to it to 1e-12 of the load.
 
-    Parameters
-    ----------
-    closing_speed : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
-
-    Errors
-    ------
-    The terms add up to the error to round-off, about 1e-12 of the load.
+    `closing_speed` : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
     """
     contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
     push = law.pushes(contacts.inner, closing_speed, contacts.inner_compliance)
@@ -105,11 +93,10 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     resultant, own, mass = push.on_hub(record, contacts), record.inner_force, record.operation.inner_mass
     errors = error_forces(record.acting, *accelerations.whole, *resultant, held)
     forces = {} if own is None else _force_terms(record, contacts, push)
-    rest = "ring_flexibility" if record.attributes else "other_forces"
     split = []
     for i, error in enumerate(errors):
         if own is None:
-            split.append(DirectionBudget(error=error, terms={}, momentum=None))
+            split.append(DirectionBudget(error, {}, None))
             continue
         # of what differs between our accelerations and velocities and the integrator's
         terms, hub, ring = {}, accelerations.hub[i], accelerations.outer_ring[i]
@@ -124,62 +111,57 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         momentum = error
         for name in ACCOUNTED:
             momentum = momentum - terms[name] if name in terms else momentum
-        terms[rest] = error - sum(terms.values())
-        split.append(DirectionBudget(error=error, terms=terms, momentum=momentum))
-    return Budget(
-        x=split[0], y=split[1], law_force=push.force, law_resultant=resultant, contacts=contacts,
-        closing_speed=closing_speed, loaded=contacts.inner > 0.0 if own is None else own > 0.0,
-    )  # fmt: skip
+        terms["ring_flexibility" if record.attributes else "other_forces"] = error - sum(terms.values())
+        split.append(DirectionBudget(error, terms, momentum))
+    loaded = contacts.inner > 0.0 if own is None else own > 0.0
+    return Budget(split[0], split[1], push.force, resultant, contacts, closing_speed, loaded)
 
 
-def _force_terms(record: Record, contacts: Overlaps, push: Pushes) -> dict[str, Pair]:
+def _force_terms(record, contacts, push):
     """Terms of forces along x and y, N; without those of which the source holds no data.
 
     Of a run with a cage a roller's equations of motion along the pitch circle and about its centre give its two
     tractions from its inertia, the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
     """
-    run_damper, cage = record.inner_damping_force, record.cage
-    run_spring = record.inner_force if run_damper is None else record.inner_force - run_damper
-    found = {"contact_law": contact_resultant(contacts, run_spring - push.spring)}
+    damper, cage, acting = record.inner_damping_force, record.cage, record.acting
+    spring = record.inner_force if damper is None else record.inner_force - damper
+    found = {"contact_law": contact_resultant(contacts, spring - push.spring)}
     if push.moment is not None and record.inner_moment is not None:  # that of tilted contacts' moments too
         aside = moment_resultant(record, contacts, record.inner_moment - push.moment)
         found["contact_law"] = _added(found["contact_law"], aside)
-    if run_damper is not None or isinstance(push.damper, np.ndarray):
-        found["damping"] = contact_resultant(contacts, (0.0 if run_damper is None else run_damper) - push.damper)
+    if damper is not None or isinstance(push.damper, np.ndarray):
+        found["damping"] = contact_resultant(contacts, (0.0 if damper is None else damper) - push.damper)
     if record.inner_traction is not None:
         circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
         found["friction"] = traction_resultant(circles, record.inner_traction)
         if cage is not None:
-            facts, still = record.scene.ideal_cage(), np.zeros_like(cage.x)
-            guided = facts is not None and facts.guidance == "inner_ring"
-            found["cage"] = (-cage.guidance_x, -cage.guidance_y) if guided else (still, still)
+            facts = record.scene.ideal_cage()
+            guided = float(facts is not None and facts.guidance == "inner_ring")
+            found["cage"] = -guided * cage.guidance_x, -guided * cage.guidance_y
             if record.scene.model != "lagrange":  # whose raceways do not rub, and pockets' forces move rollers alone
                 moved = cage.force - cage.moment / record.bearing.roller_radius
                 against = traction_resultant(circles, -0.5 * moved)
                 found["friction"] = _added(found["friction"], against, -1.0)
                 found["cage"] = _added(against, found["cage"])
-    numerics, acting = record.scene.numerics, record.acting
-    ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    missing = 1.0 - load_share(record.time, ramp)
+    numerics = record.scene.numerics
+    missing = 1.0 - load_share(record.time, 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0)
     return found | {"load_and_weight": (-acting.side_load * missing, acting.radial_load * missing)}
 
 
-def _added(pair: Pair, other: Pair, times: float = 1.0) -> Pair:
+def _added(pair, other, times=1.0):
     return pair[0] + times * other[0], pair[1] + times * other[1]
 
 
-def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
+def traction_resultant(contacts: Overlaps, traction) -> Pair:
     """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
     ring's centre to the roller's; on the ring acts the opposite.
     """
-    outward_x, outward_y = -contacts.direction_x, -contacts.direction_y
-    return np.sum(traction * outward_y, axis=1), np.sum(-traction * outward_x, axis=1)
+    return np.sum(-traction * contacts.direction_y, axis=1), np.sum(traction * contacts.direction_x, axis=1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class LawScore:
+class LawScore(NamedTuple):
     """Error forces that one law leaves."""
 
     name: str
@@ -193,11 +175,9 @@ class LawScore:
 
 
 def rank_laws(record: Record, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
-    """Rank all laws by the error force on the held-back samples (all samples where nothing was fitted), smallest first.
+    """Rank all laws, and fitted ones by name, by the error force on the held-back samples, smallest first.
 
-    Parameters
-    ----------
-    identified : fitted laws by name
+    All samples are judged where nothing was fitted.
     """
     laws = {name: inner_law(name, record) for name in law_names(record.bearing)}
     laws |= {name: found.law for name, found in identified.items()}
@@ -209,32 +189,29 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     for name, law in laws.items():
         push = law.pushes(contacts.inner, budget.closing_speed, contacts.inner_compliance)
         contact_rms = rms((run_force - push.force[late])[closed]) if closed.any() else None
-        left = _added(inertia_and_load, push.on_hub(record, contacts), -1.0)
-        x, y = (Statistics.of(each[late]) for each in left)
-        scores.append(LawScore(name=name, errors=(x, y), contact_rms=contact_rms))
+        x, y = _added(inertia_and_load, push.on_hub(record, contacts), -1.0)
+        scores.append(LawScore(name, (Statistics.of(x[late]), Statistics.of(y[late])), contact_rms))
     return sorted(scores, key=lambda score: score.rms)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TiltErrors:
+class TiltErrors(NamedTuple):
     """Error moments of the equation of tilt, N m, (n_times, n_rollers), their terms, and what the hub's slope needs."""
 
     error: np.ndarray  # by the law
     contact_law: np.ndarray  # moments of the law less the run's, with the sign that they have in the error
     balance: np.ndarray  # the error with the run's own moments, those of tractions and guides included
-    hub: tuple[np.ndarray, np.ndarray]  # (n_times,), N m, x and y: what else must give the hub's slope
+    hub: Pair  # (n_times,), N m, x and y: what else must give the hub's slope
     largest_tilt: float  # rad
 
 
 def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     """Put a record's slopes into the equations of τ and the hub's slope; `law` : by name; `order` : of stencils."""
-    bearing, contacts, axial = record.bearing, record.contacts, record.scene.ideal_axial()
-    laws = contact_laws(law, bearing)
+    bearing, contacts, axial, given = record.bearing, record.contacts, record.scene.ideal_axial(), 0.0 * record.roller_x
     if axial is None:
         raise ValueError("the record has no rollers that tilt")
-    inner = sliced(record, laws.inner).pushes(contacts.inner).moment
-    outer = sliced(record, laws.outer, outer=True).pushes(contacts.outer).moment
-    theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    laws, theta = contact_laws(law, bearing), np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
+    moments = [sliced(record, laws.inner).pushes(contacts.inner).moment]
+    moments += [sliced(record, laws.outer, outer=True).pushes(contacts.outer).moment]
 
     def rate(values, times: int = 1) -> np.ndarray:
         return derivative(values, record.interval, times, order)
@@ -242,34 +219,30 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
     names = {"tilt": record.roller_tilt, "slope_x": record.inner_slope_x, "slope_y": record.inner_slope_y}
     columns = {name: np.asarray(values) for name, values in names.items()}
     gains = {name: rate(values, 2) for name, values in columns.items()}
-    given, turning = np.zeros_like(theta), rate(theta, 2)
     state = State(
         x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
         x_rate=0.0, y_rate=0.0, rho_rate=given, theta_rate=rate(theta),
-        tilts=Tilts(**columns, **{f"{name}_rate": rate(values) for name, values in columns.items()}),
-    )  # fmt: skip
-    cos, sin = np.cos(theta), np.sin(theta)
-    nx, ny = contacts.normal
-    at = Misalignments(misaligned(record, contacts)[0], given, given)
+        tilts=Tilts(**columns, **{f"{name}_rate": rate(values) for name, values in columns.items()}))  # fmt: skip
+    cos, sin, (nx, ny) = np.cos(theta), np.sin(theta), contacts.normal
+    at, turning = Misalignments(misaligned(record, contacts)[0], given, given), rate(theta, 2)
 
-    def left(*moments):
-        more = TiltedContacts(inner_moment=moments[0], outer_moment=moments[1], energy=given, at=at,
+    def left(inner, outer):
+        more = TiltedContacts(inner_moment=inner, outer_moment=outer, energy=given, at=at,
                               normal=(nx * cos + ny * sin, ny * cos - nx * sin))  # fmt: skip
         touch, hub = SimpleNamespace(tilted=more), hub_tilt(record.operation, axial)
         slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])
         return tilt_equations(bearing, record.acting, state, touch, gains["tilt"], turning)[0], slopes
 
-    runs = zip((record.inner_moment, record.outer_moment), (inner, outer), strict=True)
-    (error, hub), (balance, _) = left(inner, outer), left(*(law if run is None else run for run, law in runs))
-    largest = float(np.abs(columns["tilt"]).max())
-    return TiltErrors(error=error, contact_law=error - balance, balance=balance, hub=hub, largest_tilt=largest)
+    runs = zip((record.inner_moment, record.outer_moment), moments, strict=True)
+    (error, hub), (balance, _) = left(*moments), left(*(law if run is None else run for run, law in runs))
+    return TiltErrors(error, error - balance, balance, hub, float(np.abs(columns["tilt"]).max()))
 
 
 def tilt_summary(found: TiltErrors) -> dict:
     """Numbers of error moments, N m, as JSON has them."""
 
     def numbers(values: np.ndarray) -> dict[str, float]:
-        return {f"{name}_N_m": value for name, value in vars(Statistics.of(values)).items()}
+        return {f"{name}_N_m": value for name, value in Statistics.of(values)._asdict().items()}
 
     return {
         "error_moment": numbers(found.error),

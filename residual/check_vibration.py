@@ -51,42 +51,33 @@ def _command(
     quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
 ) -> int:  # fmt: skip
     from lagrange.messages import telling
-    from residual.measured.checks import Options, Question, check_record
+    from residual.measured import checks
     from residual.store import check_replaceable
 
     try:
         tolerance = 1e-2 * float(speed_tolerance.strip().removesuffix("%"))
     except ValueError:
         raise InputError(f"--speed-tolerance {speed_tolerance}: must be a number of per cent, as 2%") from None
-    question = Question(
+    question = checks.Question(
         bearing=bearing, scene=scene, elements=elements, element_diameter=element_diameter,
-        pitch_diameter=pitch_diameter, contact_angle=radians(contact_angle), speed=speed,
-        tolerance=tolerance,
-    )  # fmt: skip
-    options = Options(rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)
+        pitch_diameter=pitch_diameter, contact_angle=radians(contact_angle), speed=speed, tolerance=tolerance,
+        rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)  # fmt: skip
     if record.is_dir():
         raise InputError(f"{record}: is a folder; give the path of a record")
     ending = "trend" if more else "vibration"
     folder = output if output is not None else record.with_name(f"{record.stem}-{ending}")
     check_replaceable(folder, app.name[0])
+    if more and against is not None:
+        raise InputError("--against: only with one record; a series is compared with itself")
     if more:
-        if against is not None:
-            raise InputError("--against: only with one record; a series is compared with itself")
-        from residual.measured.report import print_trend, trend_of, write_trend
-
-        trend = trend_of((record, *more), question, options)
-        write_trend(trend, folder, not no_figures)
-        if not quiet:
-            with telling():
-                print_trend(trend, folder)
-        return 0
-    from residual.measured.report import print_check, write_check
-
-    check = check_record(record, against, question, options)
-    write_check(check, folder, not no_figures)
+        trend = checks.trend_of((record, *more), question)
+        checks.write_trend(trend, folder, not no_figures)
+    else:
+        check = checks.check_record(record, against, question)
+        checks.write_check(check, folder, not no_figures)
     if not quiet:
         with telling():
-            print_check(check, folder)
+            checks.print_trend(trend, folder) if more else checks.print_check(check, folder)
     return 0
 
 

@@ -73,9 +73,11 @@ def _command(
     compare_laws: Annotated[bool, Parameter(negative="", help="print the error force of every law, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
+    from lagrange.contact.laws import law_names
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
     from residual.fault_finding import find_faults
+    from residual.laws import ALIASES, FITTED
     from residual.report import PROGRAM, ReportOptions, print_summary, write_report
     from residual.store import check_replaceable
 
@@ -88,8 +90,7 @@ def _command(
     for option, value, unit in (("--start", start, "ms"), ("--tolerance", tolerance, "N")):
         if value is not None and not 0.0 <= value < float("inf"):
             raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
-    seconds = None if start is None else 1e-3 * start
-    limits = None
+    seconds, limits = None if start is None else 1e-3 * start, None
     if band is not None:
         low, _, high = band.partition("-")
         try:
@@ -98,19 +99,29 @@ def _command(
             limits = 0.0, 0.0
         if not 0.0 < limits[0] < limits[1] < float("inf"):
             raise InputError(f"--band {band}: must be two rising frequencies in Hz, as 2000-8000")
-    path = run if run is not None else _newest()
-    record = _read(path, scene, resample, kinematic_rollers)
-    folder = output if output is not None else path.with_name(f"{path.stem}-residual")
-    known, aliases = _known_laws(law, record)
+    if run is None:
+        newest = sorted(RUNS.glob("*.nc"), key=lambda p: p.stat().st_mtime)
+        if not newest:
+            raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+        run = newest[-1]
+
+    def read(path: Path):
+        record = _read(path, scene, resample, kinematic_rollers)
+        known = [*law_names(record.bearing), *FITTED]
+        if law is not None and law not in (*known, *ALIASES):
+            raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
+        return record, known
+
+    record, known = read(run)
+    folder = output if output is not None else run.with_name(f"{run.stem}-residual")
     check_replaceable(folder, PROGRAM)
     compared, its_law, other = None, law, None
-    if against in (*known, *aliases):
+    if against in (*known, *ALIASES):
         compared, its_law = record, against
     elif against is not None:
         if not Path(against).exists():
             raise InputError(f"--against {against}: neither a file nor a contact law; laws are {', '.join(known)}")
-        compared = _read(Path(against), scene, resample, kinematic_rollers)
-        _known_laws(law, compared)
+        compared, _ = read(Path(against))
     if no_equations and compared is not None and compared.source == record.source:
         raise InputError(
             f"--against {against}: laws differ only in the error forces, which --no-equations leaves out; leave out "
@@ -119,37 +130,17 @@ def _command(
     evaluation = evaluate(record, law, seconds, order, line, limits, compare_laws)
     found = find_faults(evaluation.record) if search else None
     for note in evaluation.notes:
-        say(f"warning: {path}: {note}")
+        say(f"warning: {run}: {note}")
     if compared is not None:
         other = evaluate(compared, its_law, seconds, order, band=limits)
     options = ReportOptions(
-        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations,
-        signals=bool(export), other=other,
-    )  # fmt: skip
+        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations, signals=bool(export),
+        other=other)  # fmt: skip
     write_report(evaluation, folder, options)
     if not quiet:
         with telling():
             print_summary(evaluation, folder, options, compare_laws)
     return 1 if evaluation.outcome(tolerance) == "fails" else 0
-
-
-def _known_laws(law: str | None, record) -> tuple[list[str], tuple[str, ...]]:
-    """Names of the laws for a record's rolling elements, and others that they have; refuses a law that is none."""
-    from lagrange.contact.laws import law_names
-    from residual.laws import ALIASES, FITTED
-
-    known = [*law_names(record.bearing), *FITTED]
-    if law is not None and law not in (*known, *ALIASES):
-        raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
-    return known, ALIASES
-
-
-def _newest() -> Path:
-    """Find the newest result file in runs/."""
-    found = sorted(RUNS.glob("*.nc"), key=lambda p: p.stat().st_mtime)
-    if not found:
-        raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
-    return found[-1]
 
 
 def _read(path: Path, scene_path: Path | None, resample: bool, kinematic: bool):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import hypot
+from math import hypot, pi
 
 import numpy as np
 
@@ -10,17 +10,18 @@ from lagrange.contact.laws import LogarithmicLaw, PowerLaw, warning
 from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, kinematics
 from residual import budget as budgets
-from residual import sampling, spectrum
+from residual import sampling
+from residual import spectrum as spectra
 from residual import vibration as vibrations
-from residual.budget import Accelerations, Budget, DirectionBudget, LawScore, TiltErrors, error_budget, rank_laws
+from residual.budget import Accelerations, Budget, DirectionBudget, LawScore
 from residual.formatting import NOISE
 from residual.laws import FITTED, DampedLaw, Identification, Law, has_tilts, identify, inner_law
 from residual.load_zone import QuasiStatic, chatter_gap, quasi_static
 from residual.measured.diagnosis import Diagnosis, diagnose, geometry_and_shaft
 from residual.measured.signals import Signal
-from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record, first_sample, varies
-from residual.spectrum import Envelope, Floor, Peak, Spectrum, Statistics, derivative, kinematic_lines, power_spectrum
-from residual.vibration import LineLevel, OrderSpectra, Tracking, Vibration, line_levels, measured, watched_level
+from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Pair, Record, first_sample, varies
+from residual.spectrum import Statistics, derivative, power_spectrum
+from residual.vibration import LineLevel
 
 FOLDED_SHARE = 1e-5  # of the reference force: folded vibration that leaves less, rms, stands in no finding's way
 LOADED = 0.01  # of the largest force: a roller with more is loaded
@@ -36,15 +37,15 @@ class Direction:
     error: Statistics
     away: Statistics | None  # of the error away from contacts that open or close
     balance: Statistics | None  # of the momentum balance, but for the record's ends, where differentiation errs
-    floor: Floor  # of the inner ring's acceleration, m/s²
-    spectrum: Spectrum
-    peaks: list[Peak]
+    floor: spectra.Floor  # of the inner ring's acceleration, m/s²
+    spectrum: spectra.Spectrum
+    peaks: list[spectra.Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     resonance: float  # Hz, estimate of the inner ring on its contacts in this direction; 0 where they hold nothing
-    envelope: Envelope | None  # around it
-    term_spectra: dict[str, Spectrum]  # of each term of the budget
-    vibration: Vibration  # of sensor, housing or hub, by the run's own acceleration where the source holds it
-    orders: OrderSpectra | None  # where the shaft's speed changes
+    envelope: spectra.Envelope | None  # around it
+    term_spectra: dict[str, spectra.Spectrum]  # of each term of the budget
+    vibration: vibrations.Vibration  # of sensor, housing or hub, by the run's own acceleration where the source has it
+    orders: vibrations.OrderSpectra | None  # where the shaft's speed changes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +70,7 @@ class Evaluation:
     reference: tuple[float, str]  # N, what errors are compared with, and its name
     too_coarse: sampling.TooCoarse | None  # of a run of ours that vibrates beyond its samples
     position_noise: sampling.PositionNoise | None  # of a table
-    tilt: TiltErrors | None  # of rollers that tilt
+    tilt: budgets.TiltErrors | None  # of rollers that tilt
     notes: tuple[str, ...]
 
     @property
@@ -85,9 +86,7 @@ class Evaluation:
     @property
     def judged(self) -> tuple[Statistics, Statistics]:
         """Errors in x and y that the verdict goes by: for a fitted law those of the samples it was not fitted to."""
-        if self.identification is None:
-            return self.x.error, self.y.error
-        return self.score(self.law.name).errors
+        return (self.x.error, self.y.error) if self.identification is None else self.score(self.law.name).errors
 
     def score(self, name: str) -> LawScore:
         """The errors that a law leaves, from the ranking."""
@@ -100,7 +99,7 @@ class Evaluation:
         return self.budget.law_force if stored is None else stored
 
     @property
-    def hub_acceleration(self) -> tuple[np.ndarray, np.ndarray]:
+    def hub_acceleration(self) -> Pair:
         """Accelerations along x and y, m/s²: the source's own where it holds them, else from positions."""
         t = self.record
         pairs = ((t.inner_ax, t.inner_x), (t.inner_ay, t.inner_y))
@@ -134,8 +133,7 @@ class Evaluation:
     def diagnosis(self) -> Diagnosis | str:
         """What check-vibration says of the acceleration along y, or why it says nothing."""
         record, measured = self.record, self.y.vibration
-        name = f"{record.name}, {measured.body}"
-        signal = Signal(name=name, values=measured.acceleration, rate=1.0 / record.interval, unit="m/s²")
+        signal = Signal(f"{record.name}, {measured.body}", measured.acceleration, 1.0 / record.interval, "m/s²")
         try:
             return diagnose(signal, *geometry_and_shaft(record))
         except InputError as error:
@@ -160,8 +158,7 @@ class Evaluation:
     @property
     def loaded_range(self) -> tuple[int, int]:
         """Fewest and most rollers in the load zone at a time."""
-        count = self.loaded_count
-        return int(count.min()), int(count.max())
+        return int(self.loaded_count.min()), int(self.loaded_count.max())
 
     def outcome(self, tolerance: float | None) -> str | None:
         """Whether the rms of either error exceeds a tolerance, N; None without one."""
@@ -181,8 +178,6 @@ def evaluate(
 ) -> Evaluation:
     """Put a run's record into equations (22), (23) and analyse what is left.
 
-    Parameters
-    ----------
     law : name in `lagrange.contact.laws.law_names`; "fitted" or "fitted_damped", to the record's first half; a law;
         None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
@@ -191,26 +186,22 @@ def evaluate(
     band : Hz, whose envelope is taken of the vibration; None: see `vibration`
     fit : whether laws are fitted to be compared, as far as the source allows
 
-    Errors
-    ------
     InputError: `start` leaves too few samples; an unknown line; a band that the record does not hold; a
-    law to be fitted where the source holds no forces.
-    ValueError: unknown law or order.
+    law to be fitted where the source holds no forces. ValueError: unknown law or order.
     """
     law = record.scene.lagrange.law if law is None else law
     name = law if isinstance(law, str) else ""
     interval, (first, why) = record.interval, first_sample(record, start)
-    cautions = [warning(name, record.bearing)] if name and name not in FITTED else []
-    notes = [*record.notes, *filter(None, cautions), *why]
+    caution = warning(name, record.bearing) if name and name not in FITTED else None
+    notes = [*record.notes, *([caution] if caution else []), *why]
 
     def rates(places, times: int = 2) -> tuple:
         x, y = (None if p is None else derivative(p, interval, times, order)[first:] for p in places)
         return x, y
 
     accelerations = Accelerations(
-        hub=rates((record.inner_x, record.inner_y)), outer_ring=rates((record.outer_ring_x, record.outer_ring_y)),
-        velocity=rates(record.hub, 1),
-    )  # fmt: skip
+        rates((record.inner_x, record.inner_y)), rates((record.outer_ring_x, record.outer_ring_y)), rates(record.hub, 1)
+    )
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
@@ -224,59 +215,64 @@ def evaluate(
                 raise
             unfitted[fitted] = str(error)
     by = identified[name].law if name in FITTED else inner_law(law, used)
-    budget = error_budget(used, by, accelerations, closing_speed)
-    ideal = kinematics(record.bearing, *used.mean_speeds)
+    budget = budgets.error_budget(used, by, accelerations, closing_speed)
+    ideal, contacts = kinematics(record.bearing, *used.mean_speeds), budget.contacts
     creeps = ideal.cage * used.cage_speed > 0.0  # by the run's own cage: creep moves BPFO beyond a long record's bin
     seen = replace(ideal, cage=used.cage_speed) if creeps else ideal
-    lines = {} if used.varies_speed else kinematic_lines(seen)
+    lines = {} if used.varies_speed else spectra.kinematic_lines(seen)
     slowest = min(lines.values(), default=0.0)  # Hz
     tracking = vibrations.tracking_of(used)
-    notes += _speed_notes(used, tracking)
+    if used.varies_speed:
+        notes.append(_speed_note(used, tracking))
     far = ~near_contact_change(budget.loaded, order // 2)
-    resonances = _resonances(used, by, budget)
+    # stiffness of contacts at work, each roller's two in series; a law may be a tenth too soft for the run's own forces
+    slope, own_force, by_law = by.slope(contacts.inner), used.inner_force, np.sum(budget.law_force**2)
+    if own_force is not None and by_law > 0.0:
+        slope = slope * (np.sum(own_force * budget.law_force) / by_law)
+    shaft, mass = record.operation.mounting.shaft, record.operation.inner_mass
     noise = NOISE * max(used.load, float(budget.law_force.max()))
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
-    bodies = measured(used, accelerations)
 
-    def direction(i: int) -> Direction:
-        part, motion, resonance = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i], resonances[i]
-        body, acceleration = bodies[i]
+    def direction(i: int, normal: np.ndarray, body: str, acceleration) -> Direction:
+        part, motion = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i]
+        # of rollers without mass; those about the load line hold the ring along it better than across it
+        stiffness = 0.5 * np.mean(np.sum(slope * normal**2, axis=1)) + (0.0 if shaft is None else shaft.stiffness)
+        resonance = float(np.sqrt(stiffness / mass) / (2.0 * pi))
         density = power_spectrum(part.error, interval, slowest)
         return Direction(
             name="xy"[i], budget=part, error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             balance=None if part.momentum is None else Statistics.of(part.momentum[central]),
-            floor=spectrum.floor(motion, interval, order, record.precision),
-            spectrum=density,
-            peaks=vibrations.named_peaks(spectrum.find_peaks(density, lines), density, lines, resonance, noise),
-            levels=line_levels(density, lines),
-            resonance=resonance,
-            envelope=spectrum.envelope(part.error, interval, resonance, slowest),
+            floor=spectra.floor(motion, interval, order, record.precision), spectrum=density, resonance=resonance,
+            peaks=vibrations.named_peaks(spectra.find_peaks(density, lines), density, lines, resonance, noise),
+            levels=vibrations.line_levels(density, lines),
+            envelope=spectra.envelope(part.error, interval, resonance, slowest),
             term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
             vibration=vibrations.vibration(acceleration, interval, lines, body, band),
             orders=None if tracking is None else vibrations.order_spectra(tracking, part.error, motion, acceleration),
         )  # fmt: skip
 
-    x, y = map(direction, range(2))
-    watched = [(watched_level(x.spectrum, line, lines), watched_level(y.spectrum, line, lines)) for line in watch]
-    notes += [level.unresolved_note(x.spectrum.resolution) for level, _ in watched if not level.resolved]
-    notes += sampling.rate_notes(max(resonances), interval, order)
+    along_x, along_y = vibrations.measured(used, accelerations)
+    x, y = direction(0, contacts.direction_x, *along_x), direction(1, contacts.direction_y, *along_y)
+    level = vibrations.watched_level
+    watched = [(level(x.spectrum, line, lines), level(y.spectrum, line, lines)) for line in watch]
+    notes += [one.unresolved_note(x.spectrum.resolution) for one, _ in watched if not one.resolved]
+    notes += sampling.rate_notes(max(x.resonance, y.resonance), interval, order)
     settled = sampling.stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     tables = record.scene.operation
     if settled is not None and settled.note is not None and not (tables.load_table or tables.speed_table):
         notes.append(settled.note)  # what changes with the load or the speed is no transient
     # errors are compared with the load, or with the largest contact force beside a small load; 0 where nothing pushes
-    contact = float((budget.law_force if used.inner_force is None else used.inner_force).max(initial=0.0))
+    contact = float((budget.law_force if own_force is None else own_force).max(initial=0.0))
     reference = (used.load, "load") if used.load > SMALL_LOAD * contact else (contact, "largest contact force")
     found = Evaluation(
         record=used, law=by, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
-        identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=None,
+        identified=identified, unfitted=unfitted, laws=budgets.rank_laws(used, budget, identified), too_coarse=None,
         reference=reference, position_noise=sampling.position_noise(used, by, budget, order),
         tilt=budgets.tilt_errors(used, by.name, order) if has_tilts(used) else None, notes=(),
     )  # fmt: skip
-    sound = SOUND * reference[0]
-    least = max(noise, FOLDED_SHARE * reference[0])
+    sound, least = SOUND * reference[0], max(noise, FOLDED_SHARE * reference[0])
     coarse = sampling.too_coarse(used, by, budget, (x.balance, y.balance), found.floors, least, sound)
     notes += [coarse.note] if coarse is not None and coarse.seldom else []
     errs = found.position_noise
@@ -287,46 +283,25 @@ def evaluate(
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
     """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
-    change = np.zeros(loaded.shape[0], dtype=bool)
-    change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
+    change = np.append(False, np.any(loaded[1:] != loaded[:-1], axis=1))
     return np.convolve(change, np.ones(2 * reach + 1), mode="same") > 0.5
 
 
-def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:
+def _speed_note(record, tracking):
     """Say where lines are to be found when the speed changes."""
-    if not record.varies_speed:
-        return []
     changes = []
     for name, speeds in zip(("shaft", OUTER_RING), record.acting.ring_speeds, strict=True):
-        low, high = (60.0 * f(speeds) / (2.0 * np.pi) for f in (np.min, np.max))
+        low, high = (60.0 * f(speeds) / (2.0 * pi) for f in (np.min, np.max))
         if varies(speeds):
             changes.append(f"the {name}'s speed changes from {low:.5g} to {high:.5g} rpm")
     note = f"{' and '.join(changes)} within the record: lines in Hz would smear"
     if tracking is None:
-        return [f"{note}, and the record is too short for orders"]
+        return f"{note}, and the record is too short for orders"
     note += f", so they are marked in orders of the {tracking.ring}"
-    if tracking.time.size < record.time.size:
-        first, last = (1e3 * tracking.time[at] for at in (0, -1))
-        note += (
-            f"; from {first:.5g} to {last:.5g} ms, the longest time in which it turns with at least an eighth of its "
-            "highest speed and does not turn back"
-        )
-    return [note]
-
-
-def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]:
-    """Frequencies of the inner ring's modes along x and y, Hz, each roller's contacts in series, rollers without mass.
-
-    Rollers about the load line hold the ring along it better than across it.
-    """
-    slope, own, by_law = law.slope(budget.contacts.inner), record.inner_force, np.sum(budget.law_force**2)
-    if own is not None and by_law > 0.0:
-        slope = slope * (np.sum(own * budget.law_force) / by_law)  # a law may be a tenth too soft
-    shaft = record.operation.mounting.shaft
-    beside = 0.0 if shaft is None else shaft.stiffness
-
-    def mode(direction: np.ndarray) -> float:
-        stiffness = 0.5 * np.mean(np.sum(slope * direction**2, axis=1)) + beside
-        return float(np.sqrt(stiffness / record.operation.inner_mass) / (2.0 * np.pi))
-
-    return mode(budget.contacts.direction_x), mode(budget.contacts.direction_y)
+    if tracking.time.size == record.time.size:
+        return note
+    first, last = (1e3 * tracking.time[at] for at in (0, -1))
+    return (
+        f"{note}; from {first:.5g} to {last:.5g} ms, the longest time in which it turns with at least an eighth of its "
+        "highest speed and does not turn back"
+    )

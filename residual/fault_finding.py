@@ -11,7 +11,7 @@ nothing stands out.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.ndimage import median
@@ -24,7 +24,7 @@ from lagrange.errors import InputError
 from lagrange.kinematics import turned
 from lagrange.surface.edges import Circles, softening
 from lagrange.surface.faults import Spall
-from residual.record import SMALL_LOAD, Record
+from residual.record import SMALL_LOAD, Pair, Record
 
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
@@ -76,8 +76,7 @@ MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known
 Spalled = tuple["Place", np.ndarray]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Place:
+class Place(NamedTuple):
     """A body and the raceways at which its surface is met; angles in its frame, as in `lagrange.surface.faults`."""
 
     body: Literal["outer_ring", "inner_ring", "roller"]
@@ -98,31 +97,29 @@ class Place:
 class RollerMotion:
     """All that a search sees of a run, no forces and no surfaces of the scene; overlaps are of perfect circles, m.
 
-    What sinks into a spall overlaps more. Time first.
+    What sinks into a spall overlaps more. Arrays (n_times, n_rollers), angles of contacts in fixed axes, rad.
     """
 
     bearing: Bearing  # perfect circles
     operation: Operation
     law: Callable[[np.ndarray], np.ndarray]  # force of a contact, N, by its overlap
-    load: tuple[np.ndarray, np.ndarray]  # N, (n_times,), of the hub along x and y, its weight included
+    load: Pair  # N, (n_times,), of the hub along x and y, its weight included
     interval: float  # s
-    rho: np.ndarray  # (n_times, n_rollers), m
-    outer_angle: np.ndarray  # (n_times, n_rollers), rad, of the contacts in fixed axes
+    rho: np.ndarray  # m
+    outer_angle: np.ndarray
     inner_angle: np.ndarray
     inner_turn: np.ndarray  # (n_times, 1), rad
     outer_turn: np.ndarray
-    roller_turn: np.ndarray  # (n_times, n_rollers), rad
-    inner: np.ndarray  # (n_times, n_rollers), m, overlap with the inner raceway
+    roller_turn: np.ndarray  # rad
+    inner: np.ndarray  # m, overlap with the inner raceway
     outer: np.ndarray
 
     @cached_property
     def scale(self) -> float:
-        """Factor of the law's forces by which they carry the hub's load.
+        """Factor of the law's forces by which they carry the hub's load; 1 where that is small, as with a preload.
 
-        Errors
-        ------
         One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on the
-        average. 1 where the load is small beside the contacts' forces, as with a preload.
+        average.
         """
         force, load, (load_x, load_y) = self.law(self.inner), np.hypot(*self.load), self.load
         loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))
@@ -156,9 +153,8 @@ class RollerMotion:
     def places(self) -> list[Place]:
         """Every surface that may have a spall: outer ring, inner ring, rollers."""
         b = self.bearing
-        outer = Place(body="outer_ring", roller=None, radius=b.outer_raceway_radius)
-        inner = Place(body="inner_ring", roller=None, radius=b.inner_raceway_radius)
-        return [outer, inner, *(Place(body="roller", roller=j, radius=b.roller_radius) for j in range(b.n_rollers))]
+        rings = Place("outer_ring", None, b.outer_raceway_radius), Place("inner_ring", None, b.inner_raceway_radius)
+        return [*rings, *(Place("roller", j, b.roller_radius) for j in range(b.n_rollers))]
 
 
 def roller_motion(record: Record) -> RollerMotion:
@@ -166,15 +162,15 @@ def roller_motion(record: Record) -> RollerMotion:
 
     The rollers' rotations are the record's own, or else those of rolling on the outer raceway without slip.
     """
-    bearing, operation = replace(record.bearing, faults=()), record.operation
+    bearing, operation, turn = replace(record.bearing, faults=()), record.operation, record.roller_turn
     found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
     theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
     way = turned(bearing, operation, record.time[:, None])
-    outer_turn, roller_turn, turn = np.asarray(way.outer_ring), np.asarray(way.roller), record.roller_turn
+    outer_turn = np.asarray(way.outer_ring)
     if turn is None:
         track = bearing.outer_raceway_radius - bearing.roller_radius
         surface = (outer_turn - outer_turn[0]) * bearing.outer_raceway_radius
-        turn = roller_turn[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
+        turn = np.asarray(way.roller)[0] - ((theta - theta[0]) * track - surface) / bearing.roller_radius
     return RollerMotion(
         bearing=bearing, operation=operation, law=contact_laws(record.scene.lagrange.law, bearing).inner.force,
         load=record.whole_load, interval=record.interval, rho=np.hypot(record.roller_x, record.roller_y),
@@ -233,18 +229,14 @@ class ThreeSamples:
         self.outside = self._through(motion.rho - motion.outer, roller)
         # velocities at the middle over the first surfaces asked for, from which others are a step away, and the change
         # of the outer samples' difference by them
-        self.settled: tuple[np.ndarray, np.ndarray] | None = None
+        self.settled: Pair | None = None
 
-    def _through(self, of: np.ndarray, column: np.ndarray) -> np.ndarray:
+    def _through(self, of, column):
         """Coefficients of the parabola through three samples, over time from −1 to 1, highest first."""
         before, now, after = (of[self.middle + k * self.motion.stride, column] for k in (-1, 0, 1))
         return np.array([0.5 * (after + before) - now, 0.5 * (after - before), now])
 
-    def angle(self, place: Place, side: Side) -> np.ndarray:
-        """Angles of the contacts at the middle samples in the place's own frame, (n,), rad; of a roller, its own."""
-        return self.motion.angles(place, side)[self.middle, self.roller if place.roller is None else 0]
-
-    def _surfaces(self, spalled: Sequence[Spalled], more: tuple[float, float]) -> list[tuple]:
+    def _surfaces(self, spalled, more):
         """At each step the places at which both contacts open, m, each with what edges add to its compliance, m/N."""
         b, contact, met, found = self.motion.bearing, self.motion.contact, [], []
         for place, spalls in spalled:
@@ -268,7 +260,7 @@ class ThreeSamples:
             found.append((np.polyval(self.inside, t) - low, soft_low, np.polyval(self.outside, t) + high, soft_high))
         return found
 
-    def _ends(self, surfaces: list[tuple], velocity: np.ndarray) -> list[np.ndarray]:
+    def _ends(self, surfaces, velocity):
         """Places at the samples after and before, by the velocity at the middle one."""
         step, push, found = self.lapse / self.steps, self.motion.contact.push, []
         for sign in (1, -1):
@@ -284,8 +276,6 @@ class ThreeSamples:
     def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Excess of the outer samples' sum over that of the equation of motion, (n_spalls, n), m.
 
-        Parameters
-        ----------
         spalled : each place with as many spalls, or with one
         more : m, that the inner and the outer surface lie deeper than that everywhere
         """
@@ -305,9 +295,9 @@ class ThreeSamples:
                 slope = (ends[0] - ends[1] - (before[0] - before[1])) / np.where(change == 0.0, 1.0, change)
                 last, new = new, better(new, ends, slope)
             self.settled = new, slope
+        settled, slope = self.settled
         for k in range(0, max((len(spalls) for _, spalls in spalled), default=1), each):
             surfaces = self._surfaces([(at, s if len(s) == 1 else s[k : k + each]) for at, s in spalled], more)
-            settled, slope = self.settled
             ends = self._ends(surfaces, better(settled, self._ends(surfaces, settled), slope))
             parts.append(np.atleast_2d(self.after + self.before - ends[0] - ends[1]))
         return np.concatenate(parts)
@@ -321,8 +311,6 @@ def _around(angle):
 def edge_sinkage(inside: np.ndarray, roller_radius: float, raceway_radius: float, sign: float) -> np.ndarray:
     """How far a roller sinks that has gone a way over an edge, m; `sign` is 1 on the inner raceway, −1 in the outer.
 
-    Errors
-    ------
     The edge's rounding is `EDGE_ROUNDING` whatever it is; ways beyond 0.95 of the roller's radius count as that.
     """
     edge, way = roller_radius * (1.0 + EDGE_ROUNDING), np.minimum(inside, 0.95 * roller_radius)
@@ -361,7 +349,10 @@ class SinkageMap:
 
 
 def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
-    """Maps of every body: rings, then rollers; what `known` spalls explain is taken out, and their places are."""
+    """Maps of every body: rings, then rollers; what `known` spalls explain is taken out, and their places are.
+
+    Smoothed medians by bins around the circumference, of samples at which rollers touch.
+    """
     stride, (n_times, n_rollers), places = motion.stride, motion.rho.shape, motion.places()
     thinned = max(1, int(0.5 * BIN / max(motion.travel(places[0]), 1e-9)))
     times = np.arange(stride, n_times - stride, thinned)
@@ -379,36 +370,27 @@ def sinkage_maps(motion: RollerMotion, known: Sequence[Spalled] = ()) -> list[Si
         travel = thinned * motion.travel(place)
         if travel == 0.0:
             continue
-        own = slice(None) if place.roller is None else roller == place.roller
-        angle, depth = (
-            np.concatenate([of[own] for of in each])
-            for each in ((every.angle(place, side) for side in place.sides), (sunk[side] for side in place.sides))
-        )
-        found = SinkageMap(place=place, height=_height(angle, depth, 2.0 * np.pi * place.radius / max(BIN, travel)))
+        own, column = (slice(None), roller) if place.roller is None else (roller == place.roller, 0)
+        angle = np.concatenate([motion.angles(place, side)[middle, column][own] for side in place.sides])
+        depth = np.concatenate([sunk[side][own] for side in place.sides])
+        n, used = max(SMOOTHED, int(2.0 * np.pi * place.radius / max(BIN, travel))), np.isfinite(depth)
+        label = np.minimum((np.mod(angle[used], 2.0 * np.pi) * (n / (2.0 * np.pi))).astype(np.int64), n - 1)
+        height, enough = np.full(n, np.nan), np.flatnonzero(np.bincount(label, minlength=n) >= FEWEST_IN_BIN)
+        if enough.size:
+            height[enough] = median(depth[used], label, enough)
+        around = np.stack([np.roll(height, k - SMOOTHED // 2) for k in range(SMOOTHED)])
+        there = np.isfinite(around).any(axis=0)
+        height[there] = np.nanmedian(around[:, there], axis=0)
+        found = SinkageMap(place=place, height=height)
         for at, spalls in known:
             if at == place:
                 away = np.abs(_around(found.angle - spalls[0, 0])) * place.radius
-                found.height[away < spalls[0, 1] + MAP_BESIDE[1]] = np.nan
+                height[away < spalls[0, 1] + MAP_BESIDE[1]] = np.nan
         maps.append(found)
     return maps
 
 
-def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:
-    """Smoothed median by bins around the circumference; samples that are NaN do not count."""
-    n, used = max(SMOOTHED, int(bins)), np.isfinite(depth)
-    label = np.minimum((np.mod(angle[used], 2.0 * np.pi) * (n / (2.0 * np.pi))).astype(np.int64), n - 1)
-    height = np.full(n, np.nan)
-    enough = np.flatnonzero(np.bincount(label, minlength=n) >= FEWEST_IN_BIN)
-    if enough.size:
-        height[enough] = median(depth[used], label, enough)
-    around = np.stack([np.roll(height, k - SMOOTHED // 2) for k in range(SMOOTHED)])
-    known = np.isfinite(around).any(axis=0)
-    height[known] = np.nanmedian(around[:, known], axis=0)
-    return height
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FoundSpall:
+class FoundSpall(NamedTuple):
     """A spall with the intervals (95 %) of its place and width."""
 
     place: Place
@@ -435,8 +417,7 @@ class FoundSpall:
         return self.place, self.spall[None]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FaultSearch:
+class FaultSearch(NamedTuple):
     """Spalls found by a search, the clearest first, and the maps of all bodies."""
 
     motion: RollerMotion
@@ -453,10 +434,8 @@ class FaultSearch:
 def find_faults(record: Record) -> FaultSearch:
     """Search a run's trajectories for spalls.
 
-    Errors
-    ------
-    InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
     A spall that no roller presses on in the run is not seen; the maps show which parts of a body are.
+    InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
     """
     motion, found = roller_motion(record), list[FoundSpall]()
     travel = motion.travel(motion.places()[1])
@@ -479,8 +458,8 @@ def find_faults(record: Record) -> FaultSearch:
     again = []  # each made finer with the others known
     for mine in found if len(found) > 1 else ():
         fit = _refined(motion, mine.place, mine.spall, [each.spalled for each in found if each is not mine])
-        again.append(mine if fit is None else replace(mine, spall=fit[0], angle_error=fit[1], width_error=fit[2]))
-    return FaultSearch(motion=motion, maps=maps, left=left, found=tuple(again or found))
+        again.append(mine if fit is None else mine._replace(spall=fit[0], angle_error=fit[1], width_error=fit[2]))
+    return FaultSearch(motion, maps, left, tuple(again or found))
 
 
 class Near:
@@ -513,7 +492,7 @@ class Near:
         return np.stack([np.bincount(self.passage, each, self.passages) for each in cost])
 
 
-def _match(motion: RollerMotion, suspect: SinkageMap, rest: Sequence[Spalled]) -> tuple[float, FoundSpall] | None:
+def _match(motion, suspect, rest):
     """The spall that fits a suspect best, and how much of the misfit without it it takes away."""
     place, (angle, ratio) = suspect.place, suspect.deepest
     near = Near(motion, place, angle, 1.2 * WIDTHS[-1], rest)
@@ -533,14 +512,11 @@ def _match(motion: RollerMotion, suspect: SinkageMap, rest: Sequence[Spalled]) -
     if gain <= 0.0:
         return None
     spall, angle_error, width_error = fits[best]
-    return gain, FoundSpall(
-        place=place, spall=spall, angle_error=angle_error, width_error=width_error, stands_out=ratio,
-        explained=gain / float(without), passages=near.passages, seen=suspect)  # fmt: skip
+    explained = gain / float(without)
+    return gain, FoundSpall(place, spall, angle_error, width_error, ratio, explained, near.passages, suspect)
 
 
-def _refined(
-    motion: RollerMotion, place: Place, spall: np.ndarray, rest: Sequence[Spalled]
-) -> tuple[np.ndarray, float, float] | None:
+def _refined(motion, place, spall, rest):
     """A spall's edges and depth made finer step by step; half intervals (95 %) of its angle, rad, and width, m.
 
     The mismatch of three samples depends on the surface between them: one edge at a time. The intervals are by other

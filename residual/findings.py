@@ -11,25 +11,15 @@ from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import hertz_columns
 from lagrange.kinematics import kinematics
 from lagrange.messages import G, Section, shown
-from lagrange.rating import sources
-from lagrange.rating.life import (
-    Dimensions,
-    basic_life,
-    caged_cylinders,
-    dynamic_capacity,
-    in_hours,
-    palmgren_torque,
-    skf_torque,
-    static_capacity,
-)
-from lagrange.rating.reference_life import COLUMNS, RunLoads, run_loads
+from lagrange.rating import life, sources
+from lagrange.rating.reference_life import COLUMNS, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
 from lagrange.section import is_plain, load_factor
 from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
-from residual.formatting import hertz, share, term_label, text
+from residual.formatting import hertz, share, text
 from residual.laws import Interval
 from residual.load_zone import largest_pressures
 from residual.record import Record, varies
@@ -41,7 +31,6 @@ SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
 OIL_DENSITY = 870.0  # kg/m³, as rate-bearing takes it
 SAME = 1e-6  # relative: sums and differences of stored numbers leave less
 MANY_TIMES = 3.0  # from here on a ratio instead of per cent
-
 REFERENCE = "harris"  # what a fit is compared with, for rollers
 MATTERS = 0.01  # of the load: less is no deviation of the model's forces worth naming
 LEVEL = 0.1  # of the mean error: varying less, the error is one of level
@@ -55,9 +44,7 @@ OMITTED = {  # terms of the budget that the Lagrangian model has not
     "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
     "other_forces": "other forces, for which the table has no column",
 }  # fmt: skip
-
 SIDES = ("inner", "outer")
-
 # of contradictions
 FASTER, SLOWER = 0.02, 0.1  # than rolling: rollers slip backwards, and hardly creep forward
 ASTRAY = 0.05  # of the load: the contact forces of a table carry what acts in it
@@ -81,9 +68,9 @@ def error_table(e: Evaluation) -> Section:
 def law_table(e: Evaluation) -> Section:
     """Error force with each law, best first; the law in use is marked."""
     rows = [
-        [score.name + (" (in use)" if score.name == e.law.name else ""),
-         *cells(*(v for error in score.errors for v in (error.mean, error.rms)), score.contact_rms)]
-        for score in e.laws
+        [f"{law.name} (in use)" if law.name == e.law.name else law.name,
+         *cells(*(v for error in law.errors for v in (error.mean, error.rms)), law.contact_rms)]
+        for law in e.laws
     ]  # fmt: skip
     time = 1e3 * e.record.time
     within = ", within the noise of its positions" if e.within_noise else ""
@@ -97,13 +84,22 @@ def law_table(e: Evaluation) -> Section:
     return Section(
         title="Error force by contact law, N", sum="(in use)", rows=rows,
         note=f"{note}. Rms per contact: the run's inner contact forces less the law's.",
-        columns=("law", "mean, x", "rms, x", "mean, y", "rms, y", "rms per contact"),
-    )  # fmt: skip
+        columns=("law", "mean, x", "rms, x", "mean, y", "rms, y", "rms per contact"))  # fmt: skip
 
 
 def peak_name(peak: Peak) -> str:
     """Name a peak's possible causes: a kinematic line, the hub on its contacts; "-" for neither."""
     return " or ".join(filter(None, (peak.line, *peak.also))) or "-"
+
+
+def peak_sentences(e: Evaluation) -> list[str]:
+    """The highest peaks of each error force."""
+    said = []
+    for d in e.directions:
+        names = [(p, "no line" if peak_name(p) == "-" else peak_name(p)) for p in d.peaks[:4]]
+        peaks = [f"{hertz(p.frequency)} ({name}{'' if p.resolved else ', not resolved'})" for p, name in names]
+        said.append(f"Peaks of error_{d.name}: {'; '.join(peaks) or 'none stands out'}")
+    return said
 
 
 def watched_table(e: Evaluation) -> Section:
@@ -135,7 +131,7 @@ def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -
     `equations`: whether errors of (22), (23) are among them
     """
     rows, (first, second) = [], named(e, other)
-    for (name, scale, mine), (_, _, beside) in zip(*(_quantities(each, equations) for each in (e, other)), strict=True):
+    for (name, mine), (_, beside) in zip(*(_quantities(each, equations) for each in (e, other)), strict=True):
         if mine is None or beside is None:
             continue
         low, high = sorted((abs(mine), abs(beside)))
@@ -147,31 +143,25 @@ def difference_table(e: Evaluation, other: Evaluation, equations: bool = True) -
             words = f"{text(ratio, 3)} times"
         else:
             words = f"{text(100.0 * abs(ratio - 1.0), 3)} % {'more' if ratio > 1.0 else 'less'}"
-        change = text(scale * (mine - beside), 3, scale * SAME * high)
-        rows.append([name, *cells(scale * mine, scale * beside, digits=5), change, words])
+        rows.append([name, *cells(mine, beside, digits=5), text(mine - beside, 3, SAME * high), words])
     columns = ("", *map(shown, (first, second, f"{first} − {second}")), "")
     return Section(title="Comparison", columns=columns, rows=rows)
 
 
-def _quantities(e: Evaluation, equations: bool) -> list[tuple[str, float, float | None]]:
-    """Name with its unit, the unit's factor, and value."""
-    t, (low, high) = e.record, e.loaded_range
+def _quantities(e, equations):
+    """Names, and values in the units that these end with."""
+    t, (low, high), (ax, ay) = e.record, e.loaded_range, e.hub_acceleration
     found = [
-        ("hub x, mean, µm", 1e6, t.inner_x.mean()),
-        ("hub y, mean, µm", 1e6, t.inner_y.mean()),
-        ("hub x, std, nm", 1e9, t.inner_x.std()),
-        ("hub y, std, nm", 1e9, t.inner_y.std()),
-        ("largest roller load, N", 1.0, e.force.max()),
-        ("loaded rollers, fewest", 1.0, low),
-        ("loaded rollers, most", 1.0, high),
-        ("roller orbit (FTF), Hz", 1.0, e.lines.get("FTF")),
-    ]
-    for axis, acceleration in zip("xy", e.hub_acceleration, strict=True):
-        found.append((f"hub's acceleration, {axis}, rms, m/s²", 1.0, np.std(acceleration)))
+        ("hub x, mean, µm", 1e6 * t.inner_x.mean()), ("hub y, mean, µm", 1e6 * t.inner_y.mean()),
+        ("hub x, std, nm", 1e9 * t.inner_x.std()), ("hub y, std, nm", 1e9 * t.inner_y.std()),
+        ("largest roller load, N", e.force.max()), ("loaded rollers, fewest", low), ("loaded rollers, most", high),
+        ("roller orbit (FTF), Hz", e.lines.get("FTF")), ("hub's acceleration, x, rms, m/s²", np.std(ax)),
+        ("hub's acceleration, y, rms, m/s²", np.std(ay)),
+    ]  # fmt: skip
     for d in e.directions if equations else ():
         of = {"mean": d.error.mean, "rms": d.error.rms, "largest": d.error.max_abs}
-        found += [(f"error_{d.name}, {what}, N", 1.0, value) for what, value in of.items()]
-    return [*found, ("momentum balance, rms, N", 1.0, e.balance)]
+        found += [(f"error_{d.name}, {what}, N", value) for what, value in of.items()]
+    return [*found, ("momentum balance, rms, N", e.balance)]
 
 
 def line_differences(e: Evaluation, other: Evaluation) -> Section:
@@ -188,9 +178,8 @@ def line_differences(e: Evaluation, other: Evaluation) -> Section:
                 pairs[f"{line.name}, g"] = [line.amplitude / G, theirs[line.name].amplitude / G]
         rows += [
             [f"{name}, {d.name}", *cells(a, b, digits=3), f"{20.0 * np.log10(a / b):+.1f}".replace("-", "−")]
-            for name, (a, b) in pairs.items()
-            if a > 0.0 and b > 0.0
-        ]
+            for name, (a, b) in pairs.items() if a > 0.0 and b > 0.0
+        ]  # fmt: skip
     title = f"Vibration of the {e.y.vibration.body}: lines of its envelope"
     return Section(title=title, columns=("", *map(shown, named(e, other)), "difference, dB"), rows=rows)
 
@@ -205,7 +194,7 @@ def operation_words(record: Record) -> str:
         for of, speeds in zip(("", "outer ring "), acting.ring_speeds, strict=True):
             low, high = np.min(speeds) / RPM, np.max(speeds) / RPM
             if not of or low or high:
-                speed += of + (f"{text(low)} to " if varies(speeds) else "") + f"{text(high)} rpm, "
+                speed += f"{of}{f'{text(low)} to ' if varies(speeds) else ''}{text(high)} rpm, "
     load = section = " to ".join(cells(*forces)) + " N"
     if not is_plain(bearing):
         whole = " to ".join(cells(*(load_factor(bearing) * force for force in forces)))
@@ -236,67 +225,67 @@ def cage_rows(e: Evaluation) -> list[tuple[str, str]]:
 
 def rating_table(e: Evaluation) -> Section:
     """Ratings by the run's own loads, with sources; none of a table from elsewhere. `rate-bearing` has the others."""
-    t, kind = e.record, "words stacked"
+    t, bearing, scene, kind = e.record, e.record.bearing, e.record.scene, "words stacked"
     if t.inner_force is None or t.outer_force is None or "work_dissipated" not in t.energies:
         return Section(columns=(), rows=[], kind=kind)
-    columns, bearing = vars(t) | dict(t.energies), t.bearing
+    columns = vars(t) | dict(t.energies)
     try:
-        row = Dimensions.of(t.scene.unmounted_bearing())
+        row = life.Dimensions.of(scene.unmounted_bearing())
         run = run_loads(bearing, t.operation, {name: np.asarray(columns[name]) for name in COLUMNS})
     except Unavailable as error:
         return Section(columns=(), rows=[("ratings", f"none: {error}", "")], kind=kind)
+    cycle = run.cycle
 
     def pressures() -> str:
-        if t.scene.axial is None:
+        found = largest_pressures(t) if scene.axial is not None else ()
+        if scene.axial is None:
             largest = hertz_columns(bearing, {f"{side}_force": columns[f"{side}_force"].max() for side in SIDES})
             found = tuple(float(largest[f"{side}_peak_pressure"]) for side in SIDES)
-        else:
-            found = largest_pressures(t)
         return " and ".join(text(1e-6 * each) for each in found) + " MPa"
+
+    def torques() -> str:
+        life.caged_cylinders(row)
+        if scene.lubricant is None:
+            raise Unavailable("no viscosity: the scene has no [lubricant]")
+        viscosity = 1e6 * scene.lubricant.viscosity_Pa_s / OIL_DENSITY
+        diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
+        at = *diameters, cycle.load(), cycle.speed, viscosity, dimension_series(scene.bearing.designation)
+        return f"{text(life.skf_torque(*at).total)}; {text(life.palmgren_torque(*at).total)} N mm"
+
+    def hours(revolutions) -> str:
+        return f"{text(life.in_hours(revolutions, cycle.speed))} h"
 
     rows = []
     for meaning, source, compute in (
         ("basic load ratings C and C0", sources.DYNAMIC,
-         lambda: f"{text(dynamic_capacity(row))} and {text(static_capacity(row))} N"),
+         lambda: f"{text(life.dynamic_capacity(row))} and {text(life.static_capacity(row))} N"),
         ("equivalent load P of the run; its largest load", sources.LOAD,
-         lambda: f"{text(run.cycle.load())} N; {text(run.cycle.largest_load)} N"),
-        ("static safety factor", sources.STATIC, lambda: text(static_capacity(row) / run.cycle.largest_load)),
+         lambda: f"{text(cycle.load())} N; {text(cycle.largest_load)} N"),
+        ("static safety factor", sources.STATIC, lambda: text(life.static_capacity(row) / cycle.largest_load)),
         ("basic rating life L10", sources.LIFE,
-         lambda: f"{text(in_hours(basic_life(dynamic_capacity(row), run.cycle.load()), run.cycle.speed))} h"),
-        ("L10r by the run's roller loads", sources.OF_RUN,
-         lambda: f"{text(in_hours(run.life(row, t.scene.axial is not None), run.cycle.speed))} h"),
+         lambda: hours(life.basic_life(life.dynamic_capacity(row), cycle.load()))),
+        ("L10r by the run's roller loads", sources.OF_RUN, lambda: hours(run.life(row, scene.axial is not None))),
         ("largest Hertz pressure, inner and outer raceway", sources.HERTZ, pressures),
         ("torque of the run's dissipation", sources.OF_RUN,
          lambda: f"{text(1e3 * run.torque, 3)} N mm, {text(run.dissipated, 3)} W"),
-        ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, lambda: _torques(t, row, run)),
+        ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, torques),
     ):  # fmt: skip
         try:
             value = compute()
         except Unavailable as error:
             value = f"none: {error}"
-        rows.append((meaning, value, source.name + (" †" if source.second_hand else "")))
+        rows.append((meaning, value, f"{source.name} †" if source.second_hand else source.name))
     return Section(columns=(), rows=rows, kind=kind)
-
-
-def _torques(record: Record, row: Dimensions, run: RunLoads) -> str:
-    bearing, scene = record.bearing, record.scene
-    caged_cylinders(row)
-    if scene.lubricant is None:
-        raise Unavailable("no viscosity: the scene has no [lubricant]")
-    viscosity = 1e6 * scene.lubricant.viscosity_Pa_s / OIL_DENSITY
-    diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
-    at = *diameters, run.cycle.load(), run.cycle.speed, viscosity, dimension_series(scene.bearing.designation)
-    return f"{text(skf_torque(*at).total)}; {text(palmgren_torque(*at).total)} N mm"
 
 
 def interpretation(e: Evaluation) -> list[str]:
     """Say what the model may be used for, as far as the run has the data; of what may be noise nothing."""
-    said, budget, (scale, name) = [], e.budget, e.reference
+    said, budget, (scale, name), law, noise = [], e.budget, e.reference, e.law.name, e.position_noise
     # how much of the load the law carries, by least squares over the samples
     along = _missing([d.budget.error for d in e.directions], e.record) if name == "load" else 0.0  # N
-    missing, noise = along / scale if scale else 0.0, e.position_noise
+    missing = along / scale if scale else 0.0
     if name == "load" and not (noise is not None and abs(along) <= WITHIN * max(noise.law)):
-        begin = f"For the simulated contact approaches the law {e.law.name} gives"
+        begin = f"For the simulated contact approaches the law {law} gives"
         said.append(
             f"{begin} the load to within {text(100.0 * abs(missing), 2)} %."
             if abs(missing) < MATTERS
@@ -314,7 +303,7 @@ def interpretation(e: Evaluation) -> list[str]:
         words += f"; the strongest line in x is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
     if max(x.std, y.std) < LEVEL * hypot(x.mean, y.mean):
         words += ". The model follows the passage of the rollers; its mean force is off"
-    said.append(words + ".")
+    said.append(f"{words}.")
     best, own = e.laws[0], next((score for score in e.laws if score.name not in e.identified), None)
     x, y = best.errors
     words = f"Of the laws compared, {best.name} has the smallest error: {text(x.rms, 2)} N rms in x, {text(y.rms, 3)} N"
@@ -322,9 +311,8 @@ def interpretation(e: Evaluation) -> list[str]:
     if own is not None and own is not best:
         x, y = own.errors
         words += f"; among those not fitted to the run {own.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
-    said.append(words + ".")
-    own_terms = [term for term in OMITTED if term in budget.x.terms]
-    terms = {term: max(rms(budget.x.terms[term]), rms(budget.y.terms[term])) for term in own_terms}
+    said.append(f"{words}.")
+    terms = {term: max(rms(d.budget.terms[term]) for d in e.directions) for term in OMITTED if term in budget.x.terms}
     if terms:
         parts = " and ".join(f"{OMITTED[term]} ({text(value, 2)} N rms)" for term, value in terms.items())
         little = f": negligible against the {name}" if max(terms.values()) < MATTERS * scale else ""
@@ -340,27 +328,27 @@ def interpretation(e: Evaluation) -> list[str]:
         )
         if abs(static / most - 1.0) < ALIKE and abs(deep - found) > ALIKE * abs(found):
             words += ": loads follow from equilibrium; displacements depend on the law"
-        said.append(words + ".")
+        said.append(f"{words}.")
     return said
 
 
-def _missing(forces, record: Record) -> float:
+def _missing(forces, record):
     """What forces along x and y, N, (n_times,), lack on average against the load, by least squares, N."""
     return -float(np.mean(np.sum(np.array(forces) * np.array(record.whole_load), axis=0))) / record.load
 
 
 def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
     """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
-    left, (scale, _), noise, coarse = e.balance, e.reference, e.position_noise, e.too_coarse
+    left, (scale, _), noise, coarse, law = e.balance, e.reference, e.position_noise, e.too_coarse, e.law.name
     size = "" if left is None else f"{text(left, 2, e.noise)} N rms{_share(e, left)}"
+    alone = "" if noise is None else f"the error of the positions, {noise.source}, alone makes about"
     if left is None:
         found = "without contact forces the trajectories themselves cannot be checked"
     elif left <= max(SOUND * scale, e.noise):
         found = f"the trajectories are sound (Newton's law holds to {size})"
     elif noise is not None and e.balance_within_noise:
         found = (
-            f"the trajectories cannot be checked: Newton's law leaves {size}, and the error of the positions, "
-            f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
+            f"the trajectories cannot be checked: Newton's law leaves {size}, and {alone} {text(noise.balance, 2)} N"
         )
     elif coarse is not None:
         by_own = coarse.slow > SOUND * scale
@@ -378,15 +366,13 @@ def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = Tru
         x, y = cells(*(s.rms for s in e.judged), noise=e.noise)
         worst, peak = max(s.rms for s in e.judged), max(s.max_abs for s in e.judged)
         missed = (
-            f"with the contact law {e.law.name} the force balance is off by {x} N rms in x and {y} N in "
+            f"with the contact law {law} the force balance is off by {x} N rms in x and {y} N in "
             f"y{_share(e, worst)}, and at most by {text(peak)} N{_share(e, peak, named=False)}{part}"
         )
         if noise is not None and e.within_noise:
-            floor_x, floor_y = cells(*noise.error, digits=2)
             missed = (
-                f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law {e.law.name}: "
-                f"the error of the positions, {noise.source}, alone makes about {floor_x} N rms in x and {floor_y} N "
-                f"in y{part}"
+                f"the error forces, {x} N rms in x and {y} N in y, say nothing about the contact law {law}: "
+                f"{alone} {text(noise.error[0], 2)} N rms in x and {text(noise.error[1], 2)} N in y{part}"
             )
         found = f"{found}; {missed}"
     if tolerance is None:
@@ -394,7 +380,7 @@ def verdict(e: Evaluation, tolerance: float | None = None, equations: bool = Tru
     return f"{str(e.outcome(tolerance)).capitalize()} the tolerance of {text(tolerance)} N: {found}."
 
 
-def _share(e: Evaluation, force: float, named: bool = True) -> str:
+def _share(e, force, named=True):
     """A force in per cent of the load, and of the contact forces where those are what it is compared with."""
     wholes = dict([("load", e.record.load), e.reference[::-1]])
     parts = {name: share(force, whole) for name, whole in wholes.items() if whole > 0.0}
@@ -420,8 +406,10 @@ def fit_sentences(e: Evaluation) -> list[str]:
         rms_old, rms_new, mean_old, mean_new = cells(old.rms, new.rms, old.mean, new.mean)
         changes.append(f"in {axis} {rms_old} → {rms_new} N rms{part}, mean {mean_old} → {mean_new} N")
     for d in e.directions:  # the largest term first
-        terms = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
-        left.append(f"in {d.name} " + ", ".join(f"{term_label(n)} {text(v, 3)}" for v, n in terms if v > e.noise))
+        terms = sorted(
+            ((rms(v[found.samples :]), n.replace("_", " ")) for n, v in d.budget.terms.items()), reverse=True
+        )
+        left.append(f"in {d.name} " + ", ".join(f"{term} {text(v, 3)}" for v, term in terms if v > e.noise))
     damping = "" if found.damping is None else f", d = {interval(found.damping)} N s/m"
     sentences = [
         f"Fitted: K = {interval(found.stiffness, 1e3**-found.exponent.value)} N/mm^n, n = {interval(found.exponent)}"
@@ -439,6 +427,7 @@ def fit_sentences(e: Evaluation) -> list[str]:
 def vibration_sentences(e: Evaluation) -> list[str]:
     """Say what the scene's surfaces are, what check-vibration finds, which lines are high, and how they were found."""
     diagnosis, found, names, spalled = e.diagnosis, e.x.vibration.envelope, [], set()
+    body = e.y.vibration.body
     for fault in e.record.bearing.faults:
         place = body_name(fault)
         if isinstance(fault, Spall):
@@ -452,22 +441,20 @@ def vibration_sentences(e: Evaluation) -> list[str]:
             names.append(f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm")
     listed = " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
     scene = f"The scene has {listed}." if names else "The scene's surfaces are perfect circles."
-    if expected := [lines for body, lines in EXPECTED.items() if body in spalled]:
+    if expected := [lines for of, lines in EXPECTED.items() if of in spalled]:
         scene += f" Expected of such faults: {', '.join(expected)}."
     if isinstance(diagnosis, str):
         scene += f" No verdict by check-vibration: {diagnosis}."
     else:
-        whose = f"the {e.y.vibration.body}'s acceleration along y"
+        whose = f"the {body}'s acceleration along y"
         scene = " ".join([scene, f"Verdict of check-vibration on {whose}: {diagnosis.headline}", *diagnosis.reasons])
     if found is None:
         why = "the bearing stands still, or the record is too short or too coarse"
         why = "the speed changes, and lines are given in orders" if e.record.varies_speed else why
         return [f"{scene} No envelope: {why}."]
-    high = [(line.ratio, d.name, line) for d in e.directions for line in d.vibration.high_lines]
-    highest = {line.name: (ratio, axis, line) for ratio, axis, line in sorted(high, key=lambda each: each[0])}
-    said: set[str] = set()
-    words = []
-    for ratio, axis, line in sorted(highest.values(), key=lambda each: -each[0]):
+    high = sorted((line.ratio, d.name, line) for d in e.directions for line in d.vibration.high_lines)
+    said, words = set[str](), list[str]()
+    for ratio, axis, line in sorted({row[2].name: row for row in high}.values(), reverse=True):
         if not line.resolved and {line.name, line.nearest} & said:
             continue  # it may be a line that is there already
         said |= {line.name} if line.resolved else {line.name, line.nearest}
@@ -479,7 +466,7 @@ def vibration_sentences(e: Evaluation) -> list[str]:
         f"Lines of the envelope above their floors: {'; '.join(words)}."
         if words
         else f"No line of the envelope is {STANDS_OUT:g} times as high as its floor.",
-        f"Envelope (Hilbert) of the {e.y.vibration.body}'s acceleration within {text(1e-3 * found.low, 3)} "
+        f"Envelope (Hilbert) of the {body}'s acceleration within {text(1e-3 * found.low, 3)} "
         f"to {text(1e-3 * found.high, 3)} kHz (default without --band: {ENVELOPE_FROM:g} BPFI to 0.9 of the Nyquist "
         "frequency, at most 50 kHz). Amplitudes, not rms. Ratio: line over floor, the median at multiples of FTF "
         f"from the line; * at least {STANDS_OUT:g} (12 dB), which alone is no damage: a perfect bearing also has a "
@@ -509,11 +496,11 @@ def search_sentences(search: FaultSearch) -> list[str]:
         else f"{nothing} found: {places} of any body is above {MAP_STANDS_OUT:g} times its background (at most "
         f"{times} times)."
     )
+    rollers = [100.0 * m.seen for m in search.maps if m.place.roller is not None]
     rings = [m for m in search.maps if m.place.roller is None]
     seen = [f"{100 * m.seen:.0f} % of {body_name(m.place)}{unseen_in_words(m)}" for m in rings]
-    rollers = [100.0 * m.seen for m in search.maps if m.place.roller is not None]
-    low, high = min(rollers), max(rollers)
-    span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
+    low, high = f"{min(rollers):.0f}", f"{max(rollers):.0f}"
+    span = f"{low}{'' if low == high else f' to {high}'} % of each roller"
     return [*said, f"Examined by rollers in contact: {', '.join([*seen, span])}."]
 
 
@@ -549,8 +536,7 @@ def unseen(each: SinkageMap) -> list[tuple[float, float]]:
 
 def contradictions(e: Evaluation) -> list[str]:
     """What a table from elsewhere has otherwise than its scene: speed, load, rollers; none of a run with its own."""
-    record, load = e.record, e.record.load
-    found: list[str] = []
+    record, load, found = e.record, e.record.load, list[str]()
     if record.attributes:
         return found
     (inner, outer), speed = record.mean_speeds, record.cage_speed
@@ -568,10 +554,8 @@ def contradictions(e: Evaluation) -> list[str]:
     missing = load and _missing([d.budget.momentum if own else d.budget.error for d in e.directions], record) / load
     if abs(missing) > (ASTRAY if own else BY_LAW):
         whose = "its contact forces" if own else f"its approaches by the law {e.law.name}"
-        found.append(
-            f"{whose} carry {text((1.0 - missing) * load)} N, {share(1.0 - missing, 1.0)} of the scene's load of "
-            f"{text(load)} N"
-        )
+        carried = f"{text((1.0 - missing) * load)} N, {share(1.0 - missing, 1.0)}"
+        found.append(f"{whose} carry {carried} of the scene's load of {text(load)} N")
     if e.statics is not None and not e.balance_within_noise:
         force, count = e.statics.force, float(e.loaded_count.mean())
         should = np.count_nonzero(force > LOADED * force.max()) / e.statics.x.size

@@ -9,9 +9,7 @@ KILOHERTZ = 1e4  # from here on
 NOISE = 1e-6  # of the largest force at work: less is what sums and differences of stored numbers leave
 METRES = ((1e-3, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from, factor, unit
 # Okabe and Ito's palette, distinguished by colour-blind readers
-BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
-)  # fmt: skip
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = "#0072B2 #E69F00 #009E73 #D55E00 #CC79A7 #56B4E9 #7F7F7F".split()
 # of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
 INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
 TERM_COLOURS = {  # of the budget; other_forces stands in the place of ring_flexibility
@@ -28,14 +26,12 @@ def text(value: float | None, digits: int = 4, noise: float = 0.0) -> str:
         return "-"
     if not isfinite(value) or abs(value) <= noise:
         return "0" if abs(value) <= noise else str(value)
-    exponent = int(f"{value:.{digits - 1}e}".partition("e")[2])
-    if PLAIN[0] <= exponent < PLAIN[1]:
-        plain = f"{round(value, digits - 1 - exponent):.{max(0, digits - 1 - exponent)}f}"
-        plain = plain.rstrip("0").rstrip(".") if "." in plain else plain
-    else:
-        mantissa = f"{value:.{digits - 1}e}".partition("e")[0].rstrip("0").rstrip(".")
-        plain = mantissa + "·10" + str(exponent).translate(RAISED)
-    return plain.replace("-", "−")
+    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+    places = digits - 1 - int(power)
+    if PLAIN[0] <= int(power) < PLAIN[1]:
+        plain = f"{round(value, places):.{max(0, places)}f}"
+        return (plain.rstrip("0").rstrip(".") if "." in plain else plain).replace("-", "−")
+    return f"{mantissa.rstrip('0').rstrip('.')}·10{str(int(power)).translate(RAISED)}".replace("-", "−")
 
 
 def hertz(frequency: float, digits: int = 4) -> str:
@@ -52,11 +48,6 @@ def length(value: float, digits: int = 4) -> str:
 def share(part: float, whole: float) -> str:
     """Write a force as a part of another, in per cent."""
     return f"{text(100.0 * part / whole, 3, 1e-4)} %"
-
-
-def term_label(name: str) -> str:
-    """Write the name of a budget's term as words."""
-    return name.replace("_", " ")
 
 
 def family(line: str) -> str:

@@ -23,7 +23,7 @@ from lagrange.surface.deviation import Falls, SurfaceDeviation
 from lagrange.surface.edges import softened
 from lagrange.tilt import falls, met
 from residual.load_zone import load_zones
-from residual.record import FEWEST_SAMPLES, Record
+from residual.record import FEWEST_SAMPLES, Pair, Record
 from residual.spectrum import derivative, rms
 
 FIT_SHARE = 0.5  # of the record
@@ -48,12 +48,13 @@ class Pushes(NamedTuple):
         return self.spring + self.damper
 
     def turned(self, contacts: Overlaps) -> Overlaps:
-        """Contacts with the directions that these forces have on surfaces."""
-        if self.moment is None:  # the spring alone deforms an edge, whose compliance is in series with it
-            return contacts.at_force(self.spring)
-        return contacts.at_contact(self.falls)
+        """Contacts with the directions that these forces have on surfaces.
 
-    def on_hub(self, record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
+        The spring alone deforms an edge, whose compliance is in series with it.
+        """
+        return contacts.at_force(self.spring) if self.moment is None else contacts.at_contact(self.falls)
+
+    def on_hub(self, record: Record, contacts: Overlaps) -> Pair:
         """Their resultant on the hub along x and y, N, (n_times,), with the force of tilted contacts' moments."""
         x, y = contact_resultant(contacts, self.force)
         if self.moment is None:
@@ -91,8 +92,7 @@ class DampedLaw:
         return Pushes(force, damper_force(force, closing_speed, coefficient))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SlicedLaw:
+class SlicedLaw(NamedTuple):
     """A contact's law in slices at a record's misalignments; of approaches of the record's shape."""
 
     name: str
@@ -112,14 +112,14 @@ class SlicedLaw:
         force, moment = (0.0, 0.0) if self.dampers is None else tilted_damper(here, *self.dampers)
         return Pushes(here.force, force, here.moment + moment, falls(here, self.surface))
 
-    def _at(self, approach) -> TiltedContact:
+    def _at(self, approach):
         contact, found = alone(self.slices), []
         for first in range(0, len(self.misalignment), BLOCK):
             rows = slice(first, first + BLOCK)
             surface = None if self.surface is None else self.surface.rows(rows)
             here = met(contact, approach[rows], self.misalignment[rows], surface)
             found.append([np.broadcast_to(each, here.force.shape) for each in here])
-        return TiltedContact(*(np.concatenate(each) for each in zip(*found, strict=True)))
+        return TiltedContact(*map(np.concatenate, zip(*found, strict=True)))
 
 
 Law = DampedLaw | SlicedLaw
@@ -144,29 +144,26 @@ def sliced(record: Record, whole: PowerLaw | LogarithmicLaw, outer: bool = False
     if axial is None or record.roller_tilt is None:
         raise ValueError("the record has no rollers that tilt")
     slices, damping = contact_slices(bearing, axial, (whole, whole))[int(outer)], record.scene.damping.contacts
-    approach, surface = (contacts.outer if outer else contacts.inner), contacts.surfaces[int(outer)]
+    approach = contacts.outer if outer else contacts.inner
     misalignment = -record.roller_tilt if outer else misaligned(record, contacts)[0]
     dampers = None
     if damping.acts:
         rates = (derivative(value, record.interval, 1) for value in (approach, misalignment))
         dampers = damping, *rates, bearing.roller_length
-    return SlicedLaw(
-        name=whole.name, source=f"{whole.source}, in {slices.count} slices", slices=slices, misalignment=misalignment,
-        surface=surface, dampers=dampers,
-    )  # fmt: skip
+    source = f"{whole.source}, in {slices.count} slices"
+    return SlicedLaw(whole.name, source, slices, misalignment, contacts.surfaces[int(outer)], dampers)
 
 
-def misaligned(record: Record, contacts: Overlaps) -> tuple[np.ndarray, np.ndarray]:
+def misaligned(record: Record, contacts: Overlaps) -> Pair:
     """ψ of the inner contacts, and the slopes' part across their normals, rad, (n_times, n_rollers) each."""
-    angle = np.arctan2(record.roller_y, record.roller_x)
-    tilt = np.asarray(record.roller_tilt)
+    angle, tilt = np.arctan2(record.roller_y, record.roller_x), np.asarray(record.roller_tilt)
     x = tilt * np.cos(angle) - np.asarray(record.inner_slope_x)[:, None]
     y = tilt * np.sin(angle) - np.asarray(record.inner_slope_y)[:, None]
     nx, ny = contacts.normal
     return x * nx + y * ny, y * nx - x * ny
 
 
-def moment_resultant(record: Record, contacts: Overlaps, moment) -> tuple[np.ndarray, np.ndarray]:
+def moment_resultant(record: Record, contacts: Overlaps, moment) -> Pair:
     """Forces by which inner contacts' moments, N m, push the hub sideways, x and y, (n_times,), N."""
     push, (nx, ny) = moment * misaligned(record, contacts)[1] / contacts.distance, contacts.normal
     return np.sum(push * ny, axis=1), np.sum(-push * nx, axis=1)
@@ -180,8 +177,7 @@ class Interval(NamedTuple):
     high: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Identification:
+class Identification(NamedTuple):
     """A fitted law and how well it is known."""
 
     law: DampedLaw
@@ -198,15 +194,11 @@ class Identification:
 def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | None = None) -> Identification:
     """Fit Q = K δ^n, or with closing speeds Q = K δ^n + d δ̇, to closed contacts by least squares.
 
-    Parameters
-    ----------
     approach, force : ndarray, (n_times, n_rollers), m and N
     bridge : samples; a contact open no longer than this is still in the same passage
     closing_speed : δ̇, ndarray, (n_times, n_rollers), m/s; None: no damping is fitted
     samples : fit to the first so many; None: the first half
 
-    Errors
-    ------
     InputError: too few samples, passages, or too little range of depth to fix the numbers. The intervals are
     linear (delta method) with a covariance clustered by passage and Student's t; passages loaded at the same time
     still share the ring's vibration, which makes the intervals somewhat too narrow.
@@ -224,7 +216,7 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     depth, load = approach[:samples][closed], force[:samples][closed]
     speed = np.zeros_like(load) if closing_speed is None else closing_speed[:samples][closed]
     fitted = 2 if closing_speed is None else 3  # of ln K, n and d
-    n_passages = passage.max(initial=-1) + 1
+    n_passages = int(passage.max(initial=-1)) + 1
     if n_passages <= fitted + 1:
         raise InputError(
             f"{n_passages} passages of rollers through the load zone in the first {samples} samples, at least "
@@ -233,7 +225,7 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
     inside = depth > 0.0
     if inside.sum() < FEWEST_SAMPLES or np.std(np.log(depth[inside])) < LEAST_SPREAD:
         raise InputError("the contacts' approaches hardly vary: they fix no exponent; use a run with a load zone")
-    units = np.array([rms(depth[inside]), rms(load), rms(speed)])  # in which the parameters are found
+    units = [rms(depth[inside]), rms(load), rms(speed)]  # in which the parameters are found
     if not units[1] > LEAST_FORCE:
         raise InputError(f"the contact forces, {units[1]:.3g} N rms, are too small to fit a law to")
     if closing_speed is not None and not units[2] > 0.0:
@@ -249,8 +241,7 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
 
     found = least_squares(
         lambda p: model(p)[0] - load / units[1], np.array([0.0, 1.1, 0.0])[:fitted], jac=lambda p: model(p)[1],
-        method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12,
-    )  # fmt: skip
+        method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12)  # fmt: skip
     if not found.success or not 0.2 < found.x[1] < 5.0:
         raise InputError(f"the run's forces follow no power law of the approach (exponent {found.x[1]:.3g})")
     if np.linalg.matrix_rank(found.jac) < fitted:
@@ -273,13 +264,11 @@ def fit_law(approach, force, bridge: int, closing_speed=None, samples: int | Non
         constant = ContactDamping(constant=damping.value)
     spring = PowerLaw(
         name=FITTED[fitted - 2], stiffness=stiffness.value, exponent=exponent, range="the depths it was fitted to",
-        source="fitted to the run's own contact forces, Q = K δ^n",
-    )  # fmt: skip
+        source="fitted to the run's own contact forces, Q = K δ^n")  # fmt: skip
     return Identification(
-        law=DampedLaw(spring=spring, damping=constant), stiffness=stiffness, damping=damping, samples=samples,
-        exponent=Interval(*(exponent + ends * half[1]).tolist()), contacts=load.size, passages=int(n_passages),
-        depth=(float(depth.min()), float(depth.max())), scatter=float(units[1]) * rms(found.fun),
-    )  # fmt: skip
+        DampedLaw(spring=spring, damping=constant), stiffness, Interval(*(exponent + ends * half[1]).tolist()), damping,
+        samples, contacts=load.size, passages=n_passages, depth=(float(depth.min()), float(depth.max())),
+        scatter=units[1] * rms(found.fun))  # fmt: skip
 
 
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
@@ -294,8 +283,6 @@ def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
 def identify(record: Record, approach, closing_speed, bridge: int, name: str) -> Identification:
     """Fit one of FITTED to a run's own forces over the approach, m, and its rate, m/s.
 
-    Errors
-    ------
     InputError: the source holds no forces, or they fix no law.
     """
     try:

@@ -1,6 +1,6 @@
 """The load zone: passages through it, equilibria of the Lagrangian model beside it, pressures along rollers in it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from typing import NamedTuple
 
@@ -30,8 +30,7 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
     if at.size == 0:
         return []
     ends = np.flatnonzero(np.diff(at) > bridge + 1)
-    first, last = at[np.append(0, ends + 1)], at[np.append(ends, at.size - 1)]
-    return list(zip(first.tolist(), last.tolist(), strict=True))
+    return list(zip(at[[0, *(ends + 1)]].tolist(), at[[*ends, -1]].tolist(), strict=True))
 
 
 def chatter_gap(record: Record) -> int:
@@ -52,8 +51,7 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
     return max(range(loaded.shape[1]), key=merit)
 
 
-@dataclass(frozen=True, kw_only=True)
-class QuasiStatic:
+class QuasiStatic(NamedTuple):
     """Equilibria of rigid rings with rollers at cage speed, over one period of the bearing."""
 
     law: str
@@ -65,15 +63,13 @@ class QuasiStatic:
 
 def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     """Equilibria with a named law, for a fitted law with the usual one; None where there is none, or loads change."""
-    bearing, operation = record.bearing, record.operation
+    bearing, operation, known = record.bearing, record.operation, law_names(record.bearing)
     if not operation.is_steady:
         return None
-    known = law_names(bearing)
     name = law if law in known else known[0]
-    laws = contact_laws(name, bearing)
+    laws, found, start = contact_laws(name, bearing), [], None
     phases = PHASES * round(bearing.period * bearing.pockets / (2.0 * pi))
     ring = tuple(np.mean(place) for place in np.subtract(record.hub, (record.inner_x, record.inner_y)))
-    found, start = [], None
     for phase in np.arange(phases + 1) / phases * bearing.period:
         angles = roller_angles(bearing, operation.first_roller_angle) + phase
         try:
@@ -84,11 +80,10 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     away = np.concatenate([angle_from_load(each.theta) for each in found])
     force, order = np.concatenate([each.inner_force for each in found]), np.argsort(away)
     x, y = np.array([(each.x, each.y) for each in found]).T
-    return QuasiStatic(law=name, x=x, y=y, angle=away[order], force=force[order])
+    return QuasiStatic(name, x, y, away[order], force[order])
 
 
-@dataclass(frozen=True, kw_only=True)
-class AlongRollers:
+class AlongRollers(NamedTuple):
     """Pressures along rollers of a run; of contacts (2, n, n_slices), Pa, inner and outer raceway."""
 
     place: np.ndarray  # (n_slices,), m, along the axis from the middle
@@ -124,56 +119,46 @@ class _Side(NamedTuple):
         return bool(self.ends.are_loaded(self.slices, borne(self.pair, pressure)).any())
 
 
-def _sides(record: Record) -> list[_Side]:
+def _sides(record):
     """Inner and outer one; none where the source does not hold what pressures follow from."""
     axial, slices, bearing = record.scene.ideal_axial(), record.slices, record.scene.perfect_bearing()
     forces, moments = (record.inner_force, record.outer_force), (record.inner_moment, record.outer_moment)
     if axial is None or slices is None or any(each is None for each in (*forces, *moments)):
         return []
-    each = zip(
-        slices, contact_pairs(bearing), profile_ends(bearing, axial), forces, moments, axial.parts(record.bearing),
-        record.contacts.surfaces, strict=False,
-    )  # fmt: skip
-    return [
-        _Side(replace(own, part=part), pair, end, np.asarray(force), np.asarray(moment),
-              np.broadcast_to(0.0 if surface is None else surface.part_sinkage, np.shape(force)))
-        for own, pair, end, force, moment, part, surface in each
-    ]  # fmt: skip
+    parts, found = zip(axial.parts(record.bearing), record.contacts.surfaces, strict=False), []
+    of_sides = zip(slices, contact_pairs(bearing), profile_ends(bearing, axial), forces, moments, parts, strict=False)
+    for own, pair, end, force, moment, (part, surface) in of_sides:
+        sunk = np.broadcast_to(0.0 if surface is None else surface.part_sinkage, np.shape(force))
+        found.append(_Side(replace(own, part=part), pair, end, np.asarray(force), np.asarray(moment), sunk))
+    return found
 
 
 def along_rollers(record: Record) -> AlongRollers | None:
     """None where the source does not hold what pressures follow from.
 
-    Errors
-    ------
     Unavailable: its forces and moments are not those of its slices.
     """
     sides = _sides(record)
     if not sides:
         return None
-    shape = sides[0].force.shape
-    sample = int(np.unravel_index(np.abs(sides[0].moment).argmax(), shape)[0])
-    rollers = np.sort(np.argsort(sides[0].force[sample])[-ROLLERS:])
-    shown = np.ravel_multi_index((np.full(rollers.size, sample), rollers), shape)
+    force, moment, slices = sides[0].force, sides[0].moment, sides[0].slices
+    sample = int(np.unravel_index(np.abs(moment).argmax(), force.shape)[0])
+    rollers = np.sort(np.argsort(force[sample])[-ROLLERS:])
     bins = np.floor((record.from_load / (2.0 * pi) + 0.5) * BINS).astype(int).ravel() % BINS
-    around = np.zeros((len(sides), BINS, sides[0].slices.count))
+    around = np.zeros((len(sides), BINS, slices.count))
     for found, side in zip(around, sides, strict=True):
-        order = np.argsort(side.force, axis=None)
-        largest = np.full(BINS, -1)
+        order, largest = np.argsort(side.force, axis=None), np.full(BINS, -1)
         largest[bins[order]] = order  # the last one of each bin
         found[largest >= 0] = side.pressures(largest[largest >= 0])
-    return AlongRollers(
-        place=sides[0].slices.place, angle=2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5), around=around,
-        time=float(record.time[sample]), rollers=rollers, along=np.array([side.pressures(shown) for side in sides]),
-        edges=any(side.has_loaded_edge(found) for side, found in zip(sides, around, strict=True)),
-    )  # fmt: skip
+    angle = 2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5)
+    along = np.array([side.pressures(sample * force.shape[1] + rollers) for side in sides])
+    edges = any(side.has_loaded_edge(found) for side, found in zip(sides, around, strict=True))
+    return AlongRollers(slices.place, angle, around, float(record.time[sample]), rollers, along, edges)
 
 
 def largest_pressures(record: Record) -> tuple[float, ...]:
     """Of inner and outer raceway, Pa: of the contacts whose ends a straight line of pressure would press most.
 
-    Errors
-    ------
     Unavailable: a loaded end has an edge, the source does not hold what pressures follow from; as of `along_rollers`.
     """
     found, half = [], 0.5 * record.bearing.roller_length

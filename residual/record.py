@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import product
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,8 @@ SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or rattle, not under a smaller load
+Pair = tuple[np.ndarray, np.ndarray]  # along x and y
+Held = np.ndarray | None  # None where the source holds none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,14 +48,13 @@ class CageMotion:
     def whirl(self, interval: float) -> float:
         """Mean angular speed of its centre about the bearing's, rad/s."""
         angle = np.unwrap(np.arctan2(self.y, self.x))
-        return float((angle[-1] - angle[0]) / (interval * (self.angle.size - 1)))
+        return float((angle[-1] - angle[0]) / (interval * (angle.size - 1)))
 
 
 COLUMNS = {f"cage_{each.name}": each.name for each in fields(CageMotion)}  # of a result file, by what they are here
 
 
-@dataclass(frozen=True, kw_only=True)
-class StatedError:
+class StatedError(NamedTuple):
     """The solver's own estimate of a quantity's error."""
 
     meaning: str
@@ -64,10 +65,7 @@ class StatedError:
 
 @dataclass(frozen=True, kw_only=True)
 class Record:
-    """Sampled motion of one run, and its contact forces where the source holds them. SI; time first.
-
-    Optional arrays are None where the source holds none.
-    """
+    """Sampled motion of one run, and its contact forces where the source holds them. SI; time first."""
 
     name: str
     source: Path
@@ -77,33 +75,33 @@ class Record:
     inner_y: np.ndarray
     roller_x: np.ndarray  # (n_times, n_rollers), m, centres of mass
     roller_y: np.ndarray
-    inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
-    inner_ay: np.ndarray | None = None
-    inner_vx: np.ndarray | None = None  # (n_times,), m/s, the integrator's own, where springs hold the shaft
-    inner_vy: np.ndarray | None = None
-    outer_ring_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where its mounting moves it
-    outer_ring_y: np.ndarray | None = None
-    outer_ring_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
-    outer_ring_ay: np.ndarray | None = None
-    housing_ax: np.ndarray | None = None  # (n_times,), m/s², of a housing whose ring has a fit
-    housing_ay: np.ndarray | None = None
-    sensor_ay: np.ndarray | None = None  # (n_times,), m/s², what a sensor on the housing shows
-    inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
-    outer_force: np.ndarray | None = None
-    inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
-    outer_traction: np.ndarray | None = None
-    inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
-    outer_damping_force: np.ndarray | None = None
-    roller_tilt: np.ndarray | None = None  # (n_times, n_rollers), rad, of rollers that tilt, as the columns below
-    roller_skew: np.ndarray | None = None  # 0: they are guided
-    inner_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, of contacts
-    outer_moment: np.ndarray | None = None
-    inner_slope_x: np.ndarray | None = None  # (n_times,), rad, of the hub's axis
-    inner_slope_y: np.ndarray | None = None
+    inner_ax: Held = None  # (n_times,), m/s², the integrator's own
+    inner_ay: Held = None
+    inner_vx: Held = None  # (n_times,), m/s, the integrator's own, where springs hold the shaft
+    inner_vy: Held = None
+    outer_ring_x: Held = None  # (n_times,), m, centre of the outer ring, where its mounting moves it
+    outer_ring_y: Held = None
+    outer_ring_ax: Held = None  # (n_times,), m/s², the integrator's own
+    outer_ring_ay: Held = None
+    housing_ax: Held = None  # (n_times,), m/s², of a housing whose ring has a fit
+    housing_ay: Held = None
+    sensor_ay: Held = None  # (n_times,), m/s², what a sensor on the housing shows
+    inner_force: Held = None  # (n_times, n_rollers), N, normal, >= 0
+    outer_force: Held = None
+    inner_traction: Held = None  # (n_times, n_rollers), N, on the roller, positive along +θ
+    outer_traction: Held = None
+    inner_damping_force: Held = None  # (n_times, n_rollers), N, what damping gives of inner_force
+    outer_damping_force: Held = None
+    roller_tilt: Held = None  # (n_times, n_rollers), rad, of rollers that tilt, as the columns below
+    roller_skew: Held = None  # 0: they are guided
+    inner_moment: Held = None  # (n_times, n_rollers), N m, of contacts
+    outer_moment: Held = None
+    inner_slope_x: Held = None  # (n_times,), rad, of the hub's axis
+    inner_slope_y: Held = None
+    inner_damping_moment: Held = None  # (n_times, n_rollers), N m, what damping gives of inner_moment
+    outer_damping_moment: Held = None
+    roller_turn: Held = None  # (n_times, n_rollers), rad, of the rollers about themselves
     slices: tuple[Slices, Slices] | None = None  # of inner and outer contacts of rollers that tilt
-    inner_damping_moment: np.ndarray | None = None  # (n_times, n_rollers), N m, what damping gives of inner_moment
-    outer_damping_moment: np.ndarray | None = None
-    roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage
     attributes: Mapping[str, object] = field(default_factory=dict)
@@ -112,7 +110,7 @@ class Record:
     precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
 
     @property
-    def hub(self) -> tuple[np.ndarray, np.ndarray]:
+    def hub(self) -> Pair:
         """Places of the inner ring's centre in the fixed frame, along x and y, (n_times,), m."""
         if self.outer_ring_x is None or self.outer_ring_y is None:
             return self.inner_x, self.inner_y
@@ -132,7 +130,7 @@ class Record:
         return self.operation.at(self.time)
 
     @property
-    def whole_load(self) -> tuple[np.ndarray, np.ndarray]:
+    def whole_load(self) -> Pair:
         """Loads and weight of the hub along x and y, N, each (n_times,)."""
         acting = self.acting
         down = acting.radial_load + acting.inner_mass * acting.gravity
@@ -146,10 +144,8 @@ class Record:
     @property
     def mean_speeds(self) -> tuple[float, float]:
         """Means of both rings' speeds, rad/s, signed; 0 where one turns both ways and a mean slip has no sense."""
-        if self.reverses:
-            return 0.0, 0.0
-        inner, outer = self.acting.ring_speeds
-        return float(np.mean(inner)), float(np.mean(outer))
+        inner, outer = (0.0 if self.reverses else float(np.mean(speed)) for speed in self.acting.ring_speeds)
+        return inner, outer
 
     @property
     def reverses(self) -> bool:
@@ -159,7 +155,7 @@ class Record:
     @cached_property
     def varies_speed(self) -> bool:
         """Whether a ring's speed changes so much that no line in Hz stays where it is."""
-        return any(varies(speed) for speed in self.acting.ring_speeds)
+        return any(map(varies, self.acting.ring_speeds))
 
     @property
     def interval(self) -> float:
@@ -175,7 +171,7 @@ class Record:
     @property
     def orbits(self) -> float:
         """Turns of the rollers about the outer ring's centre; a mean slip has a meaning from one on."""
-        return abs(self.cage_speed) * float(self.time[-1] - self.time[0]) / (2.0 * np.pi)
+        return abs(self.cage_speed) * float(self.time[-1] - self.time[0]) / (2.0 * pi)
 
     @property
     def from_load(self) -> np.ndarray:
@@ -202,8 +198,7 @@ class Record:
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        of_record = {each.name for each in fields(self)}
-        cut: dict[str, Any] = {name: value[part] for name, value in self.arrays.items() if name in of_record}
+        cut: dict[str, Any] = {k: v[part] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
         cage = self.cage and CageMotion(**{name: value[part] for name, value in vars(self.cage).items()})
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
@@ -263,16 +258,14 @@ def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, 
 def checked(record: Record) -> Record:
     """Return the record unchanged if it makes sense.
 
-    Errors
-    ------
     InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
     scene's, rollers are nowhere near the pitch circle, or there are too few samples.
     """
-    source, time, n_rollers, pitch = record.source, record.time, record.bearing.n_rollers, record.bearing.pitch_radius
+    time, n_rollers, pitch = record.time, record.bearing.n_rollers, record.bearing.pitch_radius
 
     def refuse_if(wrong, words: str) -> None:
         if wrong:
-            raise InputError(f"{source}: {words}")
+            raise InputError(f"{record.source}: {words}")
 
     refuse_if(
         time.size < FEWEST_SAMPLES,
@@ -284,16 +277,13 @@ def checked(record: Record) -> Record:
         refuse_if(rollers != n_rollers, f"{name} holds {rollers} rollers, its scene says {n_rollers}")
         refuse_if(value.shape != wanted, f"{name} has shape {value.shape}, expected {wanted}; the file is damaged")
         bad = ~np.isfinite(value)
-        refuse_if(
-            np.abs(value[~bad]).max(initial=0.0) > LARGEST,
-            f"{name} exceeds {LARGEST:g} in SI units; are the units right?",
-        )
+        large = np.abs(value[~bad]).max(initial=0.0) > LARGEST
+        refuse_if(large, f"{name} exceeds {LARGEST:g} in SI units; are the units right?")
         where = np.unravel_index(np.argmax(bad), value.shape)
         refuse_if(
             bad.any(),
-            f"{name} is {value[where]} at sample {where[0]}"
-            + "".join(f", roller {j}" for j in where[1:])
-            + f" ({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out",
+            f"{name} is {value[where]} at sample {where[0]}{''.join(f', roller {j}' for j in where[1:])} "
+            f"({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out",
         )
     steps = np.diff(time)
     i = int(np.argmax(steps <= 0.0))
@@ -314,14 +304,14 @@ def checked(record: Record) -> Record:
     )
     rho, hub = np.hypot(record.roller_x, record.roller_y), np.hypot(record.inner_x, record.inner_y)
     i, j = divmod(int(np.argmax(np.abs(rho - pitch))), n_rollers)
+    farthest, k = farthest_place(record.bearing), int(np.argmax(hub))
     refuse_if(
-        abs(rho[i, j] - pitch) > farthest_place(record.bearing),
+        abs(rho[i, j] - pitch) > farthest,
         f"roller {j} is {rho[i, j]:.4g} m from the centre at sample {i}, the scene's pitch radius is {pitch:.4g} m; "
         "are the positions in metres and the scene the right one?",
     )
-    k = int(np.argmax(hub))
     refuse_if(
-        hub[k] > farthest_place(record.bearing),
+        hub[k] > farthest,
         f"the inner ring's centre (inner_x, inner_y) is {hub[k]:.4g} m off at sample {k}, the scene's pitch radius is "
         f"{pitch:.4g} m; are the positions in metres?",
     )

@@ -1,12 +1,11 @@
 """A check's report: summary.json, residual.nc, one self-contained page with its figures inside, and the terminal.
 
-    write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
+write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
 """
 
 import json
-import re
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import degrees
 from operator import attrgetter
@@ -28,15 +27,15 @@ from residual import findings
 from residual.budget import LawScore, tilt_summary
 from residual.evaluation import Evaluation
 from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
-from residual.formatting import LINE_COLOURS, family, hertz, term_label, text
+from residual.formatting import LINE_COLOURS, family, hertz, text
 from residual.laws import CONFIDENCE, Identification, Interval
 from residual.sampling import PositionNoise, Stationarity
-from residual.spectrum import MAIN_LOBE, Level, Peak, Spectrum, Statistics, power_spectrum, rms
+from residual.spectrum import MAIN_LOBE, Level, Peak, Statistics, power_spectrum, rms
 from residual.store import Page, write_folder
 from residual.vibration import FaultLine, LineLevel, Vibration
 
 if TYPE_CHECKING:
-    from residual.figures import Saved
+    from residual.figures import Drawing
 
 PROGRAM = "check-residual"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -71,7 +70,7 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
     """Write the report folder and return the summary; errors as of `write_folder`."""
     t = e.record
 
-    def draw(fresh: Path) -> "dict[str, list[Saved]]":
+    def draw(fresh: Path) -> "dict[str, list[Drawing]]":
         from residual.figures.run import draw_figures
 
         return draw_figures(e, options, fresh)
@@ -112,14 +111,7 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
     say(findings.contradiction_sentence(e))
     if options.equations:
         print_section(findings.error_table(e))
-        say("Loaded rollers: {} to {}".format(*e.loaded_range))
-        for d in e.directions:
-            peaks = []
-            for peak in d.peaks[:4]:
-                name = findings.peak_name(peak)
-                label = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
-                peaks.append(f"{hertz(peak.frequency)} ({label})")
-            say(f"Peaks of error_{d.name}: {'; '.join(peaks) or 'none stands out'}")
+        say("Loaded rollers: {} to {}".format(*e.loaded_range), *findings.peak_sentences(e))
         for name, x, y, background, resolved in findings.watched_table(e).rows:
             note = "" if resolved == "yes" else ", not resolved"
             say(f"{name}: {x} N rms in x, {y} in y (background {background}){note}")
@@ -154,13 +146,20 @@ def picture_of(run: Path) -> dict[str, str] | None:
 def spectra_json(e: Evaluation, equations: bool = True) -> str:
     """Write frequencies, Hz, densities and kinematic lines as JSON that may stand inside a script element.
 
-    Densities are of the error forces, N²/Hz, or without the equations of the hub's acceleration, m²/s⁴/Hz.
+    Densities are of the error forces, N²/Hz, or without the equations of the hub's acceleration, m²/s⁴/Hz. All bins of
+    a short record are kept; of a long one those below ALL_BELOW and each group's highest.
     """
     x, y = (d.spectrum for d in e.directions)
     if not equations:
         slowest, interval = min(e.lines.values(), default=0.0), e.record.interval
         x, y = (power_spectrum(signal, interval, slowest) for signal in e.hub_acceleration)
-    kept = _kept(x, y)
+    kept = np.arange(1, x.frequency.size)
+    if kept.size > MOST_POINTS:
+        low = np.flatnonzero((x.frequency > 0.0) & (x.frequency <= ALL_BELOW))[:MOST_POINTS]
+        rest = kept[low.size :]
+        groups = np.array_split(rest, min(rest.size, MOST_POINTS // 2))
+        peaks = [group[np.argmax(psd[group])] for group in groups for psd in (x.psd, y.psd)]
+        kept = np.unique(np.concatenate([low, peaks]))
     least = 1e-16 * max(float(each.psd[kept].max()) for each in (x, y))
     data = {
         "frequency": _rounded(x.frequency[kept], 7),
@@ -177,24 +176,12 @@ def spectra_json(e: Evaluation, equations: bool = True) -> str:
     return _script(data)
 
 
-def _kept(x: Spectrum, y: Spectrum) -> np.ndarray:
-    """Choose the bins to show: all of a short record; of a long one those below ALL_BELOW and each group's highest."""
-    n = x.frequency.size
-    if n - 1 <= MOST_POINTS:
-        return np.arange(1, n)
-    low = np.flatnonzero((x.frequency > 0.0) & (x.frequency <= ALL_BELOW))[:MOST_POINTS]
-    rest = np.arange(low[-1] + 1 if low.size else 1, n)
-    groups = np.array_split(rest, min(rest.size, MOST_POINTS // 2))
-    peaks = [group[np.argmax(psd[group])] for group in groups for psd in (x.psd, y.psd)]
-    return np.unique(np.concatenate([low, peaks]))
-
-
-def _script(data: dict) -> str:
+def _script(data):
     """JSON that may stand inside a script element."""
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _rounded(values, digits: int) -> list[float]:
+def _rounded(values, digits):
     return [float(f"{value:.{digits}g}") for value in values]
 
 
@@ -227,13 +214,13 @@ def player_json(e: Evaluation) -> str:
     return _script(data)
 
 
-# keys of each class' numbers: an attribute and its unit, or another name=attribute; and what is computed
-UNITS = re.compile("_(N2_Hz|N|Hz|m_s2|s|m)$")
+# keys of each class' numbers, key=attribute where these differ; and what is computed
 KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
-    Statistics: ("mean_N rms_N std_N max_abs_N", {}),
-    Peak: ("frequency_Hz psd_N2_Hz rms_N line also resolved", {}),
+    Statistics: ("mean_N=mean rms_N=rms std_N=std max_abs_N=max_abs", {}),
+    Peak: ("frequency_Hz=frequency psd_N2_Hz=psd rms_N=rms line also resolved", {}),
     LineLevel: (
-        "line=name frequency_Hz rms_N background_rms_N=background stands_out resolved record_needed_s",
+        "line=name frequency_Hz=frequency rms_N=rms background_rms_N=background stands_out resolved "
+        "record_needed_s=record_needed",
         {"band_Hz": attrgetter("low", "high")},
     ),
     Vibration: (
@@ -245,9 +232,11 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
             "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
         },
     ),
-    Level: ("rms_m_s2 kurtosis crest_factor=crest", {}),
+    Level: ("rms_m_s2=rms kurtosis crest_factor=crest", {}),
     FaultLine: (
-        "line=name frequency_Hz amplitude_m_s2 floor_m_s2 ratio stands_out resolved nearest record_needed_s", {},
+        "line=name frequency_Hz=frequency amplitude_m_s2=amplitude floor_m_s2=floor ratio stands_out resolved nearest "
+        "record_needed_s=record_needed",
+        {},
     ),
     FoundSpall: (
         "body=place.body roller=place.roller stands_out explained passages",
@@ -269,7 +258,7 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
         },
     ),
     Stationarity: (
-        "start_s",
+        "start_s=start",
         {
             "hub_std_x_m": lambda s: s.hub["x"], "hub_std_y_m": lambda s: s.hub["y"],
             "error_rms_x_N": lambda s: s.error["x"], "error_rms_y_N": lambda s: s.error["y"],
@@ -277,11 +266,11 @@ KEYS: dict[type, tuple[str, dict[str, Callable[[Any], Any]]]] = {
         },
     ),
     LawScore: (
-        "law=name contact_rms_N", {"error_x": lambda s: s.errors[0], "error_y": lambda s: s.errors[1]},
+        "law=name contact_rms_N=contact_rms", {"error_x": lambda s: s.errors[0], "error_y": lambda s: s.errors[1]},
     ),
     Interval: ("value low high", {}),
     Identification: (
-        "stiffness_N_per_m_to_the_n=stiffness exponent damping_N_s_per_m=damping contacts passages scatter_N",
+        "stiffness_N_per_m_to_the_n=stiffness exponent damping_N_s_per_m=damping contacts passages scatter_N=scatter",
         {"confidence": lambda _: CONFIDENCE},
     ),
 }  # fmt: skip
@@ -292,7 +281,7 @@ def numbers(found: Any) -> Any:
     if type(found) in KEYS:
         names, computed = KEYS[type(found)]
         pairs = (name.partition("=") for name in names.split())
-        own = {key: attrgetter(attribute or UNITS.sub("", key))(found) for key, _, attribute in pairs}
+        own = {key: attrgetter(attribute or key)(found) for key, _, attribute in pairs}
         return {key: numbers(value) for key, value in (own | {k: of(found) for k, of in computed.items()}).items()}
     if isinstance(found, np.ndarray):
         return found.tolist()
@@ -378,45 +367,42 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
     return summary
 
 
-def _write_arrays(e: Evaluation, path: Path) -> None:
+def _write_arrays(e, path):
     """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
+    psd, density = "one-sided PSD of", "N2 Hz-1"
     with hdf5_to_write(path, track_order=True) as file:
-        for name, values, dimension, unit, long_name in _variables(e):
+
+        def add(name: str, values: np.ndarray, dimension: str, unit: str, long_name: str) -> None:
             variable(file, name, values, (dimension,), unit, long_name)
+
+        add("time", e.record.time, "time", "s", "time")  # dimensions before what they are of
+        add("frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency")
+        if e.x.orders is not None:
+            turns = f"cycles per turn of the {e.x.orders.tracking.ring}"
+            add("shaft_order", e.x.orders.path.frequency, "shaft_order", "1", turns)
+        add("loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone")
+        for d, equation in zip(e.directions, ("equation (22)", "equation (23), load moved over"), strict=True):
+            error, body = f"error_{d.name}", d.vibration.body
+            add(error, d.budget.error, "time", "N", f"left side of {equation}")
+            add(f"psd_{d.name}", d.spectrum.psd, "frequency", density, f"{psd} {error}")
+            for name, term in d.budget.terms.items():
+                of = f"the {name.replace('_', ' ')} term of {error}"
+                add(f"budget_{d.name}_{name}", term, "time", "N", of[4:])
+                add(f"psd_{d.name}_{name}", d.term_spectra[name].psd, "frequency", density, f"{psd} {of}")
+            if d.budget.momentum is not None:
+                own = f"{error} with the run's own contact forces"
+                add(f"momentum_{d.name}", d.budget.momentum, "time", "N", own)
+            of_body = f"the {body}'s acceleration in {d.name}"
+            envelopes = (d.envelope, "", error, density), (d.vibration.envelope, f"{body}_", of_body, "m2 s-4 Hz-1")
+            for found, name, of, unit in envelopes:
+                if found is not None:
+                    of = f"{psd} the envelope of {of}, {found.low:.4g} to {found.high:.4g} Hz"
+                    add(f"{name}envelope_psd_{d.name}", found.spectrum.psd, "frequency", unit, of)
+            if d.orders is not None:
+                of, place = "one-sided PSD over orders of", f"the hub's place in {d.name}"
+                add(f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} {place}")
+                add(f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}")
         file.attrs.update(
             program=PROGRAM, program_version=VERSION, run=e.record.name, law=e.law.name, order=e.order,
             frequency_resolution_Hz=e.x.spectrum.resolution, window="hann", scene=e.record.scene.to_toml(),
         )  # fmt: skip
-
-
-def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]:
-    """Variables of residual.nc: name, values, dimension, unit, meaning; dimensions before what they are of."""
-    psd, density = "one-sided PSD of", "N2 Hz-1"
-    yield "time", e.record.time, "time", "s", "time"
-    yield "frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency"
-    if e.x.orders is not None:
-        turns = f"cycles per turn of the {e.x.orders.tracking.ring}"
-        yield "shaft_order", e.x.orders.path.frequency, "shaft_order", "1", turns
-    yield "loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone"
-    for d, equation in zip(e.directions, ("equation (22)", "equation (23), load moved over"), strict=True):
-        error, body = f"error_{d.name}", d.vibration.body
-        yield error, d.budget.error, "time", "N", f"left side of {equation}"
-        yield f"psd_{d.name}", d.spectrum.psd, "frequency", density, f"{psd} {error}"
-        for name, term in d.budget.terms.items():
-            of = f"the {term_label(name)} term of {error}"
-            yield f"budget_{d.name}_{name}", term, "time", "N", of[4:]
-            yield f"psd_{d.name}_{name}", d.term_spectra[name].psd, "frequency", density, f"{psd} {of}"
-        if d.budget.momentum is not None:
-            of = f"{error} with the run's own contact forces"
-            yield f"momentum_{d.name}", d.budget.momentum, "time", "N", of
-        for found, name, of, unit in (
-            (d.envelope, "", error, density),
-            (d.vibration.envelope, f"{body}_", f"the {body}'s acceleration in {d.name}", "m2 s-4 Hz-1"),
-        ):
-            if found is not None:
-                of = f"{psd} the envelope of {of}, {found.low:.4g} to {found.high:.4g} Hz"
-                yield f"{name}envelope_psd_{d.name}", found.spectrum.psd, "frequency", unit, of
-        if d.orders is not None:
-            of = "one-sided PSD over orders of"
-            yield f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", f"{of} the hub's place in {d.name}"
-            yield f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", f"{of} {error}"

@@ -1,7 +1,7 @@
 """Whether a record is sound: sampling and positions fine enough for second derivatives; a settled beginning."""
 
-from dataclasses import dataclass
 from math import comb, floor, hypot, log10
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ SETTLED = 1.5  # quarters alike differ by no more than this factor
 SMALLEST = 1e-9  # m: a hub that moves less stands still
 
 
-@dataclass(frozen=True, kw_only=True)
-class TooCoarse:
+class TooCoarse(NamedTuple):
     """A run of ours whose momentum balance errs by vibration that its samples do not follow.
 
     Beyond the Nyquist frequency it is folded down, to a false, lower frequency, where the second derivative of a
@@ -83,14 +82,10 @@ def too_coarse(
 ) -> TooCoarse | None:  # fmt: skip
     """Find vibration of a run of ours beyond its samples; of a table from elsewhere forces may be missing.
 
-    Parameters
-    ----------
     balances : of the momentum balance in x and y, N
     floors : expected errors of differentiation, N rms
     least, most : N rms; balances below are of no account, and above fail
 
-    Returns
-    -------
     None where nothing shows, or where the balance fails at frequencies too that the samples follow well.
     """
     directions, left = (budget.x, budget.y), [each.rms for each in balances if each is not None]
@@ -131,8 +126,7 @@ def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
     ]
 
 
-@dataclass(frozen=True, kw_only=True)
-class PositionNoise:
+class PositionNoise(NamedTuple):
     """Errors of a table's positions, m rms of one coordinate, and of the forces computed from them, N rms.
 
     A second derivative multiplies noise by the squared sampling rate, a contact law by its stiffness; such forces are
@@ -140,10 +134,10 @@ class PositionNoise:
     """
 
     step: float  # m, to which positions are rounded; 0: finer than shows
-    hub: tuple[float, float]  # m, along x and y
+    hub: tuple[float, ...]  # m, along x and y
     roller: float  # m
-    inertia: tuple[float, float]  # N, of the inertia force along x and y
-    law: tuple[float, float]  # N, of the resultant of a law's forces
+    inertia: tuple[float, ...]  # N, of the inertia force along x and y
+    law: tuple[float, ...]  # N, of the resultant of a law's forces
 
     @property
     def error(self) -> tuple[float, float]:
@@ -179,8 +173,6 @@ class PositionNoise:
 def position_noise(record: Record, law: Law, budget: Budget, order: int) -> PositionNoise | None:
     """Estimate the errors of a table's positions; None for a run of ours, which holds them to round-off.
 
-    Errors
-    ------
     Noise is estimated from the highest frequencies of the table, where vibration beyond its sampling stands too; noise
     whose spectrum falls with frequency is underestimated. Rounding is taken as an error of step/√12, white unless
     positions change more seldom than from sample to sample.
@@ -193,26 +185,22 @@ def position_noise(record: Record, law: Law, budget: Budget, order: int) -> Posi
     mass_rate, weights = record.operation.inner_mass / record.interval**2, stencil(order)  # N/m
     gain = float(np.linalg.norm(weights))
     jump = float(np.linalg.norm(np.cumsum(weights)))  # of a step from one sample to the next
-    slope = law.slope(budget.contacts.inner)
-    along, steps, hub, inertia = (budget.contacts.direction_x, budget.contacts.direction_y), [], [], []
+    slope, steps, hub, inertia, of_law = law.slope(budget.contacts.inner), [], list[float](), [], []
     for place in (record.inner_x, record.inner_y):
         white, step = float(_noise_level(place)), _rounding_step(place) if np.ptp(place) > 0.0 else rollers
         seldom = min(gain * UNIFORM, jump * np.sqrt(np.mean(np.diff(place) != 0.0)))
         inertia.append(mass_rate * max(white * gain, step * seldom))
         hub.append(max(white, step * UNIFORM))
         steps.append(step)
-    of_law = []
+    along = budget.contacts.direction_x, budget.contacts.direction_y
     for a in along:
         shared = [np.mean(np.sum(slope * a * b, axis=1) ** 2) for b in along]  # (N/m)²
         single = np.mean(np.sum((slope * a) ** 2, axis=1))
         of_law.append(float(np.sqrt(shared[0] * hub[0] ** 2 + shared[1] * hub[1] ** 2 + single * roller**2)))
-    return PositionNoise(
-        step=max(*steps, rollers), hub=(hub[0], hub[1]), roller=roller, inertia=(inertia[0], inertia[1]),
-        law=(of_law[0], of_law[1]),
-    )  # fmt: skip
+    return PositionNoise(max(*steps, rollers), tuple(hub), roller, tuple(inertia), tuple(of_law))
 
 
-def _noise_level(places: np.ndarray) -> np.ndarray:
+def _noise_level(places):
     """Rms of the white noise in signals, (n_times, ...), by differences of a high order; in their unit, (...).
 
     Source: differences that leave no trend, J. von Neumann et al., Annals of Mathematical Statistics 12 (1941) 153.
@@ -221,7 +209,7 @@ def _noise_level(places: np.ndarray) -> np.ndarray:
     return NORMAL * np.median(np.abs(left), axis=0) / np.sqrt(comb(2 * DIFFERENCES, DIFFERENCES))
 
 
-def _rounding_step(places: np.ndarray) -> float:
+def _rounding_step(places):
     """Step to which values are rounded, by the gaps between them, in their unit; 0 where none shows."""
     values = np.unique(places[:ENOUGH])
     gaps = np.diff(values)
@@ -230,8 +218,7 @@ def _rounding_step(places: np.ndarray) -> float:
     return float(gaps.min()) if gaps.size and np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stationarity:
+class Stationarity(NamedTuple):
     """Motion and errors in each quarter of a record, each (QUARTERS,)."""
 
     start: np.ndarray  # s, of the run's time
@@ -244,9 +231,7 @@ class Stationarity:
         """Remedy for a transient; None where there is none."""
         if self.settled == 0:
             return None
-        widths = "; ".join(
-            f"{name} {', '.join(text(1e9 * value, 3) for value in values)} nm" for name, values in self.hub.items()
-        )
+        widths = "; ".join(f"{name} {', '.join(text(1e9 * each, 3) for each in s)} nm" for name, s in self.hub.items())
         moves = f"the hub's vibration changes over the quarters of the record (standard deviations of {widths})"
         if self.settled is None:
             return f"{moves}: it has not settled by the end; simulate longer"
@@ -256,10 +241,7 @@ class Stationarity:
 def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) -> Stationarity | None:
     """Split a record; None where a quarter is too short.
 
-    Parameters
-    ----------
-    errors : error forces by direction, N, each (n_times,)
-    passing : Hz, the ball-pass frequency; 0: nothing passes
+    `errors` : error forces by direction, N, each (n_times,); `passing` : Hz, the ball-pass frequency; 0: nothing passes
     """
     parts = np.array_split(np.arange(record.time.size), QUARTERS)
     if passing <= 0.0 or parts[0].size * record.interval * passing < PASSAGES:
@@ -270,4 +252,4 @@ def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) 
     swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
     alike = (k for k in range(QUARTERS - 1) if swing[k:].max() <= SETTLED * swing[k:].min())
     settled = 0 if swing.max() < SMALLEST else next(alike, None)
-    return Stationarity(start=record.time[[part[0] for part in parts]], hub=hub, error=error, settled=settled)
+    return Stationarity(record.time[[part[0] for part in parts]], hub, error, settled)

@@ -1,5 +1,6 @@
 """Readers of runs: the solver's result file (HDF5), and trajectory tables (CSV, TSV, semicolons, MATLAB) of others."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,14 @@ from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene.run import Columns, per_roller
 from lagrange.scene.scene import Scene, SceneError, parse_stored_scene
 from lagrange.statics import held_hub
-from residual.record import COLUMNS, FEWEST_SAMPLES, TIME_JITTER, CageMotion, Record, StatedError, checked, relative
+from residual import record as records
+from residual.record import COLUMNS, FEWEST_SAMPLES, TIME_JITTER, Record, relative
 
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
 OPTIONAL = ("inner_ax", "inner_ay", *FORCES)
-DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
-SHAFT = ("inner_vx", "inner_vy", "energy_shaft")  # where springs and dashpots hold the shaft
+KEPT = {*ENERGIES, *OF_MOUNTING, *(each.name for each in fields(Record))}
 TURN, SPIN = "roller_turn", "roller_spin"  # rotation of the rollers; its rate, less exact
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
@@ -57,13 +58,12 @@ def check_readable(path: Path) -> None:
         raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")
     if not path.is_file():
         raise InputError(f"{path}: not a file; give the path of a result file or a table")
-    if path.stat().st_size == 0:
-        raise InputError(f"{path}: the file is empty; run the simulation again")
     try:
-        with path.open("rb") as file:
-            start = file.read(len(hdf5.SIGNATURE))
+        start = read_plain(path, len(hdf5.SIGNATURE))
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
+    if not start:
+        raise InputError(f"{path}: the file is empty; run the simulation again")
     if start != hdf5.SIGNATURE and is_result(path):
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 
@@ -71,8 +71,6 @@ def check_readable(path: Path) -> None:
 def read_result(path: str | Path) -> Record:
     """Read a run's result file up to its last committed sample.
 
-    Errors
-    ------
     InputError: no such file, not HDF5, damaged (also by its checksums), another program's, another format
     version, variables missing, of the wrong shape, not finite or in another file, irregular time, too few samples,
     too large.
@@ -83,7 +81,7 @@ def read_result(path: str | Path) -> Record:
 
     try:
         with h5py.File(path, "r", locking=False) as file:
-            return checked(_from_file(path, file))
+            return records.checked(_from_file(path, file))
     except InputError:
         raise
     except SceneError as error:
@@ -95,7 +93,7 @@ def read_result(path: str | Path) -> Record:
         raise InputError(f"{path}: damaged or truncated HDF5 file ({reason}); run the simulation again") from None
 
 
-def _from_file(path: Path, file) -> Record:
+def _from_file(path, file):
     """Read an open result file; the record is not checked yet."""
     attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
     printed = ("status", "warnings", "program_version")
@@ -110,32 +108,37 @@ def _from_file(path: Path, file) -> Record:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; run the scene again"
         )
     scene = parse_stored_scene(hdf5.read_scene_text(file), f"{path}, attribute scene", hdf5.read_scene_files(file))
-    mounting, axial = scene.mounting(), scene.ideal_axial()
-    needed = [*MOTION, *mounting.centre[:2]]
-    held = [*OPTIONAL, *(name for name in mounting.columns if name.endswith(("_ax", "_ay")))]
-    held += ["energy_support"] if mounting.housing is not None else []
-    held += SHAFT if mounting.shaft is not None else ()
-    held += [*columns_of(*scene.parts_of_tilt), *ENERGIES, *(DAMPERS if scene.damping.acts else ())]
-    promised = [*needed, *held] if attributes.get("program") == SOLVER else needed
-    missing = [name for name in promised if not hdf5.has(file, name)]
+    centre, axial, rollers = scene.mounting().centre, scene.ideal_axial(), scene.bearing.present
+    needed = (*MOTION, *centre[:2])
+    held = [name for name in columns_of("", *scene.parts) if name in KEPT or name in centre]
+    missing = [n for n in (held if attributes.get("program") == SOLVER else needed) if not hdf5.has(file, n)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file? Run the scene again")
     if not isinstance(n, int) or n < 0:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    of_cage = tuple(COLUMNS) if scene.cage is not None and all(hdf5.has(file, name) for name in COLUMNS) else ()
-    names = [*needed, *held, *DAMPERS, TURN if hdf5.has(file, TURN) else SPIN, *of_cage]
-    arrays = _arrays(path, file, [name for name in dict.fromkeys(names) if hdf5.has(file, name)], n, scene)
+    of_cage = COLUMNS if scene.cage is not None and all(hdf5.has(file, name) for name in COLUMNS) else {}
+    names = dict.fromkeys((*held, TURN if hdf5.has(file, TURN) else SPIN, *of_cage))
+    arrays, size = {name: hdf5.check_array(file, name, n) for name in names if hdf5.has(file, name)}, 0
+    for name, data in arrays.items():  # before anything is read
+        if data.shape[1:] not in ((), (rollers,)):
+            raise InputError(f"{path}: {name} holds {data.shape[1]} rollers, its scene says {rollers}")
+        size += 8 * n * (rollers if data.ndim > 1 else 1)
+    if size > LARGEST_READ:
+        raise InputError(
+            f"{path}: {size / 2**30:.1f} GiB of arrays, at most {LARGEST_READ / 2**30:.0f} are read; "
+            "store less often (numerics.output_interval_us)"
+        )
+    arrays = {name: hdf5.read_numbers(file, name, n) for name in arrays}
     if (spin := arrays.pop(SPIN, None)) is not None:  # of a run on perfect surfaces: its record looks like any other
         from scipy.integrate import cumulative_trapezoid
 
         time = arrays["time"]  # rollers have turned from 0 at t = 0
         arrays[TURN] = time[0] * spin[:1] + cumulative_trapezoid(spin, time, axis=0, initial=0.0)
-    coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in (*ENERGIES, *OF_MOUNTING) if name in arrays}
-    arrays = relative(arrays, mounting.centre)
-    cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
+    arrays = relative(arrays, centre)
+    cage = records.CageMotion(**{of: arrays.pop(name) for name, of in of_cage.items()}) if of_cage else None
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
     if (status := attributes.setdefault("status", "unknown")) != "complete":
         notes.append(f"the run is not complete (status: {status}); its first {n} samples are used")
@@ -146,46 +149,22 @@ def _from_file(path: Path, file) -> Record:
         slices = contact_slices(bearing, axial, contact_laws(scene.lagrange.law, bearing))
     elif axial is not None:
         slices = read_slices(file, bearing, axial)
+    columns, stated = [], ("meaning", "unit", "value", "error")  # what `run-fem --estimate-error` has said
+    for name in stated if all(hdf5.has(file, f"quantity_{name}") for name in stated) else ():
+        number = name in ("value", "error")
+        data = hdf5.check_array(file, f"quantity_{name}", 0, kinds="f" if number else "OS", dimensions=(1,))
+        if len(data) > MOST_STATED_ERRORS:
+            raise hdf5.Damaged(f"quantity_{name} holds {len(data)} values, at most {MOST_STATED_ERRORS} are read")
+        columns.append([_plain(value) if number else _words(_plain(value)) for value in data[:]])
     return Record(
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), slices=slices, **arrays,
+        stated_errors=tuple(records.StatedError(*row) for row in zip(*columns, strict=True)), slices=slices,
+        notes=tuple(notes),
+        precision=float(max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))), **arrays,
     )  # fmt: skip
 
 
-def _arrays(path: Path, file, names: list[str], n: int, scene: Scene) -> dict[str, Any]:
-    """Variables of a file; wrong kinds, shapes and sizes are refused before anything is read."""
-    size = 0
-    for name in names:
-        rollers = hdf5.check_array(file, name, n).shape[1:]
-        if rollers and rollers[0] != scene.bearing.present:
-            raise InputError(f"{path}: {name} holds {rollers[0]} rollers, its scene says {scene.bearing.present}")
-        size += 8 * n * (rollers[0] if rollers else 1)
-    if size > LARGEST_READ:
-        raise InputError(
-            f"{path}: {size / 2**30:.1f} GiB of arrays, at most {LARGEST_READ / 2**30:.0f} are read; "
-            "store less often (numerics.output_interval_us)"
-        )
-    return {name: hdf5.read_numbers(file, name, n) for name in names}
-
-
-def _stated_errors(file) -> tuple[StatedError, ...]:
-    """Read the errors that `run-fem --estimate-error` has stated in the file."""
-    columns, numbers = [], ("value", "error")
-    for name in ("meaning", "unit", *numbers):
-        if not hdf5.has(file, f"quantity_{name}"):
-            return ()
-        kinds = "f" if name in numbers else "OS"
-        data = hdf5.check_array(file, f"quantity_{name}", 0, kinds=kinds, dimensions=(1,))
-        if len(data) > MOST_STATED_ERRORS:
-            raise hdf5.Damaged(f"quantity_{name} holds {len(data)} values, at most {MOST_STATED_ERRORS} are read")
-        columns.append([_plain(value) if name in numbers else _words(_plain(value)) for value in data[:]])
-    return tuple(
-        StatedError(meaning=meaning, unit=unit, value=value, error=error)
-        for meaning, unit, value, error in zip(*columns, strict=True)
-    )
-
-
-def _words(value: object) -> str:
+def _words(value):
     """Make text fit to be printed."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(value)[:LONGEST_WORDS])
 
@@ -201,8 +180,6 @@ def _plain(value):
 def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic: bool = False) -> Record:
     """Read a trajectory table with one header line, or a MATLAB file (.mat) whose variables are its columns.
 
-    Parameters
-    ----------
     scene : its [table] gives names and units; without one: time, inner_x, inner_y and roller_<j>_x,
         roller_<j>_y or roller_<j>_rho, roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has
         them
@@ -213,8 +190,6 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic
     semicolon or blanks) is taken from the header. A MATLAB file may hold a matrix, roller_x with a column for each
     roller, and fields of a struct in place of variables. Rounded time stamps of an even clock become its times.
 
-    Errors
-    ------
     InputError: no such file, not text, columns missing or twice, a number of rollers other than the scene's, a row
     that can't be read, more than fits in memory, and all that `checked` refuses.
     """
@@ -245,10 +220,10 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False, kinematic
             f"operation.first_roller_deg, in static balance on {scene.lagrange.law} contacts"
         )
     columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names
-    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
+    return records.checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
-def _columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]:
+def _columns(path, scene, kinematic):
     """Every quantity that a text has, SI; or MATLAB's variables, fields of a struct and columns of matrices."""
     if path.suffix.lower() == ".mat" and path.is_file():
         from residual.measured.formats import read_channels
@@ -266,9 +241,9 @@ def _columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]
             if number and bare in Columns.model_fields and per_roller(bare):
                 bare = scene.table.header(bare, int(number.rstrip("]")) - 1)[0][0]
             named[bare] = channels.values[name].astype(float)
-        header = list(named)
+        header, values = list(named), list(named.values())
         found = _columns_found(path, header, scene, kinematic)
-        numbers = [np.column_stack([named[header[i]] for i in own]) for own, _ in found.values()]
+        numbers = [np.column_stack([values[i] for i in own]) for own, _ in found.values()]
     else:
         check_readable(path)
         try:
@@ -284,13 +259,12 @@ def _columns(path: Path, scene: Scene, kinematic: bool) -> dict[str, np.ndarray]
             wanted = table.numbers([index for own, _ in found.values() for index in own])
         except ValueError as error:
             raise InputError(f"{path}: {error}") from None
-        ends = np.cumsum([len(own) for own, _ in found.values()])
-        numbers = np.split(wanted, ends[:-1], axis=1)
+        numbers = np.split(wanted, np.cumsum([len(own) for own, _ in found.values()])[:-1], axis=1)
     scaled = {name: factor * of for (name, (_, factor)), of in zip(found.items(), numbers, strict=True)}
     return {name: values if per_roller(name) else values[:, 0] for name, values in scaled.items()}
 
 
-def _kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _kinematic_rollers(path, scene, arrays):
     """Places, m, (n_times, n_rollers), of rollers that roll without slip, each in radial balance between its contacts.
 
     InputError: the outer ring moves, or surfaces are no perfect circles.
@@ -310,7 +284,7 @@ def _kinematic_rollers(path: Path, scene: Scene, arrays: dict[str, np.ndarray]) 
     return rho * np.cos(theta), rho * np.sin(theta)
 
 
-def _columns_found(path: Path, header: list[str], scene: Scene, kinematic: bool) -> dict[str, tuple[list[int], float]]:
+def _columns_found(path, header, scene, kinematic):
     """Find column numbers and factor to SI of each quantity that the table has."""
     n_rollers, centre, found, absent = scene.bearing.present, scene.mounting().centre, {}, dict[str, list[str]]()
     for quantity in (*MOTION, *POLAR, *OPTIONAL, *centre):
@@ -378,11 +352,9 @@ def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
     return None
 
 
-def _evenly_sampled(path: Path, arrays: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str | None]:
+def _evenly_sampled(path, arrays):
     """Bring arrays to as many equal steps, with a note; unchanged and None where the steps are equal already.
 
-    Errors
-    ------
     InputError: time falls or stands, a gap of more than ten intervals, too few samples. Vibration above a quarter of
     the mean sampling rate is not to be trusted afterwards.
     """

@@ -15,6 +15,7 @@ carry 14 times the noise.
 from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,14 +48,13 @@ TRANSIENT = 6.0  # periods of the band's width, both ends together
 SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
 
 
-def _weights(first: int, last: int, derivative: int) -> np.ndarray:
+def _weights(first, last, derivative):
     """Weights at 0 on the nodes first … last, unit spacing: derivatives of Lagrange's polynomials, whole numbers."""
-    nodes = np.arange(first, last + 1.0)
-    others = [np.delete(nodes, k) for k in range(nodes.size)]
-    return np.array([
-        factorial(derivative) * np.poly(rest)[-1 - derivative] / np.prod(node - rest)
-        for node, rest in zip(nodes, others, strict=True)
-    ])  # fmt: skip
+    nodes, weights = np.arange(first, last + 1.0), []
+    for k, node in enumerate(nodes):
+        others = np.delete(nodes, k)
+        weights.append(factorial(derivative) * np.poly(others)[-1 - derivative] / np.prod(node - others))
+    return np.array(weights)
 
 
 def stencil(order: int, derivative: int = 2) -> np.ndarray:
@@ -74,8 +74,6 @@ def derivative(signal, interval: float, derivative: int = 2, order: int = 6) -> 
 
     Motion is taken relative to its mean first, so that round-off scales with the motion and not with the position.
 
-    Errors
-    ------
     Truncation O(interval^order) where the signal is smooth, one or two orders less in the last order/2 samples at
     either end; at a kink (a contact opening or closing) the order drops. Round-off and truncation are estimated by
     `floor`. ValueError: fewer than order + 1 samples.
@@ -103,8 +101,7 @@ def response(frequency, interval: float, order: int = 6) -> np.ndarray:
     return sum(weight * (k * np.sinc(k * turns)) ** 2 for k, weight in enumerate(stencil(order)[order // 2 :]))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Floor:
+class Floor(NamedTuple):
     """Error that the differentiation itself makes, in the unit of the second derivative."""
 
     round_off: float  # bound: Σ|c| eps max|x − mean| / interval²
@@ -118,8 +115,6 @@ class Floor:
 def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).eps) -> Floor:
     """Estimate the error of the second derivative of one signal, (n_times,), stored with a relative precision `eps`.
 
-    Errors
-    ------
     Truncation is what the stencil's gain takes from the derivative's own spectrum: right to a few per cent where the
     signal is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor the last order/2 samples at
     either end.
@@ -129,10 +124,8 @@ def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).
     gain = response(spectrum.frequency[1:], interval, order)
     missed = spectrum.psd[1:] * ((1.0 - gain) / gain) ** 2
     size = np.max(np.abs(signal if eps > 1e-10 else signal - signal.mean()))
-    return Floor(
-        round_off=float(np.sum(np.abs(stencil(order))) * eps * size / interval**2),
-        truncation=float(np.sqrt(np.sum(missed) * spectrum.resolution)),
-    )
+    round_off = float(np.sum(np.abs(stencil(order))) * eps * size / interval**2)
+    return Floor(round_off, float(np.sqrt(np.sum(missed) * spectrum.resolution)))
 
 
 def rms(signal) -> float:
@@ -140,8 +133,7 @@ def rms(signal) -> float:
     return float(np.sqrt(np.mean(signal**2)))
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """Size and shape of a vibration, its mean removed, in its unit."""
 
     rms: float
@@ -155,8 +147,7 @@ class Level:
         return cls(level, peak, *((peak / level, float(np.mean((signal / level) ** 4))) if level else (None, None)))
 
 
-@dataclass(frozen=True)
-class Statistics:
+class Statistics(NamedTuple):
     """Mean, rms, standard deviation and largest magnitude of one signal, N."""
 
     mean: float
@@ -169,7 +160,7 @@ class Statistics:
         return cls(float(np.mean(signal)), rms(signal), float(np.std(signal)), float(np.max(np.abs(signal))))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Spectrum:
     """One-sided power spectral density."""
 
@@ -216,16 +207,15 @@ class Spectrum:
         return float(np.sqrt(np.sum(self.psd[inside]) * self.resolution))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Peak:
+class Peak(NamedTuple):
     """A peak that stands out of the smooth background."""
 
     frequency: float  # Hz, interpolated between bins
     psd: float  # N²/Hz, of the highest bin
     rms: float  # N, of the main lobe
+    resolved: bool  # no other line, nor zero frequency, within the main lobe
     line: str | None  # kinematic line within the resolution
     also: tuple[str, ...] = ()  # what else it may be: other lines within the resolution, the hub on its contacts
-    resolved: bool  # no other line, nor zero frequency, within the main lobe
 
 
 def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
@@ -239,8 +229,7 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
         return {}
     return {
         name if k == 1 else f"{k}×{name}": k * frequency
-        for name, frequency in found.items() if frequency > LOWEST
-        for k in range(1, HARMONICS[name] + 1)
+        for name, frequency in found.items() if frequency > LOWEST for k in range(1, HARMONICS[name] + 1)
     }  # fmt: skip
 
 
@@ -250,8 +239,6 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     The whole signal is one periodogram, for the finest resolution, unless it is longer than two segments of
     40 periods of `slowest_line`, Hz; then such segments are averaged (Welch, half overlapped).
 
-    Errors
-    ------
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
     signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
@@ -264,10 +251,8 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
         length = wanted if n >= 2 * wanted else n
     frequency, psd = welch(
         signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
-        detrend="constant", scaling="density",
-    )  # fmt: skip
-    segments = 1 + (n - length) // (length - length // 2)
-    return Spectrum(frequency=frequency, psd=psd, resolution=1.0 / (length * interval), segments=segments)
+        detrend="constant", scaling="density")  # fmt: skip
+    return Spectrum(frequency, psd, 1.0 / (length * interval), 1 + (n - length) // (length - length // 2))
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
@@ -278,8 +263,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
     between its highest bin and the higher neighbour, where a Hann-windowed line would: by (2a − 1)/(a + 1) of a bin for
     the amplitude ratio a.
 
-    Errors
-    ------
     Frequency: a few thousandths of a bin for an isolated line; a line nearer to zero frequency or to another line than
     two bins can't be distinguished from it and has `resolved` False.
 
@@ -309,15 +292,13 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
         names = [name for distance, name in near if distance <= step]
         alone = not any(distance < MAIN_LOBE * step and name not in names[:1] for distance, name in near)
         peaks.append(Peak(
-            frequency=frequency, psd=float(psd[i]), rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
-            line=next(iter(names), None), also=tuple(names[1 : 1 + MOST_OTHERS]),
-            resolved=alone and frequency >= MAIN_LOBE * step,
+            frequency, float(psd[i]), spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
+            alone and frequency >= MAIN_LOBE * step, next(iter(names), None), tuple(names[1 : 1 + MOST_OTHERS]),
         ))  # fmt: skip
     return peaks
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShortTime:
+class ShortTime(NamedTuple):
     """Spectra of overlapping pieces of one signal."""
 
     time: np.ndarray  # (n_pieces,), s, their middles, from the signal's first sample
@@ -329,13 +310,9 @@ class ShortTime:
 def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortTime | None:
     """Short-time spectrum of a signal, (n_times,), N, its mean removed; None where it is too short for it.
 
-    Parameters
-    ----------
-    passing : Hz, the ball-pass frequency; 0: nothing passes
-
-    Errors
-    ------
     A piece of length T tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are left out.
+
+    `passing` : Hz, the ball-pass frequency; 0: nothing passes
     """
     from scipy.signal import ShortTimeFFT
 
@@ -349,12 +326,11 @@ def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortT
         WINDOW, 1.0 / interval, length, length - hop, fft_mode="onesided2X", scale_to="psd"
     )
     first, last = transform.lower_border_end[1], transform.upper_border_begin(signal.size)[1]
-    psd, time = transform.spectrogram(signal - signal.mean(), p0=first, p1=last), transform.t(signal.size, first, last)
-    return ShortTime(time=time, frequency=transform.f, psd=psd, length=length * interval)
+    psd = transform.spectrogram(signal - signal.mean(), p0=first, p1=last)
+    return ShortTime(transform.t(signal.size, first, last), transform.f, psd, length * interval)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Envelope:
+class Envelope(NamedTuple):
     """Envelope of one signal in a band."""
 
     low: float  # Hz, the band
@@ -375,8 +351,6 @@ def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.
 def band_envelope(signal, interval: float, low: float, high: float, slowest_line: float = 0.0) -> Envelope | None:
     """Envelope of a band, Hz, up to 0.9 of the Nyquist frequency; None where the signal is too coarse or too short.
 
-    Errors
-    ------
     Zero-phase Butterworth filter, then the analytic signal. At either end about three periods of the band's width
     are transient; the spectrum's window hides them.
     """
@@ -389,5 +363,4 @@ def band_envelope(signal, interval: float, low: float, high: float, slowest_line
     sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
     band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))
     level = np.abs(hilbert(band))
-    spectrum = power_spectrum(level, interval, slowest_line)
-    return Envelope(low=low, high=high, rms=rms(band), band=band, level=level, spectrum=spectrum)
+    return Envelope(low, high, rms(band), band, level, power_spectrum(level, interval, slowest_line))

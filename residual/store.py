@@ -6,15 +6,12 @@ import secrets
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from lagrange.errors import InputError
 from lagrange.files.input import read_plain
 from lagrange.files.output import load_matplotlib, named, real_path, render_page
 from lagrange.version import VERSION
-
-if TYPE_CHECKING:
-    from residual.figures import Saved
 
 
 class Page(NamedTuple):
@@ -30,20 +27,15 @@ def write_folder(
     program: str,
     summary: dict[str, Any],
     page: Page,
-    draw: "Callable[[Path], dict[str, list[Saved]]] | None" = None,
+    draw: Callable[[Path], dict[str, list]] | None = None,
     more: Callable[[Path], None] = lambda fresh: None,
 ) -> dict[str, Any]:
     """Write a page, its figures and summary.json into a folder, which appears whole or not at all; gives the summary.
 
-    Parameters
-    ----------
     summary : numbers of summary.json, to which program, version and names of all files are added
-    page : of its file's name, its template, and what that shows beside figures
     draw : draws into a folder, by matplotlib, figures by groups; None: no figures
     more : writes what else the folder is to hold
 
-    Errors
-    ------
     InputError: the folder holds something else. OSError: it can't be written. An earlier folder stays as it was then.
     """
     folder = real_path(Path(folder))
@@ -95,13 +87,11 @@ def check_replaceable(folder: Path, program: str) -> None:
         return
     try:
         summary = json.loads(read_plain(folder / "summary.json"))
-        if summary["program"] != program:
-            raise ValueError
-        ours = set(summary["files"])
+        ours = set(summary["files"]) if summary["program"] == program else None
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        raise InputError(
-            f"{folder}: not empty and no report of {program}; choose another --output or empty it"
-        ) from None
+        ours = None
+    if ours is None:
+        raise InputError(f"{folder}: not empty and no report of {program}; choose another --output or empty it")
     if foreign := sorted(names - ours):
         raise InputError(
             f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"

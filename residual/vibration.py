@@ -10,10 +10,9 @@ Source: Fyfe and Munck, Analysis of computed order tracking, Mechanical Systems 
 """
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,7 +41,7 @@ BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
 NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
-FAULT_HARMONICS = (("BPFO", 3), ("BPFI", 2))
+FAULT_LINES = ("BPFO", "2×BPFO", "3×BPFO", "BPFI", "2×BPFI")
 FAULT_SIDES = (
     ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"),
 )  # fmt: skip
@@ -59,8 +58,7 @@ TURNS_PER_PIECE = 10.0  # of short-time spectra: FTF, some 0.4, is then four bin
 HIGHEST = 2.2  # times BPFI: as far as lines are looked for in short-time spectra
 
 
-@dataclass(frozen=True, kw_only=True)
-class LineLevel:
+class LineLevel(NamedTuple):
     """Level of one line in one signal."""
 
     name: str
@@ -91,7 +89,7 @@ def sidebands(lines: dict[str, float]) -> dict[str, float]:
     return {f"{k}×FTF": k * lines["FTF"] for k in CAGE_HARMONICS if "FTF" in lines} | _first_sidebands(lines, SIDES)
 
 
-def _first_sidebands(lines: dict[str, float], sides: Iterable[tuple[str, str]]) -> dict[str, float]:
+def _first_sidebands(lines, sides):
     """First sidebands above 0 Hz, by name, of pairs of carrier and modulator, where `lines` holds both."""
     found = {
         f"{carrier}{symbol}{modulator}": lines[carrier] + sign * lines[modulator]
@@ -100,17 +98,17 @@ def _first_sidebands(lines: dict[str, float], sides: Iterable[tuple[str, str]]) 
     return {name: frequency for name, frequency in found.items() if frequency > 0.0}
 
 
-def _surroundings(frequency: float, among: dict[str, float], resolution: float) -> tuple[str, float, float]:
+def _surroundings(frequency, among, resolution):
     """Nearest other line, or "zero frequency"; how far off it is, and half of the band that is a line's own, Hz.
 
     That is its main lobe, less where another line is nearer.
     """
-    gaps = {key: abs(value - frequency) for key, value in (among | {"zero frequency": 0.0}).items()}
-    nearest = min((key for key, gap in gaps.items() if gap > SAME_LINE * frequency), key=lambda key: gaps[key])
-    return nearest, gaps[nearest], max(min(MAIN_LOBE * resolution, 0.5 * gaps[nearest]), 0.75 * resolution)
+    gaps = [(abs(f - frequency), name) for name, f in (among | {"zero frequency": 0.0}).items()]
+    gap, nearest = min((each for each in gaps if each[0] > SAME_LINE * frequency), key=lambda each: each[0])
+    return nearest, gap, max(min(MAIN_LOBE * resolution, 0.5 * gap), 0.75 * resolution)
 
 
-def _in_band(spectrum: Spectrum, low: float, high: float) -> tuple[float, float, bool]:
+def _in_band(spectrum, low, high):
     """Rms in a band, Hz, rms of the background alone there, and whether the first exceeds what noise would be."""
     from scipy.special import chdtri  # scipy.stats costs half a second to import
 
@@ -121,15 +119,13 @@ def _in_band(spectrum: Spectrum, low: float, high: float) -> tuple[float, float,
     return rms, float(np.sqrt(background)), bool(rms**2 > background * (chdtri(freedom, 1.0 - SURE) / freedom))
 
 
-def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
+def _level(spectrum, name, frequency, among):
     """Level of one line: the rms in its main lobe, cut half-way to the nearest other line of `among`."""
     obstacle, gap, half = _surroundings(frequency, among, spectrum.resolution)
-    rms, background, stands_out = _in_band(spectrum, frequency - half, frequency + half)
-    return LineLevel(
-        name=name, frequency=frequency, rms=rms, background=background, low=frequency - half, high=frequency + half,
-        stands_out=stands_out, resolved=bool(gap >= MAIN_LOBE * spectrum.resolution), obstacle=obstacle,
-        record_needed=MAIN_LOBE / gap,
-    )  # fmt: skip
+    low, high = frequency - half, frequency + half
+    rms, background, stands_out = _in_band(spectrum, low, high)
+    resolved = bool(gap >= MAIN_LOBE * spectrum.resolution)
+    return LineLevel(name, frequency, rms, background, low, high, stands_out, resolved, obstacle, MAIN_LOBE / gap)
 
 
 def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
@@ -172,20 +168,20 @@ def named_peaks(
     higher one of them; peaks of no more than the noise, N rms, are left out. Peaks: highest first.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
-    named, hubs = list[Peak](), list[float]()  # Hz
+    named, hubs, near = list[Peak](), list[float](), 0.5 * spectrum.resolution  # Hz
     for peak in peaks:
         if peak.rms <= noise:
             continue
         modulated = None if peak.line else _modulated_hub(peak.frequency, hubs, lines, spectrum.resolution)
         if modulated:
-            peak = replace(peak, also=(*peak.also, modulated))
+            peak = peak._replace(also=(*peak.also, modulated))
         elif abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
-            peak = replace(peak, also=(*peak.also, HUB))
+            peak = peak._replace(also=(*peak.also, HUB))
             hubs += [] if peak.line else [peak.frequency]
         if peak.line is None and not modulated:
-            near = [level.name for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
-            names = near[:1] or high_lines(peak.frequency, spectrum, lines)
-            peak = replace(peak, line=names[0], also=(*names[1:], *peak.also)) if names else peak
+            names = [level.name for level in bands if abs(level.frequency - peak.frequency) <= near][:1]
+            names = names or high_lines(peak.frequency, spectrum, lines)
+            peak = peak._replace(line=names[0], also=(*names[1:], *peak.also)) if names else peak
         named.append(peak)
     return named
 
@@ -218,7 +214,7 @@ def high_lines(frequency: float, spectrum: Spectrum, lines: dict[str, float]) ->
     return [full for _, full in sorted(found)]
 
 
-def _modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float], resolution: float) -> str | None:
+def _modulated_hub(frequency, hubs, lines, resolution):
     """Which multiple of BPFO a frequency lies below or above one of the hub's, within half a bin: "2×BPFO − hub ...".
 
     A free vibration, Hz, of a hub on contacts whose stiffness every passing roller changes alike is a product of its
@@ -236,8 +232,7 @@ def _modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float],
     return None
 
 
-@dataclass(frozen=True, kw_only=True)
-class FaultLine:
+class FaultLine(NamedTuple):
     """One line of the envelope's spectrum."""
 
     name: str
@@ -255,8 +250,7 @@ class FaultLine:
         return self.is_high and self.resolved
 
 
-@dataclass(frozen=True, kw_only=True)
-class Vibration:
+class Vibration(NamedTuple):
     """Acceleration of a body in one direction, its mean removed."""
 
     body: str  # "sensor", "housing" or "hub"
@@ -299,7 +293,7 @@ def measured(record: Record, accelerations: Accelerations | None = None) -> list
     return [found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)]
 
 
-def _fault_band(acceleration, interval: float, inner: float, cage: float) -> Envelope | None:
+def _fault_band(acceleration, interval, inner, cage):
     """Envelope of what lies above the passages of rollers, Hz, as far as accelerometers go; None: no band is left."""
     found = band_envelope(acceleration, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage)
     return None if found is None or found.high - found.low < NARROWEST * inner else found
@@ -310,13 +304,9 @@ def vibration(
 ) -> Vibration:
     """Levels and fault lines of one component of a body's acceleration, (n_times,), m/s².
 
-    Parameters
-    ----------
     lines : kinematic lines, Hz, as `spectrum.kinematic_lines` names them; none for a standing bearing
     band : Hz, that is demodulated; None: from 3 BPFI to 50 kHz, or 0.9 of the Nyquist frequency
 
-    Errors
-    ------
     The record is sampled without a filter: vibration beyond the Nyquist frequency is folded into the bands below it.
     Band levels are weighted by the spectrum's window, so those of a vibration that dies away are its middle's.
     InputError: the record has no such band, or is too short for its envelope.
@@ -326,10 +316,9 @@ def vibration(
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
     cage, inner, found = lines.get("FTF", 0.0), max(lines.get("BPFO", 0.0), lines.get("BPFI", 0.0)), None
-    if cage > 0.0 and band is None:
-        found = _fault_band(motion, interval, inner, cage)
-    elif cage > 0.0 and band is not None:
-        found = band_envelope(motion, interval, band[0], band[1], cage)
+    if cage > 0.0:
+        found = (_fault_band(motion, interval, inner, cage) if band is None
+                 else band_envelope(motion, interval, *band, cage))  # fmt: skip
     if band is not None and (found is None or found.high < band[1]):
         raise InputError(
             f"--band {band[0]:g}-{band[1]:g}: no envelope of this record; it needs a bearing that turns at one speed, "
@@ -339,11 +328,9 @@ def vibration(
     top, transform, frequency = spectrum.frequency[-1], fft.rfft(motion), fft.rfftfreq(motion.size, interval)
     for low, high in ((low, min(high, float(top))) for low, high in BANDS if low + spectrum.resolution < top):
         part = fft.irfft(np.where((frequency >= low) & (frequency < high), transform, 0.0), motion.size)
-        bands[low, high] = replace(Level.of(part), rms=spectrum.band_rms(low, high))
-    return Vibration(
-        body=body, acceleration=motion, level=Level.of(motion), bands=bands, velocity=velocity_level(spectrum),
-        spectrum=spectrum, envelope=found, lines=[] if found is None else envelope_lines(found, lines),
-    )  # fmt: skip
+        bands[low, high] = Level.of(part)._replace(rms=spectrum.band_rms(low, high))
+    faults = [] if found is None else envelope_lines(found, lines)
+    return Vibration(body, motion, Level.of(motion), bands, velocity_level(spectrum), spectrum, found, faults)
 
 
 def velocity_level(spectrum: Spectrum) -> float | None:
@@ -365,10 +352,7 @@ def fault_lines(lines: dict[str, float]) -> dict[str, float]:
     A ring's fault goes through the load zone as the ring turns, a roller's with the cage; a roller's strikes both
     raceways in each of its turns.
     """
-    found = {
-        name if k == 1 else f"{k}×{name}": k * lines[name]
-        for name, count in FAULT_HARMONICS if name in lines for k in range(1, count + 1)
-    }  # fmt: skip
+    found = {name: lines[name] for name in FAULT_LINES if name in lines}
     found |= {"2×BSF": 2.0 * lines["BSF"]} if "BSF" in lines else {}
     return found | _first_sidebands(lines | found, FAULT_SIDES)
 
@@ -391,17 +375,14 @@ def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
             floor = float(np.median(others))
             ratio = float(amplitude) / floor if floor > 0.0 else 0.0
             described.append(FaultLine(
-                name=name, frequency=frequency, amplitude=float(amplitude), floor=floor, ratio=ratio,
-                resolved=gap >= MAIN_LOBE * step, is_high=ratio >= STANDS_OUT, nearest=nearest,
-                record_needed=MAIN_LOBE / gap,
-            ))  # fmt: skip
+                name, frequency, float(amplitude), floor, ratio, resolved=gap >= MAIN_LOBE * step,
+                is_high=ratio >= STANDS_OUT, nearest=nearest, record_needed=MAIN_LOBE / gap))  # fmt: skip
     least = SIDE_LOBE * max((line.amplitude for line in described), default=0.0)
-    described = [replace(line, is_high=line.is_high and line.amplitude >= least) for line in described]
+    described = [line._replace(is_high=line.is_high and line.amplitude >= least) for line in described]
     return sorted(described, key=lambda line: line.frequency)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tracking:
+class Tracking(NamedTuple):
     """A part of a record in which a ring turns on, and its equal angles."""
 
     ring: str  # "shaft", or the outer ring where that stands
@@ -414,8 +395,6 @@ class Tracking:
     def resampled(self, signal: np.ndarray) -> np.ndarray:
         """A signal of the whole record, (n_record,), at the equal angles.
 
-        Errors
-        ------
         Angles are as near to each other as samples are where the ring is slowest, so that nothing is folded down.
         """
         from scipy.interpolate import make_interp_spline
@@ -423,8 +402,7 @@ class Tracking:
         return make_interp_spline(self.turn, signal[self.part], k=DEGREE)(self.angles)
 
 
-@dataclass(frozen=True, kw_only=True)
-class OrderSpectra:
+class OrderSpectra(NamedTuple):
     """Order spectra of one direction; `frequency` of spectra, peaks and levels is an order, a density is per order."""
 
     tracking: Tracking
@@ -446,9 +424,9 @@ def tracking_of(record: Record) -> Tracking | None:
     inner, outer = (np.asarray(each) for each in record.acting.ring_speeds)
     ring, speed = ("shaft", inner) if np.any(inner) else (OUTER_RING, outer)
     fast = np.sign(speed) * (np.abs(speed) >= SLOWEST * np.abs(speed).max())
-    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]])
+    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]]).tolist()
     first, last = max(((a, b) for a, b in pairwise(ends) if fast[a] != 0.0), key=lambda e: e[1] - e[0])
-    part = slice(int(first), int(last))
+    part = slice(first, last)
     time, way = record.time[part], turned(record.bearing, record.operation, record.time[part])
     turn = fast[first] * ((way.shaft if ring == "shaft" else way.outer_ring) / (2.0 * np.pi))
     turns = turn[-1] - turn[0]
@@ -460,7 +438,7 @@ def tracking_of(record: Record) -> Tracking | None:
     lines = spectra.kinematic_lines(replace(ideal, cage=seen))
     lines = lines if "FTF" in lines and seen * ideal.cage > 0.0 else spectra.kinematic_lines(ideal)
     angles = np.linspace(turn[0], turn[-1], int(np.ceil(turns / np.diff(turn).min())) + 1)
-    return Tracking(ring=ring, part=part, time=time, turn=turn, angles=angles, lines=lines)
+    return Tracking(ring, part, time, turn, angles, lines)
 
 
 def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:
@@ -477,8 +455,8 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     fewer = max(1, int(0.5 / (1.5 * HIGHEST * passing * step)))  # after a filter against what lies above
     thinned = place if fewer == 1 else decimate(place, fewer, ftype="fir")
     return OrderSpectra(
-        tracking=tracking, error=power_spectrum(tracking.resampled(error), step, slowest), path=spectrum,
-        peaks=named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
-        short_time=spectra.short_time_spectrum(thinned, step * fewer, spectra.PASSAGE_SHARE / TURNS_PER_PIECE),
-        envelope=None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
+        tracking, power_spectrum(tracking.resampled(error), step, slowest), spectrum,
+        named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
+        spectra.short_time_spectrum(thinned, step * fewer, spectra.PASSAGE_SHARE / TURNS_PER_PIECE),
+        None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
     )  # fmt: skip

@@ -15,8 +15,8 @@ from scipy.stats import exponnorm
 from lagrange.errors import InputError
 from residual.check_vibration import main
 from residual.measured import checks
+from residual.measured.checks import growth
 from residual.measured.diagnosis import BODIES, Geometry, damage_width, diagnose, envelope_spectrum, mean_pulse
-from residual.measured.report import Entry, growth
 from residual.measured.signals import Signal
 from tests.reference.synthetic_record import drawn, synthetic_record
 
@@ -424,7 +424,7 @@ def test_a_healthy_series_does_not_grow_and_a_short_one_is_refused(tmp_path, cap
 
 def test_chance_of_growth_is_that_of_the_ranks():
     """Of n rising values the chance is 1/n!, of any of three lines three times that."""
-    entries = [Entry(name="", depths={"BPFO": 0.1 * k, "BPFI": 0.3, "2×BSF": -0.1 * k}) for k in (1, 2, 4, 7, 9, 11)]
+    entries = [{"BPFO": 0.1 * k, "BPFI": 0.3, "2×BSF": -0.1 * k} for k in (1, 2, 4, 7, 9, 11)]
     found = {each.name: each for each in growth(entries[:5])}
     assert found["BPFO"].p == pytest.approx(3.0 / 120.0, rel=1e-9) and not found["BPFO"].sure
     assert growth(entries)[0].p == pytest.approx(3.0 / 720.0, rel=1e-9) and growth(entries)[0].sure

@@ -2,7 +2,6 @@
 
 import io
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,7 @@ from PIL import Image
 
 from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
-from residual.measured.checks import Options, Question, assumed, check_record
-from residual.measured.report import write_check
+from residual.measured.checks import Question, assumed, check_record, write_check
 from tests.waiting import GIVE_UP
 
 WIDTHS = (390, 1280)
@@ -214,9 +212,9 @@ def other_pages(tmp_path_factory):
     )
     time = np.arange(20_000) / 20_000.0
     np.savez(folder / "record.npz", acc=np.sin(1e4 * time) * (1.0 + np.cos(1e3 * time)), rate=20_000.0)
-    check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0), Options())
+    check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0))
     keys = tuple(assumed(parse_scene({"bearing": {"designation": "NU206"}, "spall": [{}]}, "")))
-    write_check(replace(check, other=check.record, command="run-fem", assumed=keys), folder / "b", figures=False)
+    write_check(check._replace(other=check.record, command="run-fem", assumed=keys), folder / "b", figures=False)
     return folder / "a" / "rating.html", folder / "b" / "vibration.html"
 
 

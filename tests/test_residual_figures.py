@@ -79,8 +79,8 @@ def test_names_of_near_lines_do_not_cover_each_other(tmp_path):
 
 
 def test_two_records_beside_each_other_share_their_ordinate(tmp_path, monkeypatch):
-    kept, save = [], spectra.save
-    monkeypatch.setattr(spectra, "save", lambda drawing, to: (kept.append(drawing.figure), save(drawing, to))[1])
+    kept, save = [], style.save
+    monkeypatch.setattr(style, "save", lambda drawing, to: (kept.append(drawing.figure), save(drawing, to))[1])
     time = np.arange(20_000) / 20_000.0
     for name, depth in (("deep", 0.9), ("faint", 0.1)):
         swell = 1.0 + depth * np.cos(2.0 * np.pi * 124.0 * time)

@@ -27,76 +27,48 @@ if TYPE_CHECKING:
 
 WIDTH, DPI = 7.0, 150  # inches: about one page's text width, still legible when a phone shrinks it
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
-LEFT, RIGHT = 0.86, 0.22  # beside panels: tick labels and the axis' name; half a tick label of five digits
+LEFT, RIGHT, SCALE = 0.86, 0.22, 1.0  # inches beside panels: for tick labels and names; half a label; a colour bar
 BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share their x axis
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
 NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's middle
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
-COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
 MARK = 0.012  # of a panel's height, long
 LETTER, ROW = 0.014, 0.11  # of a panel: width of a name's letter, height of a row of names
+FROM_LOAD = "roller's angle from the load line, degrees"
 BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 2))
-DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
 SMALL = {"handlelength": 1.3, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 9}  # a legend of many lines
 # PNG about as large as at level 6 by default, in a third of the time
 PACKED: dict[str, Any] = {"compress_level": 1, "compress_type": zlib.Z_RLE}
 STYLE: "dict[RcKeyType, Any]" = {
-    "font.family": "DejaVu Sans",
-    "font.size": 11,
-    "axes.titlesize": 11,
-    "axes.labelsize": 11,
-    "xtick.labelsize": 10,
-    "ytick.labelsize": 10,
-    "legend.fontsize": 9.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#E3E3E3",
-    "grid.linewidth": 0.7,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.1,
-    "legend.frameon": False,
-    "text.hinting": "none",  # at this resolution as legible, and quicker
-    "svg.hashsalt": "residual",
-    "svg.fonttype": "path",
-    "path.simplify": True,
-    "path.simplify_threshold": 0.3,
-    "agg.path.chunksize": 20000,
-    "axes.formatter.limits": (-4, 5),
-    "axes.formatter.useoffset": False,
-}
+    "font.family": "DejaVu Sans", "font.size": 11, "axes.titlesize": 11, "axes.labelsize": 11, "xtick.labelsize": 10,
+    "ytick.labelsize": 10, "legend.fontsize": 9.5, "axes.spines.top": False, "axes.spines.right": False,
+    "axes.grid": True, "grid.color": "#E3E3E3", "grid.linewidth": 0.7, "axes.axisbelow": True, "lines.linewidth": 1.1,
+    "legend.frameon": False, "text.hinting": "none",  # at this resolution as legible, and quicker
+    "svg.hashsalt": "residual", "svg.fonttype": "path", "path.simplify": True, "path.simplify_threshold": 0.3,
+    "agg.path.chunksize": 20000, "axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False,
+}  # fmt: skip
 
 
 class Drawing(NamedTuple):
-    """A figure and what its page says of it."""
+    """A figure and what its page says of it; `address` once it has been written, as a page embeds it."""
 
     name: str  # of its files
     title: str
     caption: str
-    figure: Figure
-
-
-class Saved(NamedTuple):
-    """A figure that has been written, as a page embeds it."""
-
-    name: str
-    title: str
-    caption: str
-    address: str
+    figure: Any
+    address: str = ""
 
 
 def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, right=RIGHT, x="", y=(), **keywords):
     """Make a figure of panels below each other; the figure and its axes.
 
-    Parameters
-    ----------
     rows : int, panels that share their x axis; or a tuple of such numbers, for groups with x axes of their own
-    height : float, inches, of the figure
+    height, left, right : float, inches, of the figure and beside the panels
     lines : lines of text, as of a legend, above the first panel of a group
     shares : heights of the panels over each other's; None: equal ones
-    left, right : float, inches, beside the panels
-    x, y : names of the last group's x axis and of the y axes; over time curves reach from side to side
+    x, y : names of the last group's x axis and of the y axes; over time curves reach from side to side, FROM_LOAD goes
+        around the bearing
     keywords : of each panel, as `projection`
     """
     groups = (rows,) if isinstance(rows, int) else rows
@@ -118,6 +90,8 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
             axis.tick_params(labelbottom=row == size - 1)
             if x.startswith("time"):
                 axis.margins(x=0.0)
+            if x == FROM_LOAD:
+                axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45))
             top -= high + (BETWEEN if row < size - 1 else BELOW)
     axes = np.array(figure.axes)
     axes[-1].set_xlabel(x)
@@ -126,18 +100,12 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     return figure, axes
 
 
-class Curve(NamedTuple):
-    """Values and their look."""
-
-    values: Any
-    colour: str
-    label: str | None = None
-    style: float | dict[str, Any] = 0.9  # width; or all that there is
-
-
 def curves(axis, x, *rows, legend=0, **about) -> None:
-    """Draw curves over x, each given as the fields of a `Curve`; `legend` : its columns above; `about` : the axis."""
-    for values, colour, label, style in (Curve(*row) for row in rows):
+    """Draw curves over x, each by its values, its colour, a label, and its width or all of its style.
+
+    `legend` : its columns above; `about` : the axis
+    """
+    for values, colour, label, style in ((*row, *(None, 0.9)[len(row) - 2 :]) for row in rows):
         look = style if isinstance(style, dict) else {"linewidth": style}
         axis.plot(x, values, color=colour, label=label, **look)
     axis.set(**about)
@@ -145,13 +113,8 @@ def curves(axis, x, *rows, legend=0, **about) -> None:
         legend_above(axis, legend)
 
 
-def by_angle(axis, **about) -> None:
-    """Let an axis go around the bearing, degrees."""
-    axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), **about)
-
-
 def colour_bar(drawn, axes, label: str, **keywords) -> None:
-    """Add the scale of colours at the right of panels that leave room there, as by `right=COLOUR_BAR`."""
+    """Add the scale of colours at the right of panels that leave room there, as by `right=SCALE`."""
     figure, boxes = axes[0].figure, [axis.get_position() for axis in axes]
     inch = 1.0 / figure.get_size_inches()[0]
     low, high = min(box.y0 for box in boxes), max(box.y1 for box in boxes)
@@ -210,20 +173,21 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, unit: str
     """
     shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
     for frequency, name in shown:
-        colour, first = LINE_COLOURS[family(name)], family(name) == name
-        style = (1.1, DASHED) if first else (0.8, DOTTED)
-        axis.axvline(frequency, color=colour, linewidth=style[0], linestyle=style[1], zorder=1)
-    names, of = dict.fromkeys(family(name) for _, name in shown), of or lines
-    entries = [(LINE_COLOURS[name], f"{name} {of[name]:.4g}{unit}") for name in names]
-    return [Line2D([], [], color=colour, linestyle=DASHED, label=label) for colour, label in entries]
+        width, style = (1.1, DASHED) if family(name) == name else (0.8, DOTTED)
+        axis.axvline(frequency, color=LINE_COLOURS[family(name)], linewidth=width, linestyle=style, zorder=1)
+    of = of or lines
+    return [
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=DASHED, label=f"{name} {of[name]:.4g}{unit}")
+        for name in dict.fromkeys(family(name) for _, name in shown)
+    ]
 
 
-def save(drawing: Drawing, folder: Path) -> Saved:
+def save(drawing: Drawing, folder: Path) -> Drawing:
     """Write a figure as PNG and SVG, without a date, so that the same run gives the same files.
 
     A page embeds its vectors, unless they are many and take more room than pixels.
     """
-    name, title, caption, figure = drawing
+    name, title, _, figure, _ = drawing
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
     make_plain(figure)
     # room for legends above, with every panel where it is
@@ -242,10 +206,10 @@ def save(drawing: Drawing, folder: Path) -> Saved:
     about.add_text("Title", title)
     Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=about, **PACKED)
     FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
-    vectors, pixels = svg.read_bytes(), png.read_bytes()
-    small = len(vectors) <= max(LARGEST_SVG, len(pixels))
-    kind, data = ("svg+xml", vectors) if small else ("png", pixels)
-    return Saved(name, title, caption, f"data:image/{kind};base64,{b64encode(data).decode('ascii')}")
+    kind, data, pixels = "svg+xml", svg.read_bytes(), png.read_bytes()
+    if len(data) > max(LARGEST_SVG, len(pixels)):
+        kind, data = "png", pixels
+    return drawing._replace(figure=None, address=f"data:image/{kind};base64,{b64encode(data).decode('ascii')}")
 
 
 def plain(label: str) -> str:

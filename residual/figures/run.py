@@ -13,25 +13,10 @@ from lagrange.columns import ENERGIES
 from lagrange.kinematics import kinematics, turned
 from lagrange.rating.sources import Unavailable
 from lagrange.surface.passages import Passage, find_passages, spall_events, spalls
+from residual import figures as look
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch, Near
-from residual.figures import (
-    COLOUR_BAR,
-    DASHED,
-    DOTS,
-    RIGHT,
-    STYLE,
-    Drawing,
-    Saved,
-    by_angle,
-    colour_bar,
-    curves,
-    legend_above,
-    log_panel,
-    panels,
-    save,
-    spectra,
-)  # fmt: skip
+from residual.figures import DASHED, FROM_LOAD, SCALE, Drawing, colour_bar, curves, legend_above, panels, spectra
 from residual.findings import body_name, named, reported_angle
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, length, text
 from residual.load_zone import along_rollers, chosen_roller, load_zones
@@ -42,6 +27,7 @@ from residual.vibration import SLOWEST
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 MOST_COMPARED = 6000  # the same of two
+DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 SHORTEST = 2e-3  # s, over which speeds of a cage are means
@@ -50,25 +36,20 @@ MOST_PASSAGES = 150  # in one of them: more hide each other
 MEAN_POINTS = 401
 SHOWN = 2.6  # half-widths on either side of the middle
 BESIDE_SPALL = 0.4e-3  # m, shown on either side of a spall found
-FROM_LOAD = "roller's angle from the load line, degrees"
 SHARP_STATED = (
     "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."
 )
 ENERGY_CURVES = {
-    "energy_kinetic": ("kinetic", BLUE),
-    "energy_elastic": ("elastic", RED),
-    "energy_contact": ("contact", PURPLE),
-    "energy_support": ("support", SKY),
-    "energy_shaft": ("shaft", ORANGE),
-    "work_external": ("external work", GREEN),
+    "energy_kinetic": ("kinetic", BLUE), "energy_elastic": ("elastic", RED), "energy_contact": ("contact", PURPLE),
+    "energy_support": ("support", SKY), "energy_shaft": ("shaft", ORANGE), "work_external": ("external work", GREEN),
     "work_dissipated": ("dissipated", GREY),
-}
+}  # fmt: skip
 
 
-def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[str, list[Saved]]:
+def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[str, list[Drawing]]:
     """Draw all figures for which the run has data into a folder; by groups of the page."""
     other, found = options.other, options.search
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(look.STYLE):
         drawn: dict[str, list[Drawing | None]] = {
             "against": [] if other is None else [against(e, other)],
             "motion": [
@@ -83,7 +64,7 @@ def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[st
             drawn["budget"] = spectra.budget(e)
         methods = {group: method_sentence(e, other if group == "against" else None) for group in drawn}
         return {
-            group: [save(each._replace(caption=each.caption + methods[group]), folder) for each in rows if each]
+            group: [look.save(each._replace(caption=each.caption + methods[group]), folder) for each in rows if each]
             for group, rows in drawn.items()
         }
 
@@ -96,22 +77,20 @@ def method_sentence(e: Evaluation, other: Evaluation | None) -> str:
 
 def history(e: Evaluation, equations: bool) -> Drawing:
     """The hub's place, one roller's radial place, and the error forces over time."""
-    t, loaded = e.record, e.budget.loaded
+    t, loaded, time = e.record, e.budget.loaded, 1e3 * e.record.time
     j = chosen_roller(loaded, e.chatter)
     rho = np.hypot(t.roller_x[:, j], t.roller_y[:, j]) - t.bearing.pitch_radius
     shown = {"hub x, µm": 1e6 * t.inner_x, "hub y, µm": 1e6 * t.inner_y, f"ρ of roller {j}, µm": 1e6 * rho}
     if equations:
         shown |= {f"error_{d.name}, N": d.budget.error for d in e.directions}
-    time, count = 1e3 * t.time, len(shown)
-    figure, axes = panels(count, 1.0 + 1.4 * count, lines=0, x="time, ms", y=list(shown))
+    figure, axes = panels(len(shown), 1.0 + 1.4 * len(shown), lines=0, x="time, ms", y=shown)
     for axis, values in zip(axes, shown.values(), strict=True):
         curves(axis, time, (values, BLUE))
     for first, last in load_zones(loaded[:, j], e.chatter):
         axes[2].axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
-    errors = "; error forces, 0 for a perfect model" if equations else ""
     caption = (
         f"Centre of the inner ring; radial place ρ of roller {j} beyond the pitch radius, shaded where its inner "
-        f"contact is closed (load zone){errors}."
+        f"contact is closed (load zone){'; error forces, 0 for a perfect model' if equations else ''}."
     )
     return Drawing("history", "Motion over time", caption, figure)
 
@@ -121,8 +100,7 @@ def orbit(e: Evaluation) -> Drawing:
     t, statics = e.record, e.statics
     figure, (axes,) = panels(1, 4.6, x="x without mean, µm", y=["y without mean, µm"])
     x, y = t.inner_x.mean(), t.inner_y.mean()
-    row = 1e6 * (t.inner_y - y), BLUE, "run", {"linewidth": 0.6, "alpha": 0.8}
-    curves(axes, 1e6 * (t.inner_x - x), row)
+    curves(axes, 1e6 * (t.inner_x - x), (1e6 * (t.inner_y - y), BLUE, "run", {"linewidth": 0.6, "alpha": 0.8}))
     caption = f"Path of the inner ring's centre about its mean, x = {length(x)}, y = {length(y)}."
     if statics is not None:
         x, y = statics.x[:-1].mean(), statics.y[:-1].mean()
@@ -146,8 +124,7 @@ def load_distribution(e: Evaluation) -> Drawing:
     _dots(axes, e.record.from_load, (force, BLUE, name))
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:
-        row = statics.force, ORANGE, f"Lagrangian statics, {statics.law}", 1.8
-        curves(axes, statics.angle, row)
+        curves(axes, statics.angle, (statics.force, ORANGE, f"Lagrangian statics, {statics.law}", 1.8))
         caption += (
             f"; line: the static equilibria of the Lagrangian model. Largest: {text(float(force.max()))} N in the run, "
             f"{text(float(statics.force.max()))} N in the statics"
@@ -156,12 +133,12 @@ def load_distribution(e: Evaluation) -> Drawing:
     axes.set_rlabel_position(112.5)
     axes.annotate("N", (0.5, 0.5), xycoords="axes fraction", fontsize=9, color=GREY, xytext=(-14, 6),
                   textcoords="offset points")  # fmt: skip
-    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in ("0", "45", "90", "135", "180", "−135", "−90", "−45")])
+    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in "0 45 90 135 180 −135 −90 −45".split()])
     axes.legend(loc="lower left", bbox_to_anchor=(-0.35, -0.02), markerscale=5)
-    return Drawing("load_distribution", "Load distribution", caption + ".", figure)
+    return Drawing("load_distribution", "Load distribution", f"{caption}.", figure)
 
 
-def _dots(axis, angle: np.ndarray, *rows, most: int = MOST_POINTS) -> None:
+def _dots(axis, angle, *rows, most=MOST_POINTS):
     """Draw quantities of all rollers and times over their angles, so many points at most."""
     some = slice(None, None, max(1, angle.size // most))
     drawn = [(np.asarray(values)[some].ravel(), colour, label, DOTS) for values, colour, label in rows]
@@ -183,28 +160,24 @@ def loads(e: Evaluation) -> Drawing:
         _dots(axes[0], angle, (own, BLUE, "run's own contact force"))
         _dots(axes[1], angle, (np.where(budget.loaded, own - budget.law_force, np.nan), PURPLE, None))
         caption += " Below: run minus law, closed contacts."
-    by_angle(axes[0], ylim=(0.0, None))
+    axes[0].set_ylim(bottom=0.0)
     axes[0].legend(loc="upper left", markerscale=5)
     return Drawing("loads", "Loads of the rollers", caption, figure)
 
 
 def tilt(e: Evaluation) -> Drawing | None:
     """Tilts of rollers and moments of their contacts over the roller's angle from the load line."""
-    t = e.record
+    t, angle = e.record, np.degrees(e.record.from_load)
     if e.tilt is None:
         return None
     figure, axes = panels(2, 5.0, x=FROM_LOAD, y=["tilt, mrad", "moment of a contact, N m"])
-    angle = np.degrees(t.from_load)
     _dots(axes[0], angle, (1e3 * np.asarray(t.roller_tilt), BLUE, None))
-    inner, outer = (t.inner_moment, BLUE, "inner raceway"), (t.outer_moment, ORANGE, "outer raceway")
-    _dots(axes[1], angle, inner, outer)
-    by_angle(axes[1])
+    _dots(axes[1], angle, (t.inner_moment, BLUE, "inner raceway"), (t.outer_moment, ORANGE, "outer raceway"))
     axes[1].legend(loc="upper left", markerscale=5)
     x, y = (text(1e3 * float(np.asarray(each).mean())) for each in (t.inner_slope_x, t.inner_slope_y))
     caption = (
-        f"Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
-        "and times; they differ by the roller's inertia alone. "
-        f"Mean slope of the shaft: {x} mrad in x, {y} mrad in y."
+        "Tilt of each roller (its +z end outwards is positive) and the moments of its contacts, all rollers "
+        f"and times; they differ by the roller's inertia alone. Mean slope of the shaft: {x} mrad in x, {y} mrad in y."
     )
     return Drawing("tilt", "Tilt and moments of the rollers", caption, figure)
 
@@ -217,14 +190,14 @@ def pressure(e: Evaluation) -> Drawing | None:
         return None
     if found is None:
         return None
-    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=COLOUR_BAR)
+    figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=SCALE)
     z, angle = 1e3 * found.place, np.degrees(found.angle)
     ends = np.append(z - 0.5 * (z[1] - z[0]), -z[0] + 0.5 * (z[1] - z[0]))  # of slices
     shown = np.ma.masked_equal(1e-6 * found.around, 0.0)
     for axis, side, values in zip(axes, ("inner", "outer"), shown, strict=False):
         image = axis.pcolormesh(angle, z, values.T, vmin=0.0, vmax=float(shown.max()), cmap="viridis",
                                 shading="nearest", rasterized=True)  # fmt: skip
-        by_angle(axis, ylabel=f"{side}: z, mm")
+        axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylabel=f"{side}: z, mm")
         axis.grid(visible=False)
     axes[1].set_xlabel(FROM_LOAD)
     colour_bar(image, axes[:2], "pressure, MPa")
@@ -252,21 +225,18 @@ def energy(e: Evaluation) -> Drawing | None:
     figure, axes = panels(2, 4.8, x="time, ms", y=["change, mJ", "imbalance, µJ"])
     rows = [
         (1e3 * (energies[key] - energies[key][0]), colour, label, 1.1)
-        for key, (label, colour) in ENERGY_CURVES.items()
-        if key in energies
-    ]
+        for key, (label, colour) in ENERGY_CURVES.items() if key in energies
+    ]  # fmt: skip
     curves(axes[0], time, *rows)
     legend_above(axes[0], len(rows), 0.0 if len(rows) <= SHORT_ROW else LONG_ROW, columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(energies)
     scale = float(np.mean(energies["energy_elastic"] + energies["energy_contact"]))
     scale += float(np.ptp(energies["work_dissipated"]))  # an imbalance accumulates, as this does
     curves(axes[1], time, (1e6 * imbalance, "black", None, 1.1))
-    share = (
-        f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
-        "the dissipated energy together"
-        if scale > 0.0
-        else ""
-    )
+    share = ""
+    if scale > 0.0:
+        share = f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
+        share += "the dissipated energy together"
     caption = (
         "Energies and works since the first sample shown. Imbalance: all energies − external work + dissipated, as "
         f"changes{share}."
@@ -299,21 +269,23 @@ def passage(e: Evaluation) -> Drawing | None:
         style = {"linewidth": 1.1, "linestyle": (0, (5, 2))}
         rows.append((t.outer_force[shown, j], RED, "outer raceway", style))
     rows.append((budget.law_force[shown, j], GREY, f"law {e.law.name}, inner"))
-    tractions = [each for each in (t.inner_traction, t.outer_traction) if each is not None]
+    tractions = [
+        (of[shown, j], colour) for of, colour in ((t.inner_traction, BLUE), (t.outer_traction, RED)) if of is not None
+    ]
     tangential = len(tractions) == 2
-    names = ["normal force, N", "traction on the roller, N"]
-    figure, axes = panels(*((2, 5.2) if tangential else (1, 3.4)), x=FROM_LOAD, y=names)
-    curves(axes[0], place, *rows, legend=3, ylim=(0.0, None))
+    figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4)
+    curves(axes[0], place, *rows, legend=3, ylim=(0.0, None), ylabel="normal force, N")
     caption = (
         f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
         "normal forces of both raceways (the outer one also carries the centrifugal force) and the force by the law "
         "for the same approach"
     )
     if tangential:
-        curves(axes[1], place, *((each[shown, j], c) for each, c in zip(tractions, (BLUE, RED), strict=True)))
+        curves(axes[1], place, *tractions, ylabel="traction on the roller, N")
         caption += "; below: tractions, positive counter-clockwise"
     axes[-1].margins(x=0.0)
-    return Drawing("passage", f"Roller {j} through the load zone", caption + ".", figure)
+    axes[-1].set_xlabel(FROM_LOAD)
+    return Drawing("passage", f"Roller {j} through the load zone", f"{caption}.", figure)
 
 
 def against(e: Evaluation, other: Evaluation) -> Drawing:
@@ -329,16 +301,15 @@ def against(e: Evaluation, other: Evaluation) -> Drawing:
         for i, (d, place, acceleration) in enumerate(pairs):
             curves(axes[i], 1e3 * t.time, (d.budget.error if laws else 1e6 * place, colour, name, style))
             spectrum = d.spectrum if laws else power_spectrum(acceleration, t.interval, slowest)
-            log_panel(axes[3 + i], spectrum.frequency[1:])
+            look.log_panel(axes[3 + i], spectrum.frequency[1:])
             curves(axes[3 + i], spectrum.frequency[1:], (np.maximum(spectrum.psd[1:], 1e-300), colour, name, style))
-    labels = "hub {}, µm", "PSD, {}, m²/s⁴/Hz"
-    if laws:
-        labels = "error_{}, N", "PSD of error_{}, N²/Hz"
+    labels = ("error_{}, N", "PSD of error_{}, N²/Hz") if laws else ("hub {}, µm", "PSD, {}, m²/s⁴/Hz")
     for i, axis in enumerate((*axes[:2], *axes[3:])):
         axis.set_ylabel(labels[i // 2].format("xy"[i % 2]))
         axis.margins(x=0.0)
     axes[1].set_xlabel("time, ms")
-    by_angle(axes[2], ylim=(0.0, None), xlabel=FROM_LOAD, ylabel="inner contact force, N")
+    axes[2].set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylim=(0.0, None), xlabel=FROM_LOAD,
+                ylabel="inner contact force, N")  # fmt: skip
     legend_above(axes[0], 2)
     what, of = ("error forces", "error forces") if laws else ("motion of the hub", "acceleration of the hub")
     caption = (
@@ -350,29 +321,29 @@ def against(e: Evaluation, other: Evaluation) -> Drawing:
 
 def cage(e: Evaluation) -> Drawing | None:
     """The cage's path, forces and slip; None where the run has none."""
-    t, facts = e.record, e.record.scene.ideal_cage()
-    if t.cage is None or facts is None:
+    t, own, facts = e.record, e.record.cage, e.record.scene.ideal_cage()
+    if own is None or facts is None:
         return None
     figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0))
     x, y = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
     play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
-    curves(path, 1e6 * (t.cage.x - x), (1e6 * (t.cage.y - y), BLUE, None, 0.7))
+    curves(path, 1e6 * (own.x - x), (1e6 * (own.y - y), BLUE, None, 0.7))
     dashed = {"linewidth": 0.8, "linestyle": "--"}
     curves(path, 5e5 * play * np.cos(turn), (5e5 * play * np.sin(turn), GREY, None, dashed))
     path.set(xlabel="x, µm", ylabel="y, µm")
     path.set_aspect("equal", adjustable="datalim")
-    guided, style = np.hypot(t.cage.guidance_x, t.cage.guidance_y), 0.8
+    guided = np.hypot(own.guidance_x, own.guidance_y)
     rows = [
-        (np.maximum(t.cage.force, 0.0).max(axis=1), BLUE, "rear wall, pushes forward", style),
-        (-np.maximum(-t.cage.force, 0.0).max(axis=1), RED, "front wall, holds back", style),
-        (guided, GREEN, "guide", style),
-    ]
-    curves(forces, 1e3 * t.time, *rows[: 3 if guided.any() else 2], legend=3, ylabel="largest force, N")
+        (np.maximum(own.force, 0.0).max(axis=1), BLUE, "rear wall, pushes forward"),
+        (np.minimum(own.force, 0.0).min(axis=1), RED, "front wall, holds back"), (guided, GREEN, "guide"),
+    ]  # fmt: skip
+    curves(forces, 1e3 * t.time, *[(*row, 0.8) for row in rows[: 3 if guided.any() else 2]], legend=3)
+    forces.set_ylabel("largest force, N")
     caption = (
         "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
         "dashed: the circle that its clearance leaves. Middle: the largest force of all "
-        f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
+        f"pockets along the pitch circle at each time, at most {text(float(np.abs(own.force).max()))} N."
     )
     slips.set(xlabel="time, ms", ylabel="slip, %")
     if t.operation.fastest:  # slip against rolling at the shaft's speed of the same time
@@ -380,7 +351,7 @@ def cage(e: Evaluation) -> Drawing | None:
         seconds = reach * t.interval
         orbits = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
         ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
-        rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, orbits, t.cage.angle))
+        rolling, *speeds = ((angle[reach:] - angle[:-reach]) / seconds for angle in (ideal, orbits, own.angle))
         rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
         rollers, cages = (100.0 * (1.0 - speed / rolling) for speed in speeds)
         middle = 5e2 * (t.time[reach:] + t.time[:-reach])
@@ -391,7 +362,7 @@ def cage(e: Evaluation) -> Drawing | None:
         if mean == 0.0:
             whole = "the motion reverses and has no mean slip"
         elif t.orbits >= 1.0:
-            slip = 100.0 * (1.0 - t.cage.speed(t.interval) / mean)
+            slip = 100.0 * (1.0 - own.speed(t.interval) / mean)
             whole = f"of the cage over the whole record {text(slip, 2)} %"
         caption += (
             f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * seconds)} ms at a time, "
@@ -406,9 +377,9 @@ def passages(e: Evaluation) -> Iterator[Drawing]:
     if record.inner_force is None or record.outer_force is None:
         return
     turn = np.broadcast_to(record.turns.rollers, record.roller_x.shape)
-    names = "time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_force"
-    columns = {name: getattr(record, name) for name in names}
-    columns |= {"roller_turn": turn, "roller_spin": np.gradient(turn, record.time, axis=0)}
+    columns = {"roller_turn": turn, "roller_spin": np.gradient(turn, record.time, axis=0)}
+    for name in "time inner_x inner_y roller_x roller_y inner_force outer_force".split():
+        columns[name] = getattr(record, name)
 
     def rows(start, stop):
         return {name: values[start:stop] for name, values in columns.items()}
@@ -423,18 +394,18 @@ def passages(e: Evaluation) -> Iterator[Drawing]:
         yield _overlay(e, spall, found[spall])
 
 
-def _overlay(e: Evaluation, number: int, found: list[Passage]) -> Drawing:
+def _overlay(e, number, found):
     """Force and hub's acceleration over the angle from one spall's middle."""
     record, spall = e.record, spalls(e.record.bearing)[number]
     found = found[:: -(-len(found) // MOST_PASSAGES)]
     half = float(np.degrees(found[0].half_width))
     loud = max(e.directions, key=lambda direction: direction.vibration.level.rms).name
     acceleration = e.hub_acceleration["xy".index(loud)]
-    right, style = RIGHT, dict[str, Any](colors=SKY)
+    right, style = look.RIGHT, dict[str, Any](colors=SKY)
     if spall.body != "outer_ring":  # then it is passed at all places
         middle = [each.first + int(np.argmin(np.abs(each.angle))) for each in found]
         place = np.abs(np.degrees(record.from_load[middle, [each.roller for each in found]]))
-        right, style = COLOUR_BAR, {"array": place, "cmap": "viridis", "clim": (0.0, 180.0)}
+        right, style = SCALE, {"array": place, "cmap": "viridis", "clim": (0.0, 180.0)}
     names = ["contact force, N", f"hub's acceleration, {loud}, m/s²"]
     figure, axes = panels(2, 5.6, right=right, x="angle from the spall's middle, on the way, °", y=names)
     angles = [np.degrees(np.sign(each.angle[-1] - each.angle[0]) * each.angle) for each in found]
@@ -455,17 +426,14 @@ def _overlay(e: Evaluation, number: int, found: list[Passage]) -> Drawing:
         f"{text(half, 3)}° away."
     )
     strikes = []  # angle, degrees, and force, N
-    for event in spall_events(found):
-        if event.kind == "strike":
-            angle, time = next(
-                (angle, each.time)
-                for angle, each in zip(angles, found, strict=True)
-                if (each.roller, each.raceway) == (event.roller, event.raceway)
-                and each.time[0] <= event.time <= each.time[-1]
-            )
-            strikes.append((float(np.interp(event.time, time, angle)), event.force))
+    for event in (event for event in spall_events(found) if event.kind == "strike"):
+        angle, time = next(
+            (angle, each.time) for angle, each in zip(angles, found, strict=True)
+            if (each.roller, each.raceway) == (event.roller, event.raceway)
+            and each.time[0] <= event.time <= each.time[-1])  # fmt: skip
+        strikes.append((float(np.interp(event.time, time, angle)), event.force))
     if strikes:
-        at, forces = zip(*strikes, strict=True)
+        at, forces = np.transpose(strikes)
         axes[0].plot(at, forces, "o", color=RED, markersize=3.0, label="strikes", zorder=5)
         caption += (
             f" Dots: impacts, the first large peak after a roller was released; their medians are "
@@ -474,7 +442,7 @@ def _overlay(e: Evaluation, number: int, found: list[Passage]) -> Drawing:
         )
     legend_above(axes[0], 3)
     axes[0].set(ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))
-    if right == COLOUR_BAR:
+    if right == SCALE:
         colour_bar(drawn, axes, "roller's place, ° from the load line")
     return Drawing(f"passages_{number}", f"Passages over spall {number}", caption, figure)
 
@@ -504,15 +472,14 @@ def search(made: FaultSearch) -> Drawing | None:
         upper, lower = axes[2 * k : 2 * k + 2]
         upper.axvspan(middle - turn, middle + turn, color=RED, alpha=0.25, linewidth=0, label="the spall found")
         half, aside = 0.5 * each.width, 0.5 * each.width_error
-        spans = (0.0, half, 0.12), (-half, aside, 0.2), (half, aside, 0.2)
-        for at, wide, alpha in spans:
+        for at, wide, alpha in (0.0, half, 0.12), (-half, aside, 0.2), (half, aside, 0.2):
             lower.axvspan(1e3 * (at - wide), 1e3 * (at + wide), color=RED, alpha=alpha, linewidth=0)
         rest = [other.spalled for i, other in enumerate(made.found) if i != k]
         near = Near(made.motion, each.place, each.angle, half + BESIDE_SPALL, rest)
         missed = near.samples.over([(each.place, np.array([each.spall * (1.0, 0.0, 1.0), each.spall])), *rest])
-        parts = zip(missed, (ORANGE, BLUE), ("perfect circles", "with the spall found"), strict=True)
         dots = {"linestyle": "none", "marker": ".", "markersize": 3.0}
-        curves(lower, 1e3 * near.beyond, *((1e6 * values, colour, label, dots) for values, colour, label in parts))
+        circles = (1e6 * missed[0], ORANGE, "perfect circles", dots)
+        curves(lower, 1e3 * near.beyond, circles, (1e6 * missed[1], BLUE, "with the spall found", dots))
         lower.margins(x=0.0)
         lower.set(xlabel="contact from the spall's middle, mm", ylabel="from the equation of motion, µm")
     for axis in axes[::2]:

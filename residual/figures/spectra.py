@@ -9,46 +9,16 @@ from matplotlib.colors import LogNorm
 
 from lagrange.kinematics import OUTER_RING
 from lagrange.messages import G
+from residual import figures as look
 from residual.evaluation import Evaluation
-from residual.figures import (
-    BESIDE,
-    COLOUR_BAR,
-    DASHED,
-    RIGHT,
-    SMALL,
-    STYLE,
-    Drawing,
-    Saved,
-    colour_bar,
-    curves,
-    legend_above,
-    log_panel,
-    mark_lines,
-    name_lines,
-    panels,
-    save,
-    without_minor_ticks,
-)  # fmt: skip
-from residual.formatting import (
-    BLUE,
-    GREEN,
-    GREY,
-    LINE_COLOURS,
-    ORANGE,
-    RED,
-    SKY,
-    TERM_COLOURS,
-    family,
-    term_label,
-    text,
-)  # fmt: skip
-from residual.measured.diagnosis import DEEP
-from residual.spectrum import Spectrum, rms, short_time_spectrum
+from residual.figures import SCALE, SMALL, Drawing, colour_bar, curves, legend_above, log_panel, mark_lines, panels
+from residual.formatting import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, TERM_COLOURS, family, text
+from residual.measured.diagnosis import DEEP, PASSES_IN_BAND, SMOOTHING
+from residual.spectrum import rms, short_time_spectrum
 from residual.vibration import HIGHEST, HUB, fault_lines
 
 if TYPE_CHECKING:
-    from residual.measured.checks import Check
-    from residual.measured.report import Trend
+    from residual.measured.checks import Check, Trend
 
 TINY = np.finfo(float).tiny
 PASSAGES_STACKED, PASSAGES_SHOWN, PASSES_SHOWN = 2.0, 5.0, 8.0  # of terms, of a run's and of a record's acceleration
@@ -63,6 +33,7 @@ HEADROOM = 1.05  # above the highest line
 MARKED = ("FTF", "shaft", OUTER_RING, "BPFO", "BPFI")
 ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 MOST_POINTS = 4000  # of a record's curve: beyond, the largest of neighbours
+LEFT_LEGEND = {"left": -0.06, **SMALL}
 
 
 def middle(e: Evaluation, passages: float) -> slice:
@@ -90,8 +61,8 @@ def whole(e: Evaluation) -> Drawing:
             mark = axis.axvline(d.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0)
             marked.append(d)
         for peak in d.peaks:
-            unnamed = SKY if any(HUB in name for name in peak.also) else "black"
-            colour = LINE_COLOURS[family(peak.line)] if peak.line else unnamed
+            colour = SKY if any(HUB in name for name in peak.also) else "black"
+            colour = LINE_COLOURS[family(peak.line)] if peak.line else colour
             axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour, linestyle="none",
                       markerfacecolor=colour if peak.resolved else "white", clip_on=False)  # fmt: skip
     if mark is not None:
@@ -106,7 +77,7 @@ def whole(e: Evaluation) -> Drawing:
     return Drawing("whole_spectra", "Spectra of the error forces", caption, figure)
 
 
-def _resonances(directions) -> str:
+def _resonances(directions):
     return ", ".join(f"{d.name} {1e-3 * d.resonance:.3g}" for d in directions) + " kHz"
 
 
@@ -123,7 +94,7 @@ def resonance_envelope(e: Evaluation) -> Drawing | None:
         f = envelope.spectrum.frequency
         inside = (f > 0.0) & (f <= top)
         curves(axis, f[inside], (envelope.spectrum.psd[inside], BLUE, None, 1.0), yscale="log")
-        without_minor_ticks(axis)
+        look.without_minor_ticks(axis)
         axis.set_xlim(0.0, top)
         handles = mark_lines(axis, e.lines, 0.0, top)
     legend_above(axes[0], 3, handles=handles)
@@ -143,7 +114,7 @@ def short_time(e: Evaluation) -> Drawing | None:
     found = [spectrum for spectrum in tried if spectrum is not None]
     if len(found) < len(tried):
         return None
-    figure, axes = panels(2, 6.0, lines=0, right=COLOUR_BAR, x="time, ms", y=["frequency, kHz"] * 2)
+    figure, axes = panels(2, 6.0, lines=0, right=SCALE, x="time, ms", y=["frequency, kHz"] * 2)
     for axis, d, spectrum in zip(axes, e.directions, found, strict=True):
         time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
         top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
@@ -169,26 +140,23 @@ def short_time(e: Evaluation) -> Drawing | None:
 
 def budget(e: Evaluation) -> list[Drawing | None]:
     """The errors' terms over time, stacked over two roller passages, and as spectra; none without contact forces."""
-    return [_terms(e), _stacked(e), _term_spectra(e)] if e.budget.x.terms else []
+    acting = {name: name.replace("_", " ") for name in e.budget.acting_terms}
+    return [each(e, acting) for each in (_terms, _stacked, _term_spectra)] if e.budget.x.terms else []
 
 
-def _terms(e: Evaluation) -> Drawing:
+def _terms(e, acting):
     """The terms over time, and their rms."""
-    acting = e.budget.acting_terms
     more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
     shares, x = (1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE), "rms, N (full colour: x, faint: y)"
     figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x=x)
     names = ["error", *acting, "momentum"]
     position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []
     for axis, d, offset, shade in zip(axes, e.directions, (0.19, -0.19), (1.0, 0.5), strict=True):
-        terms = {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
-        rows = [
-            (values, TERM_COLOURS[name], term_label(name), 1.4 if name == "error" else 0.9)
-            for name, values in terms.items()
-        ]
+        rows = [(d.budget.error, "black", "error", 1.4)]
+        rows += [(d.budget.terms[name], TERM_COLOURS[name], label, 0.9) for name, label in acting.items()]
         curves(axis, 1e3 * e.record.time, *rows, ylabel=f"terms of error_{d.name}, N")
         axis.margins(x=0.0)
-        widths = [*map(rms, terms.values()), 0.0 if d.balance is None else d.balance.rms]
+        widths = [*(rms(row[0]) for row in rows), 0.0 if d.balance is None else d.balance.rms]
         drawn = bars.barh(position + offset, widths, height=0.34, color=colours, alpha=shade)
         bars.bar_label(drawn, [f"{d.name}: {text(v, 3)} N" for v in widths], padding=4, fontsize=8.5)
         sizes += [v for v in widths if v > 0.0]
@@ -196,9 +164,9 @@ def _terms(e: Evaluation) -> Drawing:
     axes[1].set_xlabel("time, ms")
     top = max(sizes, default=1.0)
     bars.set(xscale="log", xlim=(max(min(sizes, default=0.1) / 2.0, 1e-5 * top), 8.0 * top))
-    without_minor_ticks(bars)
-    labels = [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
-    bars.set_yticks(position, labels)
+    look.without_minor_ticks(bars)
+    labels = ("error", *acting.values(), "momentum balance")
+    bars.set_yticks(position, [label.replace(" ", "\n", 1) for label in labels])
     bars.grid(axis="y", visible=False)
     caption = (
         "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
@@ -207,17 +175,16 @@ def _terms(e: Evaluation) -> Drawing:
     return Drawing("budget", "Budget of the error forces", caption, figure)
 
 
-def _stacked(e: Evaluation) -> Drawing:
+def _stacked(e, acting):
     """The terms less their means, stacked, over two roller passages in the middle of the record."""
     shown = middle(e, PASSAGES_STACKED)
     time = 1e3 * e.record.time[shown]
     figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} without mean, N" for axis in "xy"])
     means = []
     for axis, d in zip(axes, e.directions, strict=True):
-        terms, total = {term_label(name): d.budget.terms[name] for name in e.budget.acting_terms}, d.budget.error
+        terms, total = {label: d.budget.terms[name] for name, label in acting.items()}, d.budget.error
         values = np.array([v[shown] - v.mean() for v in terms.values()])
-        colours = [TERM_COLOURS[name] for name in e.budget.acting_terms]
-        style = {"colors": colours, "alpha": 0.75, "linewidth": 0}
+        style = {"colors": [TERM_COLOURS[name] for name in acting], "alpha": 0.75, "linewidth": 0}
         axis.stackplot(time, np.maximum(values, 0.0), labels=list(terms), **style)
         axis.stackplot(time, np.minimum(values, 0.0), **style)
         curves(axis, time, (total[shown] - total.mean(), "black", "error", 1.2))
@@ -232,21 +199,21 @@ def _stacked(e: Evaluation) -> Drawing:
     return Drawing("budget_stacked", "Terms of the error forces, stacked", caption, figure)
 
 
-def _term_spectra(e: Evaluation) -> Drawing:
+def _term_spectra(e, acting):
     """The density of every term beside the error's."""
     figure, axes = panels(2, 6.4, lines=3, x="frequency, Hz", y=[f"PSD, {axis}, N²/Hz" for axis in "xy"])
     for axis, d in zip(axes, e.directions, strict=True):
         f, psd = _by_decade(d.spectrum)
         log_panel(axis, f)
         curves(axis, f, (psd, "black", "error", {"linewidth": 2.6, "alpha": 0.35}))
-        for name in e.budget.acting_terms:
+        for name, label in acting.items():
             at, density = _by_decade(d.term_spectra[name])
-            curves(axis, at, (density, TERM_COLOURS[name], term_label(name)))
+            curves(axis, at, (density, TERM_COLOURS[name], label))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(TERM_RANGE * top, 10.0 * top)
         lines = {n: at for n, at in e.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
         for name, place in lines.items():
-            axis.axvline(place, color=GREY, linestyle=DASHED, linewidth=0.9, zorder=0)
+            axis.axvline(place, color=GREY, linestyle=look.DASHED, linewidth=0.9, zorder=0)
             # away from a neighbour that is too near for both names
             gaps = [other - place for other in lines.values() if 1.0 < max(other / place, place / other) < NEAR]
             side = "center" if not gaps else "right" if min(gaps, key=abs) > 0.0 else "left"
@@ -262,7 +229,7 @@ def _term_spectra(e: Evaluation) -> Drawing:
     return Drawing("budget_spectra", "Spectra of the budget's terms", caption, figure)
 
 
-def _by_decade(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
+def _by_decade(spectrum):
     """Mean frequency and density in bins of equal width on a logarithmic axis, for a curve to look at."""
     f, psd = spectrum.frequency[1:], spectrum.psd[1:]
     bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
@@ -295,7 +262,7 @@ def envelope(e: Evaluation) -> Drawing | None:
     figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
     found = [(d, d.vibration.envelope) for d in e.directions if d.vibration.envelope is not None]
     loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
-    shown = middle(e, PASSAGES_SHOWN)
+    shown, body = middle(e, PASSAGES_SHOWN), e.y.vibration.body
     band = loudest.band[shown] / G, SKY, "acceleration in the band", 0.6
     level = loudest.level[shown] / G, BLUE, "its envelope", 0.8
     upper.margins(x=0.0)
@@ -310,19 +277,16 @@ def envelope(e: Evaluation) -> Drawing | None:
         amplitude = each.spectrum.amplitude[inside] / G
         curves(axis, frequency[inside], (amplitude, BLUE, None, 1.0))
         highest, names = float(amplitude.max()), []
-        for line in d.vibration.high_lines:
-            if line.frequency <= top:
-                colour, height = LINE_COLOURS[family(line.name)], line.amplitude / G
-                sideband = "−" in line.name or "+" in line.name
-                axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
-                          markerfacecolor=colour if line.resolved else "white")  # fmt: skip
-                names += [] if sideband else [(line.frequency, line.name, colour)]
-                highest = max(highest, height)
+        for line in (line for line in d.vibration.high_lines if line.frequency <= top):
+            colour, height, sideband = LINE_COLOURS[family(line.name)], line.amplitude / G, {*line.name} & {*"−+"}
+            axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
+                      markerfacecolor=colour if line.resolved else "white")  # fmt: skip
+            names += [] if sideband else [(line.frequency, line.name, colour)]
+            highest = max(highest, height)
         axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, TINY)))
         axis.set_ylabel(f"{d.vibration.body}, {d.name}, g")
-        name_lines(axis, names)
-    legend_above(axes[0], 5, left=-0.06, handles=handles, **SMALL)
-    body = e.y.vibration.body
+        look.name_lines(axis, names)
+    legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
     caption = (
         f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
         f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
@@ -347,7 +311,7 @@ def orders(e: Evaluation) -> Drawing | None:
     if y.envelope is not None:
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
     rows = (len(shown),) if short is None else (len(shown), 1)
-    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=RIGHT if short is None else COLOUR_BAR)
+    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=look.RIGHT if short is None else SCALE)
     top = HIGHEST * max(tracking.lines["BPFO"], tracking.lines["BPFI"])
     for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
         handles = mark_lines(axis, tracking.lines, 0.0, top, "")
@@ -357,7 +321,7 @@ def orders(e: Evaluation) -> Drawing | None:
         axis.set_yscale("log")
         curves(axis, spectrum.frequency[inside], (psd, BLUE), ylabel=f"{name}/order", **limits)
     axes[len(shown) - 1].set_xlabel(f"order, per turn of the {tracking.ring}")
-    legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
+    legend_above(axes[0], 5, handles=handles, **LEFT_LEGEND)
     speed = 60.0 * np.gradient(tracking.turn, tracking.time)
     low, high = text(float(speed.min()), 4), text(float(speed.max()), 4)
     caption = (
@@ -385,14 +349,14 @@ def orders(e: Evaluation) -> Drawing | None:
     return Drawing("orders", "Order spectra of the hub", caption, figure)
 
 
-def measured_figures(check: "Check", folder: Path) -> list[Saved]:
+def measured_figures(check: "Check", folder: Path) -> list[Drawing]:
     """A record's lines in the envelope, its spectrum and an excerpt, and where a line stands out its pulse."""
-    with rc_context(STYLE):
+    with rc_context(look.STYLE):
         drawn = (_modulation(check), _record(check), _pulse(check))
-        return [save(each, folder) for each in drawn if each is not None]
+        return [look.save(each, folder) for each in drawn if each is not None]
 
 
-def _modulation(check: "Check") -> Drawing:
+def _modulation(check):
     """Depth of modulation over frequency, or over turns of the shaft where two records are compared."""
     found = check.record.diagnosis
     judged = [check.record] if check.other is None else [check.record, check.other]
@@ -414,9 +378,9 @@ def _modulation(check: "Check") -> Drawing:
         deepest = max(deepest, float(depth[frequency * unit > 3.0 * spectrum.resolution].max()))
         if by_turns:
             axis.text(0.99, 0.97, each.signal.name, transform=axis.transAxes, ha="right", va="top", fontsize=9.5,
-                      bbox=BESIDE)  # fmt: skip
+                      bbox=look.BESIDE)  # fmt: skip
         if axis is axes[0]:
-            legend_above(axis, 5, left=-0.06, handles=handles, **SMALL)
+            legend_above(axis, 5, handles=handles, **LEFT_LEGEND)
     for axis in axes:  # both records by one scale
         axis.set_ylim(0.0, 1.15 * deepest)
     axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
@@ -428,7 +392,7 @@ def _modulation(check: "Check") -> Drawing:
     return Drawing("envelope", "Lines in the envelope", caption, figure)
 
 
-def _record(check: "Check") -> Drawing:
+def _record(check):
     """Spectrum of each record, and an excerpt of the first about its largest magnitude."""
     figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
     own, other = check.record, check.other
@@ -442,7 +406,7 @@ def _record(check: "Check") -> Drawing:
     unit, signal = own.signal.unit or "own unit", own.signal
     label = f"amplitude, {unit}" if shared else "amplitude over rms"
     upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=label)
-    without_minor_ticks(upper)
+    look.without_minor_ticks(upper)
     legend_above(upper, 2)
     count = min(signal.values.size, int(PASSES_SHOWN / own.diagnosis.lines["BPFO"] * signal.rate) + 1)
     first = min(max(0, int(np.argmax(np.abs(signal.values))) - count // 2), signal.values.size - count)
@@ -456,10 +420,8 @@ def _record(check: "Check") -> Drawing:
     return Drawing("record", "Spectrum and excerpt of the record", caption, figure)
 
 
-def _pulse(check: "Check") -> Drawing | None:
+def _pulse(check):
     """Mean power about a strike, of one record or of both; None where no line stands out."""
-    from residual.measured.diagnosis import PASSES_IN_BAND, SMOOTHING
-
     own, other = check.record.pulse, None if check.other is None else check.other.pulse
     if own is None or not check.record.diagnosis.findings[0].stands_out:
         return None
@@ -479,16 +441,15 @@ def _pulse(check: "Check") -> Drawing | None:
     return Drawing("pulse", "Pulse of an impact", caption, figure)
 
 
-def trend_figure(trend: "Trend", folder: Path) -> Saved:
+def trend_figure(trend: "Trend", folder: Path) -> Drawing:
     """Depths of lines and the level over a series."""
-    with rc_context(STYLE):
+    with rc_context(look.STYLE):
         figure, (upper, lower) = panels(2, 4.6, lines=1)
         used = [(k, entry) for k, entry in enumerate(trend.entries, 1) if entry.depths is not None]
         places, style = [k for k, _ in used], {"marker": "o", "markersize": 3.5, "linewidth": 1.0}
-        rows = [
-            ([entry.depths[name] for _, entry in used if entry.depths is not None], colour, name, style)
-            for name, colour in (("BPFO", RED), ("BPFI", GREEN), ("2×BSF", ORANGE))
-        ]
+        depths = [entry.depths for _, entry in used if entry.depths is not None]
+        colours = {"BPFO": RED, "BPFI": GREEN, "2×BSF": ORANGE}.items()
+        rows = [([each[name] for each in depths], colour, name, style) for name, colour in colours]
         curves(upper, places, *rows, legend=3, ylabel="modulation depth", ylim=(0.0, None))
         upper.axhline(DEEP, color=GREY, linestyle="--", linewidth=0.9)
         level = [entry.rms for _, entry in used], BLUE, None, style
@@ -498,10 +459,10 @@ def trend_figure(trend: "Trend", folder: Path) -> Saved:
             f"Above: modulation depth of each part's line, all harmonics; dashed: {DEEP:g}, the least for damage. "
             "Below: level of the record."
         )
-        return save(Drawing("trend", "Growth over the series", caption, figure), folder)
+        return look.save(Drawing("trend", "Growth over the series", caption, figure), folder)
 
 
-def _thinned(x: np.ndarray, y: np.ndarray, top: float) -> tuple[np.ndarray, np.ndarray]:
+def _thinned(x, y, top):
     """A curve up to `top`, its highest points kept."""
     x, y = x[x <= top], y[x <= top]
     each = max(1, int(np.ceil(x.size / MOST_POINTS)))

@@ -22,10 +22,9 @@ Randall, J. Antoni, Rolling element bearing diagnostics - a tutorial, ibid. 25 (
 R. B. Randall, Vibration response of spalled rolling element bearings, ibid. 25 (2011) 846-870.
 """
 
-from dataclasses import dataclass, replace
 from itertools import combinations
 from math import cos, pi, tau
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -92,8 +91,7 @@ BEFORE, AFTER = 0.3, 0.7  # of the time between strikes, about its highest
 HALF = 0.5  # of the height over the background, where a pulse's length is measured
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class EnvelopeSpectrum:
+class EnvelopeSpectrum(NamedTuple):
     """Modulation of a record's power: a line of amplitude 1 is a power between 0 and twice its mean."""
 
     frequency: np.ndarray  # (n_frequencies,), Hz, at equal steps from 0
@@ -130,10 +128,10 @@ class EnvelopeSpectrum:
             taken[int(max(0.0, centre - reach) / step) : int(max(0.0, centre + reach) / step) + 1] = True
         lowered = np.minimum(ratio[taken], np.log(2.0))
         ratio[taken] = np.resize(ratio[~taken], lowered.size) if beside else lowered
-        return replace(self, ratio=ratio)
+        return self._replace(ratio=ratio)
 
 
-def _analytic(transform: np.ndarray, size: int) -> np.ndarray:
+def _analytic(transform, size):
     """Analytic signal, (size,), complex, of the transform of a real one."""
     from scipy import fft
 
@@ -147,10 +145,10 @@ def prewhitened(values: np.ndarray) -> np.ndarray:
     """
     from scipy import fft
 
-    size = fft.prev_fast_len(values.size, real=True)
+    size, tiny = fft.prev_fast_len(values.size, real=True), np.finfo(float).tiny
     transform = fft.rfft(values[:size] - values[:size].mean())
     magnitude = np.abs(transform)
-    transform = np.where(magnitude > np.finfo(float).tiny, transform / np.maximum(magnitude, np.finfo(float).tiny), 0.0)
+    transform = np.where(magnitude > tiny, transform / np.maximum(magnitude, tiny), 0.0)
     transform[0] = 0.0
     return _analytic(transform, size)
 
@@ -158,13 +156,9 @@ def prewhitened(values: np.ndarray) -> np.ndarray:
 def envelope_spectrum(values: np.ndarray, rate: float, cage: float, top: float) -> EnvelopeSpectrum:
     """Squared envelope spectrum of a prewhitened record.
 
-    Parameters
-    ----------
     values : ndarray, (n_times,), of any unit
     rate, cage, top : float, Hz; the slowest line, and the highest frequency that is wanted
 
-    Errors
-    ------
     InputError: no vibration. A line between bins of the padded transform reads up to 1 % low; one that slip smears over
     several, lower.
     """
@@ -188,7 +182,7 @@ def envelope_spectrum(values: np.ndarray, rate: float, cage: float, top: float) 
     background *= freedom / chdtri(freedom, 0.5)
     ratio = depth**2 / np.maximum(np.interp(frequency, frequency[::PADDING], background), np.finfo(float).tiny)
     ratio[0] = 0.0
-    return EnvelopeSpectrum(frequency=frequency, depth=depth, ratio=ratio, resolution=rate / length)
+    return EnvelopeSpectrum(frequency, depth, ratio, rate / length)
 
 
 def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sides: float) -> tuple[float, float]:
@@ -197,9 +191,7 @@ def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sid
     The score is the sum of log(1 + power over background) of five harmonics, and half of that of sidebands: one loud
     line weighs little against several faint ones.
 
-    Parameters
-    ----------
-    expected, sides : float, Hz; spacing of sidebands, which scales with the frequency; 0: none
+    `sides` : float, Hz; spacing of sidebands, which scales with the frequency; 0: none
     """
     step = spectrum.resolution / (STEPS * HARMONICS)
     count = max(1, int(np.ceil(tolerance * expected / step)))
@@ -214,8 +206,7 @@ def best_comb(spectrum: EnvelopeSpectrum, expected: float, tolerance: float, sid
     return float(frequency[best]), float(score[best])
 
 
-@dataclass(frozen=True, kw_only=True)
-class Geometry:
+class Geometry(NamedTuple):
     """What kinematics need to know of a bearing."""
 
     elements: int
@@ -230,12 +221,9 @@ class Geometry:
 
         What lines call the shaft is the inner ring, or an outer one that turns about a standing one.
         """
-        inner, outer = speeds
-        return cls(
-            elements=bearing.pockets, element_diameter=2.0 * bearing.element_radius,
-            pitch_diameter=2.0 * bearing.pitch_radius, contact_angle=bearing.contact_angle,
-            rings=(1.0, outer / inner) if inner else (0.0, 1.0),
-        )  # fmt: skip
+        rings = (1.0, speeds[1] / speeds[0]) if speeds[0] else (0.0, 1.0)
+        diameters = 2.0 * bearing.element_radius, 2.0 * bearing.pitch_radius
+        return cls(bearing.pockets, *diameters, bearing.contact_angle, rings)
 
     def lines(self, shaft: float) -> dict[str, float]:
         """Kinematic lines, Hz, of rolling without slip at a shaft's speed, Hz.
@@ -250,8 +238,7 @@ class Geometry:
         return turning.frequencies | {"2×BSF": 2.0 * turning.frequencies["BSF"]}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Line:
+class Line(NamedTuple):
     """One line of the envelope's spectrum."""
 
     name: str
@@ -261,8 +248,7 @@ class Line:
     depth: float  # modulation of the power over its mean, the background's share taken off
 
 
-@dataclass(frozen=True, kw_only=True)
-class Finding:
+class Finding(NamedTuple):
     """The comb of one part of the bearing."""
 
     name: str  # of its first line
@@ -281,19 +267,12 @@ class Finding:
         return self.p <= SURE and self.clear >= VISIBLE and self.beyond is None
 
     @property
-    def is_damage(self) -> bool:
-        """Whether it passes every gate of a damage."""
-        several = sum(line.level**2 >= STANDS_OUT for line in self.lines) >= FEWEST_LINES
-        return self.stands_out and self.clear >= CLEAR and self.depth >= DEEP and several
-
-    @property
     def off(self) -> float:
         """Per cent from its kinematic place."""
         return 100.0 * (self.found / self.expected - 1.0)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Diagnosis:
+class Diagnosis(NamedTuple):
     """A verdict and what it rests on."""
 
     verdict: Verdict
@@ -334,15 +313,8 @@ def counted(speeds: tuple[float, float]) -> float:
 
 
 def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float = TOLERANCE) -> Diagnosis:
-    """Judge a record.
+    """Judge a record by a nominal speed of the shaft, Hz, and by how much that may differ, relative.
 
-    Parameters
-    ----------
-    shaft : float, Hz, nominal
-    tolerance : by which the speed may differ from that, relative
-
-    Errors
-    ------
     InputError: a speed or tolerance that can't be used, a record of fewer than 20 passes of rolling elements.
     """
     _check(signal, geometry, shaft, tolerance)
@@ -362,8 +334,8 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
         rest = rest.without(best.found, *_modulators(rest, best.name, best.found, nominal))
     best = findings[0]
     turning = _shaft(spectrum.without(best.found) if best.stands_out else spectrum, shaft, tolerance, rng)
-    verdict, reasons = _judge(best, _doubts(best, geometry, turning, spectrum, nominal, reach))
-    notes, two_bins, cage = list[str](), 2.0 * spectrum.resolution, nominal["FTF"]
+    verdict, reasons = _judged(best, _doubts(best, geometry, turning, spectrum, nominal, reach))
+    notes, two_bins, cage, turns = list[str](), 2.0 * spectrum.resolution, nominal["FTF"], signal.duration * shaft
     if cage < two_bins:
         notes.append(f"Sidebands of the cage ({cage:.3g} Hz) are not resolved; that takes {2.0 / cage:.2g} s.")
     for first, second in combinations(BODIES, 2):
@@ -373,10 +345,10 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
                 f"{first} and {second} lie within the tolerance of speed of each other ({low:.4g} and {high:.4g} "
                 "Hz); a smaller --speed-tolerance separates them."
             )
-    if verdict in ("none", "uncertain") and signal.duration * shaft < FEW_TURNS:
+    if verdict in ("none", "uncertain") and turns < FEW_TURNS:
         notes.append(
-            f"The record holds {signal.duration * shaft:.2g} turns of the shaft, too few for damage of a turning ring "
-            "to show; record for longer."
+            f"The record holds {turns:.2g} turns of the shaft, too few for damage of a turning ring to show; record "
+            "for longer."
         )
     notes += [
         f"A line at {each.beyond:.4g} Hz lies just beyond the tolerance of {each.name}." for each in findings
@@ -387,13 +359,11 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
         speed, source = turning, "lines of the shaft"
     elif best.stands_out:
         speed, source = shaft * best.found / best.expected, f"{best.name}, slip neglected"
-    return Diagnosis(
-        verdict=verdict, reasons=tuple(reasons), notes=tuple(notes), findings=tuple(findings), shaft=speed,
-        shaft_from=source, tolerance=tolerance, lines=geometry.lines(speed), spectrum=spectrum,
-    )  # fmt: skip
+    lines = geometry.lines(speed)
+    return Diagnosis(verdict, reasons, tuple(notes), tuple(findings), speed, source, tolerance, lines, spectrum)
 
 
-def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -> None:
+def _check(signal, geometry, shaft, tolerance):
     """Refuse what can't be judged."""
     if not 0.0 < shaft < 1e5:
         raise InputError(f"--speed {60.0 * shaft:g}: must be a number of revolutions per minute above 0")
@@ -417,13 +387,13 @@ def _check(signal: Signal, geometry: Geometry, shaft: float, tolerance: float) -
         )
 
 
-def _chance(spectrum: EnvelopeSpectrum, score: float, decoys: np.ndarray, reach: float, sides: float):
+def _chance(spectrum, score, decoys, reach, sides):
     """Share of combs about other frequencies, Hz, that score as high, and standard deviations above their mean."""
     null = np.array([best_comb(spectrum, each, reach, sides)[1] for each in decoys])
     return float((1 + np.sum(null >= score)) / (1 + DECOYS)), float((score - null.mean()) / null.std())
 
 
-def _shaft(spectrum: EnvelopeSpectrum, shaft: float, tolerance: float, rng: np.random.Generator) -> float | None:
+def _shaft(spectrum, shaft, tolerance, rng):
     """The shaft's frequency, Hz, by its lines in the envelope; None: they do not stand out."""
     frequency, score = best_comb(spectrum, shaft, tolerance, 0.0)
     first, *more = spectrum.ratio[spectrum.at(frequency * np.arange(1, HARMONICS))]
@@ -439,9 +409,7 @@ def side_of(name: str, nominal: dict[str, float]) -> float:
     return nominal.get(SIDES[name], 0.0)
 
 
-def _modulators(
-    spectrum: EnvelopeSpectrum, name: str, found: float, nominal: dict[str, float]
-) -> tuple[float, ...]:  # fmt: skip
+def _modulators(spectrum, name, found, nominal):
     """Spacings of sidebands, Hz, that can be taken out with a comb.
 
     Those of rings and cage, as far as they turn, where enough is left, else the part's own.
@@ -449,34 +417,32 @@ def _modulators(
     scale, own = found / nominal[name], side_of(name, nominal)
     turning = [scale * nominal[each] for each in ("shaft", OUTER_RING, "FTF") if nominal.get(each)]
     masked = (1 + 2 * MASKED_SIDEBANDS * len(turning)) * 2.0 * MASK * spectrum.resolution
-    return tuple(turning if masked <= MOST_MASKED * found else [scale * own] if own else [])
+    return turning if masked <= MOST_MASKED * found else [scale * own] if own else []
 
 
-def _sidebands(finding: Finding, spectrum: EnvelopeSpectrum, nominal: dict[str, float]) -> float:
-    """Mean of log(1 + power over background) of the first sidebands: 0.6 of noise."""
-    side = side_of(finding.name, nominal) * finding.found / finding.expected
-    return float(np.mean(spectrum.clear(np.add.outer(finding.found * np.arange(1, 4), (-side, side)))))
+def _sidebands(name, found, expected, spectrum, nominal):
+    """Mean of log(1 + power over background) of the first sidebands of a comb: 0.6 of noise."""
+    side = side_of(name, nominal) * found / expected
+    return float(np.mean(spectrum.clear(np.add.outer(found * np.arange(1, 4), (-side, side)))))
 
 
-def _among_rivals(tried: list[Finding], spectrum: EnvelopeSpectrum, nominal: dict[str, float]) -> Finding:
+def _among_rivals(tried, spectrum, nominal):
     """The most prominent finding; of several at one frequency, the one whose sidebands are there.
 
     A load that stands still modulates strikes of a ring that turns by its turns and of an element by the cage, but not
     those of a ring at rest.
     """
     best, near = tried[0], MAIN_LOBE * spectrum.resolution
-    rivals = [each for each in tried if abs(each.found - best.found) < near and each.beyond is None]
-    marks = {each.name: _sidebands(each, spectrum, nominal) for each in rivals if side_of(each.name, nominal)}
-    marked = [each for each in rivals if marks.get(each.name, 0.0) > MARKED]
+    rivals = {each.name: each for each in tried if abs(each.found - best.found) < near and each.beyond is None}
+    marks = {name: _sidebands(name, each.found, each.expected, spectrum, nominal)
+             for name, each in rivals.items() if side_of(name, nominal)}  # fmt: skip
+    marked = [name for name, mark in marks.items() if mark > MARKED]
     if marked:
-        return max(marked, key=lambda each: marks[each.name])
-    return next((each for each in rivals if each.name not in marks), best)
+        return rivals[max(marked, key=lambda name: marks[name])]
+    return next((each for name, each in rivals.items() if name not in marks), best)
 
 
-def _finding(
-    whole: EnvelopeSpectrum, rest: EnvelopeSpectrum, name: str, nominal: dict[str, float], reach: float,
-    rng: np.random.Generator,
-) -> Finding:  # fmt: skip
+def _finding(whole, rest, name, nominal, reach, rng):
     """The comb of one part in what others have left, with its chance by combs of the record elsewhere."""
     expected, sides = nominal[name], side_of(name, nominal)
     found, score = best_comb(rest, expected, reach, sides)
@@ -491,62 +457,58 @@ def _finding(
     index, depths, first = whole.at(place), whole.modulation(place), int(name == "2×BSF")
     for k, (f, i, depth) in enumerate(zip(place.tolist(), index, depths.tolist(), strict=True), 1):
         number, base = k * (1 + first), name.removeprefix("2×")
-        called, level = base if number == 1 else f"{number}×{base}", float(np.sqrt(rest.ratio[i]))
-        lines += [Line(name=called, expected=k * expected, found=f, level=level, depth=depth)] if i else []
+        called = base if number == 1 else f"{number}×{base}"
+        lines += [Line(called, k * expected, f, float(np.sqrt(rest.ratio[i])), depth)] if i else []
     beside = whole.depth[whole.at(found + np.array([-side, side]))].mean() / whole.depth[index[0]]
     return Finding(
-        name=name, expected=expected, found=found, p=p, clear=clear, depth=float(np.linalg.norm(depths)),
-        lines=tuple(lines), sidebands=float(beside) if side > 2.0 * whole.resolution else None,
-        beyond=wider if abs(wider / expected - 1.0) > reach else None,
-    )  # fmt: skip
+        name, expected, found, p, clear, float(np.linalg.norm(depths)), tuple(lines),
+        sidebands=float(beside) if side > 2.0 * whole.resolution else None,
+        beyond=wider if abs(wider / expected - 1.0) > reach else None)  # fmt: skip
 
 
-def _judge(best: Finding, doubts: list[str]) -> tuple[Verdict, list[str]]:
-    """The verdict and its reasons."""
+def _judged(best, doubts):
+    """The verdict and its reasons: of these rules the first that holds."""
     said = (
         f"{best.name} at {best.found:.2f} Hz ({best.off:+.2f} % from its kinematic place): {best.clear:.1f} standard "
         f"deviations above {DECOYS} other frequencies of this record, modulation depth {best.depth:.2f}"
     )
-    if best.beyond is not None or best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0):
-        return "none", [f"No line of the bearing stands out. Nearest: {said}."]
-    if not best.stands_out:
-        return "uncertain", [f"A line stands out, but not clearly: {said}.", *doubts]
-    if doubts:
-        return "uncertain", [f"{said}.", *doubts]
-    if best.is_damage:
-        return BODIES[best.name], [f"{said}."]
-    if best.depth < DEEP:
-        return "trace", [f"{said}, below {DEEP:g}: healthy bearings have such lines too."]
-    return "uncertain", [
-        f"{said}; its harmonics are too weak to blame a part ({CLEAR:g} standard deviations and "
-        f"{FEWEST_LINES} clear harmonics are required)."
-    ]
+    chance = best.beyond is not None or best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0)
+    several = sum(line.level**2 >= STANDS_OUT for line in best.lines) >= FEWEST_LINES
+    damage = best.clear >= CLEAR and best.depth >= DEEP and several
+    rules: tuple[tuple[object, Verdict, tuple[str, ...]], ...] = (
+        (chance, "none", (f"No line of the bearing stands out. Nearest: {said}.",)),
+        (not best.stands_out, "uncertain", (f"A line stands out, but not clearly: {said}.", *doubts)),
+        (doubts, "uncertain", (f"{said}.", *doubts)),
+        (damage, BODIES[best.name], (f"{said}.",)),
+        (best.depth < DEEP, "trace", (f"{said}, below {DEEP:g}: healthy bearings have such lines too.",)),
+        (True, "uncertain", (f"{said}; its harmonics are too weak to blame a part ({CLEAR:g} standard deviations and "
+                             f"{FEWEST_LINES} clear harmonics are required).",)),
+    )  # fmt: skip
+    return next((verdict, reasons) for holds, verdict, reasons in rules if holds)
 
 
-def _doubts(
-    best: Finding, geometry: Geometry, turning: float | None, spectrum: EnvelopeSpectrum, nominal: dict[str, float],
-    reach: float,
-) -> list[str]:  # fmt: skip
+def _doubts(best, geometry, turning, spectrum, nominal, reach):
     """What else a comb may be, sentences."""
-    doubts, near = [], COINCIDES * spectrum.resolution
+    doubts, near, found = [], COINCIDES * spectrum.resolution, best.found
     for name, base in (("the mains", MAINS[0]), ("the mains", MAINS[1]), ("the shaft", turning)):
-        k = 0 if base is None else round(best.found / base)
-        if base is not None and k and abs(best.found - k * base) < near:
+        k = 0 if base is None else round(found / base)
+        if base is not None and k and abs(found - k * base) < near:
             doubts.append(f"It can't be distinguished from {k}×{base:.4g} Hz, a multiple of {name}.")
     if turning is not None:
         place = geometry.lines(turning)[best.name]
-        if abs(best.found / place - 1.0) > 1.5 * SLIP:
+        if abs(found / place - 1.0) > 1.5 * SLIP:
             doubts.append(
                 f"The shaft's lines give {60.0 * turning:.5g} rpm, at which it would be at {place:.4g} Hz: "
-                f"{100.0 * (best.found / place - 1.0):+.1f} % is more than slip."
+                f"{100.0 * (found / place - 1.0):+.1f} % is more than slip."
             )
         return doubts
     for name, place in ((name, nominal[name]) for name in BODIES if name != best.name):
-        if abs(best.found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
+        if abs(found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
             continue
-        distinct = _sidebands(best, spectrum, nominal) > MARKED
-        if not side_of(best.name, nominal):
-            distinct = _sidebands(replace(best, name=name, expected=place), spectrum, nominal) < UNMARKED
+        if side_of(best.name, nominal):
+            distinct = _sidebands(best.name, found, best.expected, spectrum, nominal) > MARKED
+        else:
+            distinct = _sidebands(name, found, place, spectrum, nominal) < UNMARKED
         if not distinct:
             doubts.append(
                 f"Within the tolerance of speed and the resolution it may also be {name}, at {place:.4g} Hz "
@@ -555,8 +517,7 @@ def _doubts(
     return doubts
 
 
-@dataclass(frozen=True, kw_only=True)
-class Width:
+class Width(NamedTuple):
     """A width, or the reason why there is none."""
 
     value: float | None = None  # m
@@ -568,8 +529,6 @@ class Width:
 def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Width:
     """The width of the damage of a damaged ring, along its raceway.
 
-    Errors
-    ------
     Measured records of 2.05 to 3.28 mm are found within a tenth; the interval is that of the share, not of this record.
     """
     sign, line = RINGS.get(diagnosis.verdict), diagnosis.findings[0].found
@@ -595,10 +554,10 @@ def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Wi
     if value < NARROWEST:
         short = f"the lags give {1e3 * value:.2g} mm; below {1e3 * NARROWEST:g} mm they may come from ringing"
         return Width(reason=short)
-    return Width(value=value, low=value * SHARE / MOST_SHARE, high=value * SHARE / LEAST_SHARE)
+    return Width(value, value * SHARE / MOST_SHARE, value * SHARE / LEAST_SHARE)
 
 
-def _lags(values: np.ndarray, rate: float, line: float) -> np.ndarray:
+def _lags(values, rate, line):
     """Lags of the envelope's most prominent side peaks, s, (BANDS, PARTS, smoothings); nan where there is none."""
     from scipy import fft
     from scipy.signal import find_peaks
@@ -628,8 +587,7 @@ def _lags(values: np.ndarray, rate: float, line: float) -> np.ndarray:
     return lags / rate
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Pulse:
+class Pulse(NamedTuple):
     """Mean power about a strike."""
 
     time: np.ndarray  # (n_times,), s, from the highest
@@ -645,8 +603,6 @@ class Pulse:
 def mean_pulse(values: np.ndarray, rate: float, line: float) -> Pulse | None:
     """The mean pulse of a record, (n_times,), at a line, Hz; None: the rate leaves no band above it.
 
-    Errors
-    ------
     The highest power of each pass is taken for its strike: noise alone has a pulse too, of the smoothing's length.
     """
     from scipy import fft
@@ -658,10 +614,9 @@ def mean_pulse(values: np.ndarray, rate: float, line: float) -> Pulse | None:
     size = fft.prev_fast_len(values.size, real=True)
     band = np.where(fft.rfftfreq(size, 1.0 / rate) >= low, fft.rfft(values[:size]), 0.0)
     power = np.abs(_analytic(band, size)) ** 2
-    smooth = gaussian_filter1d(power, SMOOTHING * period)
-    before, after = int(BEFORE * period), int(AFTER * period)
+    smooth, around = gaussian_filter1d(power, SMOOTHING * period), np.arange(-int(BEFORE * period), int(AFTER * period))
     starts = (np.arange(1, int(size / period) - 1) * period).astype(int)
     strikes = np.array([start + int(np.argmax(smooth[start : start + int(period)])) for start in starts])
-    mean = smooth[np.add.outer(strikes, np.arange(-before, after))].mean(axis=0) / power.mean()
+    mean = smooth[np.add.outer(strikes, around)].mean(axis=0) / power.mean()
     above = mean >= mean.min() + HALF * (mean.max() - mean.min())
-    return Pulse(time=np.arange(-before, after) / rate, power=mean, length=float(np.count_nonzero(above)) / rate)
+    return Pulse(around / rate, mean, float(np.count_nonzero(above)) / rate)

@@ -40,7 +40,7 @@ OTHER = re.compile(
 LONGEST_STATEMENT = 300  # characters of a line that states a rate
 
 
-@dataclass(kw_only=True)
+@dataclass
 class Channels:
     """Signals by name as they are stored, their units as written, the rates, Hz, that the file states for each."""
 
@@ -84,7 +84,7 @@ class Channels:
         return self
 
 
-def _rate_of(key: str, value: Any) -> float:
+def _rate_of(key, value):
     """The rate, Hz, that a number of this name states; 0: none."""
     if re.sub(r"[^a-z]", "", key.lower()).removesuffix("hz") not in RATE_NAMES or isinstance(value, str | dict):
         return 0.0
@@ -99,8 +99,6 @@ class _Refused(UsageError):
 def read_channels(path: Path) -> Channels:
     """Channels of a file, whose format follows from its first bytes rather than its name.
 
-    Errors
-    ------
     OSError: it can't be read. ValueError, a sentence without the file's name: no record, damaged, a package missing.
     """
     data = read_plain(path, LARGEST + 1)
@@ -116,7 +114,12 @@ def read_channels(path: Path) -> Channels:
     elif not kinds and path.suffix.lower() == ".mat":  # version 4 has no mark of its own
         kinds = [("a MATLAB file", _matlab)]
     if not kinds:
-        return _text(data)
+        table = TextTable.sniffed(decoded(data))  # and the rate that is stated before its numbers
+        tried = (_stated_rate(line[:LONGEST_STATEMENT], table.decimal) for line in table.before)
+        stated = [each for each in tried if each is not None]
+        rates = frozenset(rate for rate, sampled in stated if sampled) or frozenset(rate for rate, _ in stated)
+        values = dict(zip(table.names, table.numbers().T, strict=True))
+        return Channels(values, table.units, dict.fromkeys(table.names, rates), table.line)
     kind, read = kinds[0]
     try:
         with warnings.catch_warnings():
@@ -132,19 +135,7 @@ def read_channels(path: Path) -> Channels:
     return found
 
 
-def _text(data: bytes) -> Channels:
-    """Columns of a text's numbers, and the rate that is stated before them."""
-    table = TextTable.sniffed(decoded(data))
-    values, said = table.numbers(), [_stated_rate(line[:LONGEST_STATEMENT], table.decimal) for line in table.before]
-    stated = [each for each in said if each is not None]
-    rates = frozenset(rate for rate, sampled in stated if sampled) or frozenset(rate for rate, _ in stated)
-    return Channels(
-        values=dict(zip(table.names, values.T, strict=True)), units=table.units,
-        rates=dict.fromkeys(table.names, rates), line=table.line,
-    )  # fmt: skip
-
-
-def _stated_rate(line: str, decimal: str) -> tuple[float, bool] | None:
+def _stated_rate(line, decimal):
     """The rate that a line before the numbers states, Hz, and whether it says that it is one of samples.
 
     Marks in its number are decimal signs or of thousands: 25,600 Hz in a file of decimal points is 25600 Hz.
@@ -164,19 +155,19 @@ def _stated_rate(line: str, decimal: str) -> tuple[float, bool] | None:
     return None
 
 
-def _check_size(size: int) -> None:
+def _check_size(size):
     if size > LARGEST:
         raise _Refused(f"unpacks to more than {LARGEST >> 20} MiB; cut a part of it")
 
 
-def _package(name: str, kind: str, install: str) -> Any:
+def _package(name, kind, install):
     try:
         return import_module(name)
     except ImportError:
         raise _Refused(f"{kind}; reading it takes a further package: python -m pip install {install}") from None
 
 
-def _wav(data: bytes, path: Path) -> Channels:
+def _wav(data, path):
     """All channels of any width; whole numbers become shares of full scale."""
     from scipy.io import wavfile
 
@@ -190,10 +181,10 @@ def _wav(data: bytes, path: Path) -> Channels:
         found /= float(1 << (8 * values.dtype.itemsize - 1))
     channels = {f"channel {k}": column for k, column in enumerate(found.T, 1)}
     notes = ["integers were taken as fractions of full scale"] if kind in "iu" else []
-    return Channels(values=channels, rates=dict.fromkeys(channels, frozenset([float(rate)])), notes=notes)
+    return Channels(channels, rates=dict.fromkeys(channels, frozenset([float(rate)])), notes=notes)
 
 
-def _matlab(data: bytes, path: Path) -> Channels:
+def _matlab(data, path):
     """Variables and fields of structs, by dotted names."""
     from scipy.io import loadmat
 
@@ -201,11 +192,7 @@ def _matlab(data: bytes, path: Path) -> Channels:
     return Channels().collect({name: value for name, value in file.items() if not name.startswith("__")})
 
 
-def _numpy(data: bytes, path: Path) -> Channels:
-    return Channels().collect(np.load(io.BytesIO(data), allow_pickle=False), "x")
-
-
-def _archive(data: bytes, path: Path) -> Channels:
+def _archive(data, path):
     """The arrays of an NPZ file."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         entries = archive.infolist()
@@ -216,32 +203,30 @@ def _archive(data: bytes, path: Path) -> Channels:
         return Channels().collect({name: file[name] for name in file.files})
 
 
-def _hdf5(data: bytes, path: Path) -> Channels:
-    """Numbers of a MATLAB 7.3 file or another HDF5 file."""
+def _hdf5(data, path):
+    """Numbers and groups of a MATLAB 7.3 file or another HDF5 file; texts, cells and links are left out."""
     import h5py
 
+    def tree(group: Any, depth: int = 0) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for name in list(group)[:MOST_CHANNELS]:
+            if name.startswith("#") or type(group.get(name, getlink=True)).__name__ != "HardLink":
+                continue
+            item = group[name]
+            if isinstance(item, h5py.Group) and depth < DEEPEST:
+                found[name] = tree(item, depth + 1)
+            elif isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and item.ndim in (1, 2) and item.shape[0]:
+                if item.attrs.get("MATLAB_class", b"") not in (b"char", "char"):
+                    data = check_array(group, name, item.shape[0], kinds="fiu")
+                    _check_size(data.size * data.dtype.itemsize)
+                    found[name] = data[()]
+        return found
+
     with h5py.File(path, "r") as file:
-        return Channels().collect(_hdf5_tree(file, 0))
+        return Channels().collect(tree(file))
 
 
-def _hdf5_tree(group: Any, depth: int) -> dict[str, Any]:
-    """Numbers and groups; texts, cells and links are left out."""
-    tree: dict[str, Any] = {}
-    for name in list(group)[:MOST_CHANNELS]:
-        if name.startswith("#") or type(group.get(name, getlink=True)).__name__ != "HardLink":
-            continue
-        item = group[name]
-        if type(item).__name__ == "Group" and depth < DEEPEST:
-            tree[name] = _hdf5_tree(item, depth + 1)
-        elif type(item).__name__ == "Dataset" and item.dtype.kind in "fiu" and item.ndim in (1, 2) and item.shape[0]:
-            if item.attrs.get("MATLAB_class", b"") not in (b"char", "char"):
-                data = check_array(group, name, item.shape[0], kinds="fiu")
-                _check_size(data.size * data.dtype.itemsize)
-                tree[name] = data[()]
-    return tree
-
-
-def _universal(data: bytes, path: Path) -> Channels:
+def _universal(data, path):
     """Data sets 58 over equal steps of time; spectra and the like are no signals."""
     sets = _package("pyuff", "a universal file (UFF58)", "pyuff").UFF(str(path)).read_sets()
     sets = [each for each in (sets if isinstance(sets, list) else [sets]) if each.get("type") == 58]
@@ -259,7 +244,7 @@ def _universal(data: bytes, path: Path) -> Channels:
     return found
 
 
-def _tdms(data: bytes, path: Path) -> Channels:
+def _tdms(data, path):
     found = Channels()
     with _package("nptdms", "a TDMS file", "nptdms").TdmsFile.open(path) as file:
         channels = [c for group in file.groups() for c in group.channels() if c.dtype.kind in "fiu"]
@@ -271,7 +256,7 @@ def _tdms(data: bytes, path: Path) -> Channels:
     return found
 
 
-def _parquet(data: bytes, path: Path) -> Channels:
+def _parquet(data, path):
     file = _package("pyarrow.parquet", "a Parquet file", "pyarrow").ParquetFile(io.BytesIO(data))
     kinds = {each.name: str(each.type) for each in file.schema_arrow}
     numbers = [name for name, kind in kinds.items() if re.fullmatch(r"u?int\d+|float|double|halffloat", kind)]
@@ -283,7 +268,7 @@ def _parquet(data: bytes, path: Path) -> Channels:
 KINDS: tuple[tuple[bytes, str, Callable[[bytes, Path], Channels]], ...] = (
     *((start, "a WAV file", _wav) for start in (b"RIFF", b"RIFX", b"RF64")),
     (b"MATLAB", "a MATLAB file", _matlab),
-    (b"\x93NUMPY", "an NPY file", _numpy),
+    (b"\x93NUMPY", "an NPY file", lambda data, _: Channels().collect(np.load(io.BytesIO(data)), "x")),
     (b"PK\x03\x04", "an NPZ file", _archive),
     (b"TDSm", "a TDMS file", _tdms),
     (b"PAR1", "a Parquet file", _parquet),

@@ -1,15 +1,15 @@
 """One channel of a record, in SI units and at equal steps, with what is wrong with it in sentences."""
 
 import re
-from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from lagrange.errors import InputError
 from lagrange.messages import G, shown
-from residual.measured.formats import MOST_NUMBERS, Channels, read_channels
+from residual.measured.formats import MOST_NUMBERS, read_channels
 
 TIME = re.compile(
     r"(?:.*[._])?(?:time|t|zeit|timestamp|abscissa|x[_ ]?values?)(?:[\s_]*[\[(]?(s|sec|ms|us|µs|ns)[\])]?)?",
@@ -24,6 +24,8 @@ UNITS = {  # as people write them: factor to SI, SI unit
 }  # fmt: skip
 VOLTS = {"v": 1.0, "mv": 1e-3}
 SENSITIVITY = re.compile(r"([\d.]+)\s*(m?)V\s*/\s*\(?\s*(g|m/s2|m/s²|m/s\^2|mm/s)\s*\)?", re.IGNORECASE)
+IN_BRACKETS = re.compile(r"[\[(]([^\])]+)[\])]\s*$")  # of a channel's name
+BEHIND = re.compile(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$")
 FEWEST = 1024  # samples
 UNEVEN = 0.02  # of a step, by which times may scatter as they are written with few digits
 APART = 1.5  # steps: more is a gap
@@ -37,15 +39,14 @@ FASTEST, SLOWEST = 1e9, 1e6  # Hz; s between samples
 COARSE = 32  # different values
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Signal:
+class Signal(NamedTuple):
     """One channel at equal steps."""
 
     name: str  # of the file and the channel
     values: np.ndarray  # (n_times,), in `unit`, its mean removed
     rate: float  # Hz
     unit: str  # "m/s²", "m/s"; "" where the record does not tell
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -59,15 +60,11 @@ def read_signal(
 ) -> Signal:  # fmt: skip
     """Read one channel of a record.
 
-    Parameters
-    ----------
     rate : Hz; None: the channel's own, by its column of times or as the file states it
     channel : its name, also without _m_s2, a part of it, or its number from 1; None: the only one
     unit : g, m/s2, mm/s or V; None: as the file says
     sensitivity : of a record in volts, as "100 mV/g"
 
-    Errors
-    ------
     InputError: no record, no such channel, no rate, a unit that is not known, fewer than 1024 samples, no vibration.
     """
     path = Path(path)
@@ -119,10 +116,10 @@ def read_signal(
     if not np.max(np.abs(values)) > 1.0 / LARGEST:
         raise InputError(f"{path}: {name} is constant, {mean:g}: no vibration; is it the right channel?")
     title = path.name if len(channels.values) == 1 else f"{path.name}, {shown(name)}"
-    return Signal(name=title, values=values, rate=found, unit=si, notes=tuple(notes))
+    return Signal(title, values, found, si, tuple(notes))
 
 
-def _times(channels: Channels) -> dict[str, np.ndarray]:
+def _times(channels):
     """Columns of times, s, by name, taken out of the channels."""
     times = {}
     for name, values in list(channels.values.items()):
@@ -137,12 +134,12 @@ def _times(channels: Channels) -> dict[str, np.ndarray]:
     return times
 
 
-def _rises(values: np.ndarray) -> bool:
+def _rises(values):
     finite = values[np.isfinite(values)]
     return bool(finite.size > 2 and np.all(np.diff(finite) > 0))
 
 
-def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], given: float | None) -> np.ndarray | None:
+def _time_of(path, name, size, times, given):
     """The times of a channel, of its own struct or of one about it; None: there are none, or a rate must decide.
 
     InputError: several columns of times differ, and no rate is given.
@@ -153,7 +150,7 @@ def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], giv
             found.setdefault(each.rpartition(".")[0], []).append(values)
     within = name.split(".")[:-1]
     scopes = [".".join(within[:depth]) for depth in range(len(within), -1, -1)]
-    if len(times) and sum(map(len, found.values())) == 1:  # the only one: signals and times in structs of their own
+    if sum(map(len, found.values())) == 1:  # the only one: signals and times in structs of their own
         scopes += found
     own = next((found[scope] for scope in scopes if scope in found), [])
     steps = [float(np.median(np.diff(values[np.isfinite(values)]))) for values in own]
@@ -164,7 +161,7 @@ def _time_of(path: Path, name: str, size: int, times: dict[str, np.ndarray], giv
     return own[0] if own else None
 
 
-def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
+def _chosen(path, channels, wanted):
     """The name of a channel that is asked for, or of the only one."""
     names = list(channels.values)
     first = channels.longest if wanted is None else names  # short ones are seldom what a record is of
@@ -187,9 +184,7 @@ def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
     raise InputError(f"{path}: --channel {wanted}: {how} of that name; there are: {listed}")
 
 
-def _rate(
-    path: Path, name: str, time: np.ndarray | None, stated: frozenset[float], given: float | None, notes: list[str]
-) -> float:
+def _rate(path, name, time, stated, given, notes):
     """The rate, Hz, as given, of the times, or as the file states it for this channel."""
     if given is not None and not 1.0 <= given <= FASTEST:
         raise InputError(f"--rate {given:g}: must be a number of Hz from 1 to 1e9")
@@ -218,9 +213,7 @@ def _rate(
     return own[-1]
 
 
-def _longest(
-    path: Path, values: np.ndarray, time: np.ndarray | None, word: str, place: np.ndarray
-) -> tuple[np.ndarray, str]:
+def _longest(path, values, time, word, place):
     """The longest piece without a gap, and what is missing between pieces; `place`: numbers of lines or samples."""
     broken = ~(np.abs(values) < LARGEST)
     steps = np.diff(time) if time is not None else np.ones(1)
@@ -240,12 +233,10 @@ def _longest(
     return values[first:last], what
 
 
-def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:
+def _unit(path, name, channels, given, sensitivity):
     """Factor to SI and the SI unit, "" of a unit that is not stated."""
-    bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name[-80:])
-    ending = re.search(r"_(g|m_s2|mm_s|mm/s|m/s(?:\^?2|²)?)$", name)
-    in_name = next((said[1] for said in (bracketed, ending) if said), "")
-    unit = (given if given is not None else channels.units.get(name) or in_name).strip().lower()
+    in_name = IN_BRACKETS.search(name[-80:]) or BEHIND.search(name)
+    unit = (given if given is not None else channels.units.get(name) or (in_name[1] if in_name else "")).strip().lower()
     if sensitivity is not None:
         said = SENSITIVITY.fullmatch(sensitivity.strip())
         if said is None or not float(said[1]) > 0.0:
@@ -261,11 +252,11 @@ def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitiv
     return UNITS.get(unit, (VOLTS.get(unit, 1.0), ""))
 
 
-def _faults(values: np.ndarray, rate: float) -> list[str]:
+def _faults(values, rate):
     """What is wrong with a record, as sentences."""
     notes = []
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
-    lengths = np.diff(np.concatenate([starts, [values.size]]))
+    starts = np.append(0, np.flatnonzero(np.diff(values) != 0.0) + 1)
+    lengths = np.diff(starts, append=values.size)
     high, low = float(values.max()), float(values.min())
     clipped = ((values[starts] == high) | (values[starts] == low)) & (lengths >= CLIPPED_RUN)
     dropped = (lengths >= DROPPED) & ~clipped

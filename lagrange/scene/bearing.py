@@ -20,7 +20,7 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import exceeds
 from lagrange.files.tables import columns
 from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit
-from lagrange.scene.faults import DecimalSign, Diameter, Digest, File, FileName, FileText, Share, Table, key, only
+from lagrange.scene.faults import DecimalSign, Diameter, Digest, File, FileName, FileText, Rule, Share, Table, key, only
 from lagrange.surface.film import Lubricant
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 MM, UM = 1e-3, 1e-6
 FEWEST_ROLLERS = 3  # that are left where some are missing
 LARGEST_PRELOAD, LARGEST_CLEARANCE = 0.005, 0.2  # of a roller's diameter
+ITS_SIZES = ("give rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
+    "bore_diameter_mm and outside_diameter_mm")
+CLEARANCE = "diametral clearance outer − inner − 2·roller = {t.clearance:.4g} mm is"
 ROUNDED = 6  # decimals of a clearance in mm, a difference of diameters
 USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
@@ -149,59 +152,48 @@ class BearingTable(Table):
         """Of the contact angle."""
         return cos(radians(self.contact_angle_deg))
 
-    def _standard(self) -> Iterator[str]:
-        name, found = self.designation, listed(self.designation)
-        if name is not None and found is None:
-            sizes = "give rollers, roller_diameter_mm, roller_length_mm, inner_raceway_diameter_mm, clearance_um, "
-            sizes += "bore_diameter_mm and outside_diameter_mm"
-            yield f"designation = {name!r}: not in the table; {instead(name, sizes)}"
-        if found is not None and has_balls(found[0]) != (self.type == "ball"):
-            yield f'designation = {name!r}: not with type = "{self.type}"; leave one of them out'
+    @property
+    def pitch(self) -> float:
+        """Diameter, mm, on which rollers without clearance have their centres."""
+        return 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
 
-    def _missing(self) -> Iterator[str]:
-        numbers = self.missing_rollers
-        for number in numbers:
-            if number >= self.rollers:
-                yield (f"missing_rollers = {numbers}: there is no roller {number}; rollers = {self.rollers} are "
-                    f"counted from 0 to {self.rollers - 1}")
-        if len(set(numbers)) < len(numbers):
-            yield f"missing_rollers = {numbers}: a number is there twice"
-        if self.present < FEWEST_ROLLERS:
-            yield f"missing_rollers = {numbers}: leaves {self.present} rollers; at least {FEWEST_ROLLERS} must be left"
+    @property
+    def clearance(self) -> float:
+        """Diametral, mm."""
+        across = (self.outer_raceway_diameter_mm - self.inner_raceway_diameter_mm) / self.cosine
+        return round(across - 2.0 * self.roller_diameter_mm, ROUNDED)
 
-    def _clearance(self) -> Iterator[str]:
-        roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
-        clearance = round((outer - self.inner_raceway_diameter_mm) / self.cosine - 2.0 * roller, ROUNDED)
-        said = f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is"
-        least, most = -LARGEST_PRELOAD * roller, LARGEST_CLEARANCE * roller
-        if exceeds(least, clearance):
-            yield (f"{said} more preload than the model allows (at least {least:.4g} mm); raise "
-                f"outer_raceway_diameter_mm = {outer}")
-        if exceeds(clearance, most):
-            yield f"{said} too large (at most {most:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
-
-    def _room(self) -> Iterator[str]:
-        roller, pitch = self.roller_diameter_mm, 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
-        if pitch * sin(pi / self.rollers) <= roller:
-            most = int(pi / asin(roller / pitch)) if roller < pitch else 1
-            yield (f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
-                f"{pitch:g} mm; at most {most}")
-
-    RULES = (
-        _standard,
+    RULES: ClassVar[tuple[Rule, ...]] = (
+        (lambda t: t.designation is not None and listed(t.designation) is None and instead(t.designation, ITS_SIZES),
+            "designation = {t.designation!r}: not in the table; {0}"),
+        (lambda t: (found := listed(t.designation)) and has_balls(found[0]) != (t.type == "ball"),
+            'designation = {t.designation!r}: not with type = "{t.type}"; leave one of them out'),
         (lambda t: t.clearance_um is not None, "clearance_um = {t.clearance_um:g} and outer_raceway_diameter_mm = "
             "{t.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"),  # else it is the diameter now
         (lambda t: t.pitch_diameter_mm is not None, "pitch_diameter_mm = {t.pitch_diameter_mm:g}: raceways and "
             "clearance already give the pitch; give it with roller_diameter_mm and either clearance_um or "
             "outer_raceway_diameter_mm"),  # else it is a raceway's diameter now
-        _missing,
+        (lambda t: (absent := [number for number in t.missing_rollers if number >= t.rollers]) and (
+            ", ".join(map(str, absent)), t.rollers - 1), "missing_rollers = {t.missing_rollers}: there is no roller "
+            "{0}; rollers = {t.rollers} are counted from 0 to {1}"),
+        (lambda t: len(set(t.missing_rollers)) < len(t.missing_rollers),
+            "missing_rollers = {t.missing_rollers}: a number is there twice"),
+        (lambda t: t.present < FEWEST_ROLLERS, "missing_rollers = {t.missing_rollers}: leaves {t.present} rollers; at "
+            f"least {FEWEST_ROLLERS} must be left"),
         only("inner_conformity outer_conformity", "type", "ball"),
         (lambda t: t.bore_diameter_mm >= t.inner_raceway_diameter_mm, "bore_diameter_mm = {t.bore_diameter_mm} must be "
             "below inner_raceway_diameter_mm = {t.inner_raceway_diameter_mm}"),
         (lambda t: t.outside_diameter_mm <= t.outer_raceway_diameter_mm, "outside_diameter_mm = "
             "{t.outside_diameter_mm} must be above outer_raceway_diameter_mm = {t.outer_raceway_diameter_mm}"),
-        _clearance,
-        _room,
+        (lambda t: exceeds(least := -LARGEST_PRELOAD * t.roller_diameter_mm, t.clearance) and least, f"{CLEARANCE} "
+            "more preload than the model allows (at least {0:.4g} mm); raise outer_raceway_diameter_mm = "
+            "{t.outer_raceway_diameter_mm}"),
+        (lambda t: exceeds(t.clearance, most := LARGEST_CLEARANCE * t.roller_diameter_mm) and most, f"{CLEARANCE} too "
+            "large (at most {0:.4g} mm); lower outer_raceway_diameter_mm = {t.outer_raceway_diameter_mm}"),
+        (lambda t: t.pitch * sin(pi / t.rollers) <= t.roller_diameter_mm and (
+            int(pi / asin(t.roller_diameter_mm / t.pitch)) if t.roller_diameter_mm < t.pitch else 1),
+            "rollers = {t.rollers} of roller_diameter_mm = {t.roller_diameter_mm} do not fit on the pitch circle of "
+            "{t.pitch:g} mm; at most {0}"),
     )
 
 
@@ -280,14 +272,10 @@ class BodiesTable(Table):
     inner_ring: Rigidity = key("elastic", "inner ring")
     outer_ring: Rigidity = key("elastic", "outer ring")
 
-    def _partners(self) -> Iterator[str]:
-        too = " and ".join(f'{name} = "rigid"' for name in self.rigid if name != "rollers")
-        if self.rollers == "rigid" and too:
-            yield (f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
-                'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
-                "between them, leave [bodies] out and use run-fem --model lagrange")
-
-    RULES = (_partners,)
+    RULES = ((lambda t: t.rollers == "rigid" and " and ".join(f'{name} = "rigid"' for name in t.rigid[1:]),
+        'rollers = "rigid" together with {0}: a contact of two rigid bodies has no compliance and so no force; leave '
+        'the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law between them, leave '
+        "[bodies] out and use run-fem --model lagrange"),)
 
     @property
     def rigid(self) -> tuple[str, ...]:

@@ -70,7 +70,7 @@ FileText = Annotated[SkipJsonSchema[str | None], Field(exclude=True, repr=False)
 
 Place = tuple[str | int, ...]  # keys from the scene down
 # what contradicts itself in a table: a generator of sentences on it, or a condition and the sentence where it holds, a
-# template with the table as {t}
+# template with the table as {t} and what the condition gives as {0}, {1}
 Rule = Callable[[Any], Iterator[str]] | tuple[Callable[[Any], Any], str]
 
 
@@ -366,8 +366,8 @@ def _contradictions(table: Table, place: str, unmade: list[ValueError], whole: b
         try:
             if callable(rule):
                 yield from (before + sentence for sentence in rule(table))
-            elif rule[0](table):
-                yield before + rule[1].format(t=table)
+            elif found := rule[0](table):
+                yield before + rule[1].format(*(found if isinstance(found, tuple) else (found,)), t=table)
         except AttributeError:  # of a value left out
             if whole:
                 raise

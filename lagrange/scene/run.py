@@ -32,8 +32,8 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import OWN
 from lagrange.errors import exceeds
 from lagrange.files.tables import columns
-from lagrange.load_history import TIME, joined, points_of, steady, turn_of
 from lagrange.load_history import Shape as Curve
+from lagrange.load_history import joined, points_of, steady, turn_of
 from lagrange.messages import G
 from lagrange.mounting import Bore, Housing, Points, Shaft
 from lagrange.scene.faults import RPM, Angle, DecimalSign, Digest, File, FileName, FileText, Share, Table, key, only
@@ -133,14 +133,6 @@ class OperationTable(Table):
             return None
         return Shaft(stiffness=self.shaft_stiffness_N_per_m, damping=self.shaft_damping_N_s_m or 0.0)
 
-    def duration_faults(self, duration: float) -> Iterator[str]:
-        """Tables that end before the run does, ms."""
-        for name in self.FILES:
-            found = self.read(name)
-            if found is not None and exceeds(duration, found[0][-1]):
-                yield (f'operation.{name} = "{getattr(self, name)}": it ends at {TIME} = {found[0][-1]:g}, before the '
-                    f"run (numerics.duration_ms = {duration:g}); give more rows, or shorten the run")
-
     @property
     def changes(self) -> str | None:
         """The key of something that changes with time; None: nothing does."""
@@ -207,7 +199,7 @@ class SupportTable(Table):
 
     kind: Literal["held", "points", "housing", "bore"] = key("held", "held: by rigid ground all around; points: on "
         "arcs of the outside; housing: in a rigid mass on springs; bore: in a bore of the ground")
-    angles_deg: list[float] | None = key(None, "angles of the points from the load (−y); default 0, 120, 240",
+    angles_deg: list[Angle] | None = key(None, "angles of the points from the load (−y); default 0, 120, 240",
         min_length=1, max_length=100)
     width_mm: float | None = key(None, "width of each point along the outside, at least two nodes; default 6", most=1e4,
         gt=0.0)
@@ -225,11 +217,6 @@ class SupportTable(Table):
         kind = data.get("kind")
         return OF_KINDS.get(kind, {}) | data if isinstance(kind, str) else data
 
-    def _angles(self) -> Iterator[str]:
-        for angle in self.angles_deg or ():
-            if not -360.0 <= angle <= 360.0:
-                yield f"angles_deg = {self.angles_deg}: {angle:g} is not between -360 and 360"
-
     RULES = (
         only("angles_deg width_mm", "kind", "points"),
         only("mass_kg stiffness_N_per_m damping_N_s_m", "kind", "housing"),
@@ -239,7 +226,6 @@ class SupportTable(Table):
             "ring is held all around; give that too, 0 for a bore as wide as the ring"),
         (lambda t: None in (getattr(t, name) for name in OF_KINDS.get(t.kind, ())),
             'kind = "{t.kind}" without one of its keys; leave None out'),
-        _angles,
     )
 
     def parts(self) -> dict[str, Any]:
@@ -279,6 +265,9 @@ class ContactTable(Table):
     RULES = (only("penalty_stiffness_N_per_m", "model", *COMPARISONS),)
 
 
+OF_CONTACTS = "contact_N_s_m", "contact_time_us", "hunt_crossley_s_m"  # damping laws
+
+
 class DampingTable(Table):
     """Damping, apart from friction. At most one of the three contact laws may be given; none makes a contact pull."""
 
@@ -288,13 +277,8 @@ class DampingTable(Table):
     hunt_crossley_s_m: float = key(0.0, "Hunt–Crossley coefficient α: F = Q(1 + 3/2 α δ̇)", 0.0, 1000.0)
     bodies_1_s: float = key(0.0, "mass-proportional damping of the deformation of the bodies", 0.0, 1e6)
 
-    def _one_law(self) -> Iterator[str]:
-        names = ("contact_N_s_m", "contact_time_us", "hunt_crossley_s_m")
-        given = [f"{name} = {getattr(self, name):g}" for name in names if getattr(self, name) > 0.0]
-        if len(given) > 1:
-            yield f"{' and '.join(given)}: contacts are damped by one law; leave all but one out"
-
-    RULES = (_one_law,)
+    RULES = ((lambda t: len(given := [f"{name} = {getattr(t, name):g}" for name in OF_CONTACTS if getattr(t, name)]) > 1
+        and " and ".join(given), "{0}: contacts are damped by one law; leave all but one out"),)
 
     @property
     def acts(self) -> bool:
@@ -412,12 +396,9 @@ class NumericsTable(Table):
     output_interval_us: float = key(10.0, "time between two samples; default 10, or less if the hub or impacting "
         "rollers vibrate faster or faults pass", 1e-3, 1e6)
 
-    def _samples(self) -> Iterator[str]:
-        if self.duration_ms > 0.0 and exceeds(self.output_interval_us, 1e3 * self.duration_ms):
-            yield (f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
-                f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}")
-
-    RULES = (_samples,)
+    RULES = ((lambda t: t.duration_ms > 0.0 and exceeds(t.output_interval_us, most := 1e3 * t.duration_ms) and most,
+        "output_interval_us = {t.output_interval_us:g} is longer than the run (duration_ms = {t.duration_ms:g}): "
+        "nothing but the start would be stored; at most {0:g}"),)
 
 
 class OutputTable(Table):

@@ -263,7 +263,7 @@ BORE, POINTS = {"kind": "bore"}, {"kind": "points"}
     (BORE, {"cage": {"guidance": "outer_ring"}}, ['cage.guidance = "outer_ring"']),
     (BORE, {"sensor": {}}, ["[sensor]"]),
     (POINTS | {"angles_deg": []}, {}, ["support.angles_deg"]),
-    (POINTS | {"angles_deg": [400.0]}, {}, ["angles_deg", "-360 and 360"]),
+    (POINTS | {"angles_deg": [400.0]}, {}, ["angles_deg.0 = 400", "360"]),
     (POINTS | {"width_mm": 0.0}, {}, ["support.width_mm"]),
     (POINTS | {"mass_kg": 1.0}, {}, ['mass_kg = 1: only with kind = "housing", not "points"']),
     ({"kind": "housing", "width_mm": 1.0}, {}, ['width_mm = 1: only with kind = "points"']),

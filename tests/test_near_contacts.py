@@ -25,7 +25,6 @@ from fem.pictures import stress_below
 from fem.pictures.bodies import drawn_bearing
 from fem.pictures.recover import read_instant
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING, hertz_stress, spline_displacement
-from fem.solver.elements.plan import model_of
 from fem.solver.limits import check_meshes
 from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
@@ -374,12 +373,6 @@ def test_rollers_that_only_their_weight_presses_find_their_place(clearance_um, m
     weight = 9.81 * bearing.roller_mass * np.sin(roller_angles(bearing, angle))  # along the radius
     loose = (weight > 0.0) & (exact.inner_force == 0.0)
     kit.within(found.inner_force[loose], weight[loose], 1e-4)  # LOOSE_SPRING, 0.1 mm
-
-
-def test_meshes_choose_the_contact():
-    """One patch on meshes more than twice as coarse as the half-width, 0.24 mm; points below."""
-    for size, spreads in ((0.6, False), (0.4, True)):
-        assert isinstance(model_of(rolling_scene("subgrid", 0.0, size, 1.0)), SpreadModel) == spreads
 
 
 @kernel

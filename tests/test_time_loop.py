@@ -22,7 +22,6 @@ from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import hertz_approach, stick_approach
 from fem.elastic.reciprocal_mass import LUMPED, THIRD
 from fem.kernels import columns
-from fem.kernels.drive import load_at
 from fem.kernels.elements.loop import advance
 from fem.kernels.jit import KernelCache, PartCache, every, kernel, part
 from fem.kernels.lanes import load, store
@@ -175,14 +174,6 @@ def test_too_long_a_step_is_reported_with_step_and_body():
     samples = np.zeros((400, columns.N_SCALARS + len(columns.BLOCKS) * 13))
     status, at, body = advance(*kit.loop_arguments(state), 0, 10, samples)
     assert status == NOT_FINITE and 0 < at < 4000 and -1 <= body < 13
-
-
-def test_the_load_ramps_up_smoothly():
-    drive = arrays(model(paper(), 2e-3), operation(), 1e-7, from_rest=True, ramp=1e-3).drive
-    assert load_at(drive, 0.0)[1] == 0.0 and load_at(drive, 0.5e-3)[1] == pytest.approx(1000.0, rel=1e-12)
-    assert load_at(drive, 1e-3)[1] == load_at(drive, 1.0)[1] == 2000.0
-    assert load_at(drive, 1e-6)[1] < 2000.0 * 3e-6  # starts and ends with zero slope
-    assert load_at(arrays(model(paper(), 2e-3), operation(), 1e-7).drive, 0.0)[1] == 2000.0, "at once"
 
 
 # Bodies declared rigid: statics against exact series, their motion, balances, what is refused
@@ -660,18 +651,6 @@ def test_a_disc_that_sticks_has_the_exact_tangential_compliance_at_every_positio
         assert np.mean(found) == pytest.approx(exact, rel=5e-3)
 
 
-@pytest.mark.parametrize("angle", [0.0, 1.234, -2.5])
-def test_a_patchs_traction_has_the_force_and_the_moment_of_one_on_the_circle(angle):
-    body, hoop, along = kit.disc(RADIUS, 3), ring_of("inside"), np.array([-np.sin(angle), np.cos(angle)])
-    load = points.disc_patch_traction(body, angle).reshape(-1, 2)
-    assert_allclose(load.sum(axis=0), along, atol=1e-14)
-    moment = np.sum(body.points[:, 0] * load[:, 1] - body.points[:, 1] * load[:, 0])
-    assert moment == pytest.approx(RADIUS, rel=1e-12)
-    load = points.ring_patch_traction(hoop, angle)
-    assert_allclose(hoop.cartesian(load).sum(axis=0), along, atol=1e-14)
-    assert load[:, 1].sum(axis=1) @ hoop.radii == pytest.approx(0.018, rel=1e-12)
-
-
 def test_the_law_scales_with_modulus_size_and_the_half_width_it_is_calibrated_at():
     """Twice the size at the same length: the same compliance, half-widths larger by the square root of two."""
     body = kit.disc(RADIUS, 3)
@@ -702,14 +681,3 @@ def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnson
     wanted = squeezed_disc_approach(force / LENGTH, RADIUS, b, modulus)
     found = squeezed(body, surface, 1.2) * force + law_on_rigid(surface, RADIUS, material).approach(force)
     assert found == pytest.approx(wanted, rel=1e-3)
-
-
-def test_the_ripple_goes_through_its_samples_and_is_smooth():
-    ripple, step = surface_of(kit.disc(RADIUS, 3)).ripple, 1e-6
-    assert ripple.size / 8.0 == 3.0  # its period
-    value = np.array([ripple_at(x, ripple) for x in np.linspace(0.0, 18.0, 18 * 40 + 1)])
-    assert_allclose(value[: 3 * 40], value[3 * 40 : 6 * 40], atol=1e-9 * np.abs(value).max())
-    assert np.abs(value[: 3 * 40 : 5, 0].mean()) < 1e-12 * np.abs(value[:, 0]).max()  # at the knots, zero mean
-    for x in (0.3, 1.0, 2.999, 17.9):
-        difference = (ripple_at(x + step, ripple)[0] - ripple_at(x - step, ripple)[0]) / (2.0 * step)
-        assert ripple_at(x, ripple)[1] == pytest.approx(difference, rel=1e-6, abs=1e-18)

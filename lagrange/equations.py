@@ -13,13 +13,13 @@ Equation (22) of docs/lagrange.md.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.surface.deviation import Falls, SurfaceDeviation, Turns, profiles
 
+THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
 STRAIGHT = 1e-9  # rad, less than half a turn: rollers on either side of it hold nothing between them
 
 
@@ -65,13 +65,10 @@ class Overlaps:
         return radial * self.cos - tangential * self.sin, radial * self.sin + tangential * self.cos
 
     @property
-    def inner_compliance(self) -> np.ndarray | float:
-        """Of edges, in series with the contact's law, m/N."""
-        return 0.0 if self.surfaces[0] is None else self.surfaces[0].compliance
-
-    @property
-    def outer_compliance(self) -> np.ndarray | float:
-        return 0.0 if self.surfaces[1] is None else self.surfaces[1].compliance
+    def compliances(self) -> tuple[np.ndarray | float, np.ndarray | float]:
+        """Of edges, in series with the inner and the outer contact's law, m/N."""
+        inner, outer = (0.0 if surface is None else surface.compliance for surface in self.surfaces)
+        return inner, outer
 
     def on_surfaces(self, bearing: Bearing, turns: Turns) -> "Overlaps":
         """With the bearing's surfaces as they are; of contacts without a force."""
@@ -86,13 +83,14 @@ class Overlaps:
         )  # fmt: skip
 
     def at_contact(self, inner: Falls, outer: Falls | None = None) -> "Overlaps":
-        """With the slopes that contacts' forces and edges meet on `on_surfaces`'s; None: not of outer ones."""
-        if self.surfaces[0] is None or self.surfaces[1] is None:
+        """With the slopes that contacts' forces and edges meet on `on_surfaces`'s."""
+        one, other = self.surfaces
+        if one is None or other is None:
             return self
-        one, other = self.surfaces[0].at_contact(inner), self.surfaces[1].at_contact(outer or Falls())
+        one, other = one.at_contact(inner), other.at_contact(outer or Falls())
         return replace(self, surfaces=(one, other), aside=one.slope / self.distance, outer_slope=other.slope / self.rho)
 
-    def at_force(self, inner, outer: Any = 0.0) -> "Overlaps":
+    def at_force(self, inner, outer=0.0) -> "Overlaps":
         """The same of contacts under forces, N, >= 0: soft edges then have other directions."""
         return self.at_contact(Falls(compliance=0.5 * inner), Falls(compliance=0.5 * outer))
 
@@ -122,9 +120,6 @@ def overlaps(bearing: Bearing, x, y, rho, theta) -> Overlaps:
 def touching_distances(bearing: Bearing) -> tuple[float, float]:
     """Distance, m, of a roller's centre that touches the inner ring from its centre (reach), and the outer (track)."""
     return (bearing.inner_raceway_radius + bearing.roller_radius, bearing.outer_raceway_radius - bearing.roller_radius)
-
-
-THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
 
 
 def nothing_carries(bearing: Bearing, angle: np.ndarray, load) -> str | None:

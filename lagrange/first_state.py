@@ -7,34 +7,23 @@ without load is not held at all. Along such directions the hub starts without ve
 `sampled` gives the result file's columns that follow from a motion, with those of a cage.
 """
 
-from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
 
+from lagrange import motion
 from lagrange.axial.slices import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
 from lagrange.load_history import load_share
-from lagrange.motion import (
-    ContactState,
-    State,
-    accelerations,
-    contact_energy,
-    contact_state,
-    housing_accelerations,
-    hub_equations,
-    kinetic_energy,
-    rotation_energy,
-)
-from lagrange.mounting import ring_place
+from lagrange.motion import HubTilt, State, TiltedLaws, Tilts, hub_tilt, sliced_laws
+from lagrange.mounting import OF_HOUSING, ring_place
 from lagrange.statics import Placement, Statics, TiltedStatics, held_hub, static_equilibrium, tilted_equilibrium
 from lagrange.surface.deviation import Turns
-from lagrange.tilt import HubTilt, TiltedLaws, Tilts, hub_tilt, shaft_tilt_energy, sliced_laws, tilt_energy
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter
@@ -83,10 +72,9 @@ def places_moving(before: TiltedStatics, now: TiltedStatics, after: TiltedStatic
 
 def tilts_moving(now: TiltedStatics, rates: np.ndarray | None = None) -> Tilts:
     """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,); None: at rest."""
-    n = now.tilt.size
-    rates = np.zeros(4 + 2 * n) if rates is None else rates
+    rates = np.zeros(now.moved.size) if rates is None else rates
     return Tilts(
-        tilt=now.tilt, tilt_rate=rates[4 + n :],
+        tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :],
         slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
     )  # fmt: skip
 
@@ -125,62 +113,51 @@ def equilibrium_state(
     ------
     RuntimeError: no equilibrium.
     """
-    first = roller_angles(bearing, operation.first_roller_angle)
+    first, n = roller_angles(bearing, operation.first_roller_angle), bearing.n_rollers
 
     def moment(shift: float, place) -> tuple[Operation, dict]:
         angles = first + turned(bearing, operation, shift).cage
         return operation.at(shift), dict(angles=angles, turns=Turns.rolling(bearing, operation, shift), ring=place)
 
-    def plane_at(place) -> Statics:
-        return static_equilibrium(bearing, operation, laws, angles=first, ring=place)
+    def plane_at(shift: float, place, start: tuple[float, float] | None = None) -> Statics:
+        acting, there = moment(shift, place)
+        return static_equilibrium(bearing, acting, laws, start=start, **there)
 
     def tilted_at(shift: float, place) -> TiltedStatics:
-        acting, there = moment(shift, place)
-        plane = static_equilibrium(bearing, acting, laws, angles=there["angles"], ring=place)
+        (acting, there), plane = moment(shift, place), plane_at(shift, place)
         placement, start = Placement(there["angles"], place, there["turns"]), (np.array([plane.x, plane.y]), plane.rho)
         return tilted_equilibrium(bearing, acting, contacts, hub, placement, start)
 
     def force_at(place):
-        still = plane_at(place) if axial is None else tilted_at(0.0, place)
+        still = plane_at(0.0, place) if axial is None else tilted_at(0.0, place)
         return np.array([still.outer_force @ np.cos(first), still.outer_force @ np.sin(first)])
 
     if axial is not None:
         hub, contacts = hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
-    if axial is None:
-        still = plane_at(ring)
-        rates, warning = _rates(bearing, operation, laws, still, lambda shift: moment(shift, ring))
-        return FirstState(_moving(bearing, operation, ring, (still.x, still.y), still.rho, rates), warning)
-    now, n = tilted_at(0.0, ring), bearing.n_rollers
-    rates, warning = np.zeros(4 + 2 * n), None
-    if operation.fastest > 0.0 and followed(now.radial_stiffness, bearing, operation)[0].size < 2:
-        warning = SOFT
-    elif operation.fastest > 0.0:
-        found = places_moving(tilted_at(-DIFFERENCE, ring), now, tilted_at(DIFFERENCE, ring), DIFFERENCE)
-        follows = np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation)
-        rates, warning = (found, None) if follows else (rates, JUMPS)
-    moving = np.concatenate([rates[:2], rates[4 : 4 + n]])
-    return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts_moving(now, rates)), warning)
+    if axial is not None:
+        now, rates, warning = tilted_at(0.0, ring), np.zeros(4 + 2 * n), None
+        if operation.fastest > 0.0 and followed(now.radial_stiffness, bearing, operation)[0].size < 2:
+            warning = SOFT
+        elif operation.fastest > 0.0:
+            found = places_moving(tilted_at(-DIFFERENCE, ring), now, tilted_at(DIFFERENCE, ring), DIFFERENCE)
+            follows = np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation)
+            rates, warning = (found, None) if follows else (rates, JUMPS)
+        moving, tilts = np.concatenate([rates[:2], rates[4 : 4 + n]]), tilts_moving(now, rates)
+        return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts), warning)
+    still = plane_at(0.0, ring)
+    place, (values, directions) = (still.x, still.y), followed(still.stiffness, bearing, operation)
 
+    def equilibrium_at(shift: float) -> np.ndarray:
+        there = plane_at(shift, ring, place)
+        return np.array([there.x, there.y, *there.rho])
 
-def _rates(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, now: Statics, moment: Callable
-) -> tuple[np.ndarray, str | None]:
-    """Velocities of hub and ρ, (2 + n_rollers,), m/s, 0 where these do not converge, and what to say of them."""
-    values, directions = followed(now.stiffness, bearing, operation)
+    def held_at(shift: float, velocity) -> tuple[np.ndarray, np.ndarray]:
+        (acting, there), at = moment(shift, ring), np.array(place) + shift * velocity
+        force, rho, _ = held_hub(bearing, acting, laws, at, **there)
+        return force, np.array([*at, *rho])
 
-    def equilibrium_at(shift):
-        acting, there = moment(shift)
-        found = static_equilibrium(bearing, acting, laws, start=(now.x, now.y), **there)
-        return np.array([found.x, found.y, *found.rho])
-
-    def held_at(shift, velocity):
-        acting, there = moment(shift)
-        hub = np.array([now.x, now.y]) + shift * velocity
-        force, rho, _ = held_hub(bearing, acting, laws, hub, **there)
-        return force, np.array([*hub, *rho])
-
-    def rates_by(shift):
+    def rates_by(shift: float) -> np.ndarray:
         if values.size == 2:
             return (equilibrium_at(shift) - equilibrium_at(-shift)) / (2.0 * shift)
         # not by equilibria, which may lie far from each other here
@@ -188,13 +165,14 @@ def _rates(
         velocity = -directions @ ((directions.T @ change) / values)
         return (held_at(shift, velocity)[1] - held_at(-shift, velocity)[1]) / (2.0 * shift)
 
-    rates = rates_by(DIFFERENCE)
+    rates, warning = rates_by(DIFFERENCE), SOFT if values.size < 2 and operation.fastest > 0.0 else None
     largest = np.abs(rates).max()
-    moves = 2.0 * DIFFERENCE * largest > NO_MOVE
     too_fast = operation.history is None and np.hypot(*rates[:2]) > JUMP * surface_speed(bearing, operation)
-    if moves and (too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest):
-        return np.zeros_like(rates), JUMPS
-    return rates, SOFT if values.size < 2 and operation.fastest > 0.0 else None
+    if 2.0 * DIFFERENCE * largest > NO_MOVE and (
+        too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest  # they do not converge
+    ):
+        rates, warning = np.zeros_like(rates), JUMPS
+    return FirstState(_moving(bearing, operation, ring, place, still.rho, rates), warning)
 
 
 def weight_on_springs(bearing: Bearing, operation: Operation) -> float:
@@ -285,11 +263,12 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
     ----------
     time : (n_times,), s; of a free cage 0 alone, where it is concentric and turns with the elements
     """
-    bearing, operation, shaft = problem.bearing, problem.operation, problem.operation.mounting.shaft
-    zero, per_roller, housing = np.zeros(time.size), np.zeros(state.rho.shape), operation.mounting.housing
-    touch = contact_state(bearing, problem.contacts, state, problem.damping)
-    left = hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
+    bearing, operation, hub, tilts = problem.bearing, problem.operation, problem.hub_tilt, state.tilts
+    zero, per_roller, mounting = np.zeros(time.size), np.zeros(state.rho.shape), operation.mounting
+    touch = motion.contact_state(bearing, problem.contacts, state, problem.damping)
+    left = motion.hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
     x, y = zero + state.x + state.ring_x, zero + state.y + state.ring_y  # in the fixed frame
+    kinetic = motion.kinetic_energy(bearing, operation, state, hub)
     found = dict(
         time=time,
         inner_x=x, inner_y=y, inner_ax=-left[0] / operation.inner_mass, inner_ay=-left[1] / operation.inner_mass,
@@ -298,54 +277,49 @@ def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.nd
         roller_y=np.reshape(state.ring_y, (-1, 1)) + state.rho * np.sin(state.theta),
         roller_rho=state.rho, roller_theta=state.theta, inner_force=touch.inner_force, outer_force=touch.outer_force,
         inner_damping_force=per_roller + touch.inner_damper, outer_damping_force=per_roller + touch.outer_damper,
-        energy_kinetic=kinetic_energy(bearing, operation, state) + rotation_energy(bearing, operation.at(time)),
-        energy_contact=contact_energy(problem.laws, touch),
+        energy_kinetic=kinetic + motion.rotation_energy(bearing, operation.at(time)),
+        energy_contact=motion.contact_energy(problem.laws, touch),
     )  # fmt: skip
-    hub_axis, tilts, tilted = problem.hub_tilt, state.tilts, touch.tilted
-    if hub_axis is not None and tilts is not None and tilted is not None:
-        found["energy_kinetic"] = found["energy_kinetic"] + tilt_energy(bearing, hub_axis, tilts, state.theta_rate)
-        found["energy_contact"] = found["energy_contact"] + shaft_tilt_energy(hub_axis, tilts)
+    if hub is not None and tilts is not None and touch.tilted is not None:
+        off = (np.asarray(tilts.slope_x) - hub.slope_x) ** 2 + (np.asarray(tilts.slope_y) - hub.slope_y) ** 2
+        found["energy_contact"] = found["energy_contact"] + 0.5 * hub.stiffness * off  # of the shaft against tilt
         found |= dict(
-            roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=tilted.inner_moment,
-            outer_moment=tilted.outer_moment, inner_slope_x=zero + tilts.slope_x, inner_slope_y=zero + tilts.slope_y,
+            roller_tilt=tilts.tilt, roller_skew=per_roller, inner_moment=touch.tilted.inner_moment,
+            outer_moment=touch.tilted.outer_moment,
+            inner_slope_x=zero + tilts.slope_x, inner_slope_y=zero + tilts.slope_y,
         )  # fmt: skip
         if problem.damping.acts:
-            found["inner_damping_moment"], found["outer_damping_moment"] = (per_roller + m for m in tilted.dampers)
-    if shaft is not None:
-        found["energy_shaft"] = 0.5 * shaft.stiffness * (x**2 + y**2)
-    if housing is not None:
-        ax, ay = housing_accelerations(bearing, operation, state, touch)
-        found |= dict(housing_x=zero + state.ring_x, housing_y=zero + state.ring_y, housing_ax=ax, housing_ay=ay)
-        found["energy_support"] = 0.5 * housing.stiffness * (found["housing_x"] ** 2 + found["housing_y"] ** 2)
-    if operation.mounting.sensor is not None:
+            names = "inner_damping_moment", "outer_damping_moment"
+            found |= zip(names, (per_roller + moment for moment in touch.tilted.dampers), strict=True)
+    ring = motion.housing_accelerations(bearing, operation, state, touch)
+    if mounting.shaft is not None:
+        found["energy_shaft"] = 0.5 * mounting.shaft.stiffness * (x**2 + y**2)
+    if mounting.housing is not None:
+        found |= dict(zip(OF_HOUSING[:4], (zero + state.ring_x, zero + state.ring_y, *ring), strict=True))
+        found["energy_support"] = 0.5 * mounting.housing.stiffness * (found["housing_x"] ** 2 + found["housing_y"] ** 2)
+    if mounting.sensor is not None:
         found["sensor_ay"] = zero
-    if problem.free_cage is not None:
-        _add_free_cage(found, problem, problem.free_cage, state)
-    elif problem.cage is not None:
-        _add_cage(found, state, _holding_force(problem, time, state, touch), per_roller)
-        found["cage_angle"] = state.theta[:, 0] - operation.first_roller_angle
-    return found
-
-
-def _add_cage(found: dict[str, np.ndarray], state: State, force: np.ndarray, outward: np.ndarray) -> None:
-    """A cage's columns where nothing guides it: `force`, `outward` : (n_times, n_rollers), N, on the elements."""
-    zero = np.zeros_like(found["time"])
+    cage = problem.cage
+    if cage is None:
+        return found
     still = "angle", "guidance_x", "guidance_y", "work_dashpots", "work_friction", "work_drag"
     found |= {f"cage_{name}": zero for name in still} | dict(
         cage_x=zero + state.ring_x, cage_y=zero + state.ring_y, cage_speed=zero + state.theta_rate[:, 0],
-        cage_force=force, cage_radial_force=outward, cage_moment=np.zeros_like(force),
+        cage_moment=per_roller,
     )  # fmt: skip
-
-
-def _add_free_cage(found: dict[str, np.ndarray], problem: Problem, cage: Cage, state: State) -> None:
-    """The columns of a free cage at the start: its springs push rollers, or a guiding ring, that lie off its play."""
-    bearing, operation, nothing = problem.bearing, problem.operation, np.zeros_like(state.rho)
-    off = state.rho - bearing.pitch_radius if cage.guidance == "rollers" else nothing
-    depth = np.maximum(np.abs(off) - 0.5 * cage.pocket_clearance, 0.0)
-    _add_cage(found, state, nothing, -np.sign(off) * cage.stiffness * depth)
-    kinetic = 0.5 * cage.inertia * found["cage_speed"] ** 2
-    kinetic = kinetic + 0.5 * cage.mass * (np.square(state.ring_x_rate) + np.square(state.ring_y_rate))
-    found["energy_kinetic"] = found["energy_kinetic"] + kinetic
+    if problem.free_cage is None:  # what holds the elements at the angles of kinematics pushes them along θ
+        history = operation.history  # that of the run's start: it says how the cage speeds up
+        gain = 0.0 if history is None else kinematics(bearing, *history.ring_speeds(time[:, None], 1)).cage
+        *_, free = motion.accelerations(bearing, operation, state, touch, ring)
+        push = bearing.roller_mass * state.rho * (gain - free)
+        angle = state.theta[:, 0] - operation.first_roller_angle
+        return found | dict(cage_force=push, cage_radial_force=per_roller, cage_angle=angle)
+    # springs of a free cage push rollers, or a guiding ring, that lie off its play
+    aside = state.rho - bearing.pitch_radius if cage.guidance == "rollers" else per_roller
+    depth = np.maximum(np.abs(aside) - 0.5 * cage.pocket_clearance, 0.0)
+    found |= dict(cage_force=per_roller, cage_radial_force=-np.sign(aside) * cage.stiffness * depth)
+    moving = 0.5 * cage.mass * (np.square(state.ring_x_rate) + np.square(state.ring_y_rate))
+    found["energy_kinetic"] = found["energy_kinetic"] + 0.5 * cage.inertia * found["cage_speed"] ** 2 + moving
     stored = np.sum(depth**2, axis=1)
     if cage.guidance == "inner_ring" and cage.guidance_clearance is not None:
         away = np.hypot(state.x, state.y)
@@ -356,13 +330,4 @@ def _add_free_cage(found: dict[str, np.ndarray], problem: Problem, cage: Cage, s
             found[f"inner_a{axis}"] = found[f"inner_a{axis}"] - push / operation.inner_mass
         stored = stored + deep**2
     found["energy_contact"] = found["energy_contact"] + 0.5 * cage.stiffness * stored
-
-
-def _holding_force(problem: Problem, time: np.ndarray, state: State, touch: ContactState) -> np.ndarray:
-    """Forces along θ, (n_times, n_rollers), N, by which a cage holds the elements at the angles of kinematics."""
-    bearing, operation = problem.bearing, problem.operation
-    history = operation.history  # that of the run's start: it says how the cage speeds up
-    gain = 0.0 if history is None else kinematics(bearing, *history.ring_speeds(time[:, None], 1)).cage
-    ring = housing_accelerations(bearing, operation, state, touch)
-    *_, free = accelerations(bearing, operation, state, touch, ring)
-    return bearing.roller_mass * state.rho * (gain - free)
+    return found

@@ -1,43 +1,179 @@
-"""The N_b + 2 equations of motion (21)-(23), the θ equation the paper lacks, accelerations from them, and energies.
+"""The N_b + 2 equations of motion (21)-(23), the θ equation the paper lacks, those of tilt, accelerations, energies.
 
 Every function works on one instant or on many: hub quantities are (...,), those of the rolling elements
 (..., n_rollers). y points up, the load W acts along −y. The signs are those of Lagrange's equations of T and V.
 Inner ring and motor shaft move as one mass M = m_in + m_R. Rotation is kept apart: by the kinematics it follows from
 the shaft's speed, and stands in no equation of motion.
+
+A body's axis at the height z over the plane section is at its place there plus z times its slope: of a roller
+a = τ e_r (the tilt τ moves the +z end outwards; guides keep it from skewing), of the hub b. Slopes are small.
+A contact closes by δ − P(z) − ψ z, with ψ = (a − b)·n at the inner raceway, −a·e_r at the outer one; its energy U(δ, ψ)
+gives the force Q = ∂U/∂δ and the moment M = −∂U/∂ψ = ∫ q z dz. Where the slopes have a part across the normal n, a
+moment turns the contact's force: by M (u·t)/χ along t = e_z × n, without which no energy would be conserved.
+
+Source: of tilts Lagrange's equations of T = ½ I_t |ȧ|² − ½ I_a w (a_x ȧ_y − a_y ȧ_x), w the spin, and V = Σ U; the
+tests derive them by computer algebra. Equation (1) of docs/tilted_motion.md.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from lagrange.axial.slices import Axial, alone, contact_slices
+from lagrange.axial.table import TiltedContact, TiltedLaw, in_series
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
-from lagrange.contact.laws import ContactLaws
+from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
+from lagrange.contact.laws import ContactLaws, softened
 from lagrange.equations import Overlaps, contact_resultant, error_forces, overlaps
 from lagrange.kinematics import kinematics
-from lagrange.surface.deviation import UNTURNED, Turns
-from lagrange.surface.edges import softened
-from lagrange.tilt import TiltedContacts, TiltedLaws, Tilts, hub_axial_inertia, tilted_contacts, turning_speeds
+from lagrange.surface.deviation import UNTURNED, Falls, SurfaceDeviation, Turns
+
+Numbers = np.ndarray | float  # of many instants or of one
+
+
+class TiltedLaws(NamedTuple):
+    """Contacts of a roller with either raceway."""
+
+    inner: TiltedLaw
+    outer: TiltedLaw
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tilts:
+    """Slopes of the bodies' axes and their rates; rad, rad/s."""
+
+    tilt: np.ndarray  # (..., n_rollers), τ
+    tilt_rate: np.ndarray
+    slope_x: Numbers  # (...,), of the hub, b
+    slope_y: Numbers
+    slope_x_rate: Numbers = 0.0
+    slope_y_rate: Numbers = 0.0
+
+    def as_sample(self) -> "Tilts":
+        """Those of one instant as a sample, time first."""
+        return Tilts(**{name: np.asarray(value)[None] for name, value in vars(self).items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class HubTilt:
+    """How the hub's axis stands: held at a slope, or free about it with an inertia, on the shaft's stiffness."""
+
+    slope_x: float  # rad, at which the shaft's springs are slack
+    slope_y: float
+    inertia: float = 0.0  # kg m², about an axis across; 0: held
+    stiffness: float = 0.0  # N m/rad
+
+    @property
+    def slope(self) -> np.ndarray:
+        return np.array([self.slope_x, self.slope_y])
+
+    @property
+    def is_free(self) -> bool:
+        return self.inertia > 0.0
+
+
+def hub_tilt(operation: Operation, axial: Axial) -> HubTilt:
+    """The hub's slope, b = −misalignment along y: its +z end goes towards the load."""
+    inertia, stiffness = axial.hub_tilt_inertia or 0.0, axial.shaft_tilt_stiffness
+    return HubTilt(slope_x=0.0, slope_y=-operation.misalignment, inertia=inertia, stiffness=stiffness)
+
+
+def sliced_laws(bearing: Bearing, axial: Axial, laws: ContactLaws) -> TiltedLaws:
+    """Contacts by slices that stand alone, each with its share of the whole length's law."""
+    return TiltedLaws(*map(alone, contact_slices(bearing, axial, laws)))
+
+
+def roller_inertias(bearing: Bearing) -> tuple[float, float]:
+    """I_t of a roller about an axis across its own, m (3 r² + L²)/12, and I_a about its own, ½ m r², kg m²."""
+    m, r, length = bearing.roller_mass, bearing.roller_radius, bearing.roller_length
+    return m * (3.0 * r**2 + length**2) / 12.0, 0.5 * m * r**2
+
+
+def hub_axial_inertia(bearing: Bearing, operation: Operation) -> float:
+    """Of inner ring and shaft about their axis, kg m²: the shaft a solid cylinder in the bore with what M has left."""
+    ring = 0.5 * bearing.inner_ring_mass * (bearing.bore_radius**2 + bearing.inner_raceway_radius**2)
+    radius = bearing.bore_radius or bearing.inner_raceway_radius
+    return ring + 0.5 * max(operation.inner_mass - bearing.inner_ring_mass, 0.0) * radius**2
+
+
+class Misalignments(NamedTuple):
+    """How contacts are misaligned: ψ, rad, and the inner slopes' part across the normal, u·t, rad; (..., n_rollers)."""
+
+    inner: np.ndarray
+    outer: np.ndarray
+    across: np.ndarray
+
+
+def misalignments(found: Overlaps, tilts: Tilts) -> Misalignments:
+    """ψ and u·t of contacts."""
+    bx, by = np.asarray(tilts.slope_x)[..., None], np.asarray(tilts.slope_y)[..., None]
+    out, around = tilts.tilt - (bx * found.cos + by * found.sin), bx * found.sin - by * found.cos
+    radial, tangential = found.circle
+    return Misalignments(out * radial + around * tangential, -tilts.tilt, around * radial - out * tangential)
+
+
+def met(law: TiltedLaw, approach, slope, surface: SurfaceDeviation | None) -> TiltedContact:
+    """`TiltedLaw.at` of contacts on a surface; None: a perfect circle."""
+    if surface is None:
+        return law.at(approach, slope)
+    if surface.part is not None and law.has_part:
+        return law.at(approach, slope, surface.part.sinkage, surface.compliance, surface.part.compliance)
+    return in_series(law.at, approach, slope, surface.compliance) if surface.soft else law.at(approach, slope)
+
+
+def falls(of: TiltedContact, surface: SurfaceDeviation | None) -> Falls:
+    """By how much contacts' energies fall, over their forces, as a surface changes under them; None: a circle."""
+    if surface is None:
+        return Falls()
+    over = 1.0 / np.where(of.force > 0.0, of.force, np.inf)
+    return Falls(over * of.part, over * of.edges, over * of.part_edges)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TiltedContacts:
+    """What tilted contacts have beside their forces; arrays (..., n_rollers)."""
+
+    inner_moment: np.ndarray  # M, N m
+    outer_moment: np.ndarray
+    normal: tuple[np.ndarray, np.ndarray]  # of the inner contact, along e_r and e_t, as M acts on slopes
+    energy: Numbers = 0.0  # J, of both contacts of a roller
+    dampers: tuple[Numbers, Numbers] = (0.0, 0.0)  # N m, the dampers' part of both moments
+    lost: Numbers = 0.0  # W, in these
+
+    @property
+    def outwards(self) -> np.ndarray:
+        """Moment of both contacts that tilts a roller outwards, N m."""
+        return self.inner_moment * self.normal[0] - self.outer_moment
+
+    @property
+    def backwards(self) -> np.ndarray:
+        """Moment of both contacts that skews a roller backwards, N m."""
+        return -self.inner_moment * self.normal[1]
+
+    def on_hub(self, cos, sin) -> tuple[np.ndarray, np.ndarray]:
+        """Moment of the inner contacts on the hub's slope, along x and y, (...,), N m; angles of the rollers."""
+        out, around = (-self.inner_moment * each for each in self.normal)
+        return np.sum(out * cos - around * sin, axis=-1), np.sum(out * sin + around * cos, axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True)
 class State:
     """Generalised coordinates and their rates. m, rad, m/s, rad/s."""
 
-    x: np.ndarray | float  # (...,), centre of the inner ring
-    y: np.ndarray | float
+    x: Numbers  # (...,), centre of the inner ring
+    y: Numbers
     rho: np.ndarray  # (..., n_rollers), polar coordinates of the rolling elements' centres
     theta: np.ndarray
-    x_rate: np.ndarray | float
-    y_rate: np.ndarray | float
+    x_rate: Numbers
+    y_rate: Numbers
     rho_rate: np.ndarray
     theta_rate: np.ndarray
     # (...,), where the outer ring's centre is, from which the other places are, and how fast a housing moves it
-    ring_x: np.ndarray | float = 0.0
-    ring_y: np.ndarray | float = 0.0
-    ring_x_rate: np.ndarray | float = 0.0
-    ring_y_rate: np.ndarray | float = 0.0
+    ring_x: Numbers = 0.0
+    ring_y: Numbers = 0.0
+    ring_x_rate: Numbers = 0.0
+    ring_y_rate: Numbers = 0.0
     turns: Turns = UNTURNED  # prescribed; matter where surfaces are not perfect
     tilts: Tilts | None = None  # None: axes stay parallel
 
@@ -50,10 +186,10 @@ class ContactState(Overlaps):
     outer_force: np.ndarray
     inner_closing: np.ndarray  # m/s, rates of the overlaps, as bodies move and surfaces pass
     outer_closing: np.ndarray
-    inner_passing: np.ndarray | float = 0.0  # m/s, the part of them by ring and rollers that turn on under the contact
-    outer_passing: np.ndarray | float = 0.0
-    inner_damper: np.ndarray | float = 0.0  # N, the dampers' part of the forces
-    outer_damper: np.ndarray | float = 0.0
+    inner_passing: Numbers = 0.0  # m/s, the part of them by ring and rollers that turn on under the contact
+    outer_passing: Numbers = 0.0
+    inner_damper: Numbers = 0.0  # N, the dampers' part of the forces
+    outer_damper: Numbers = 0.0
     tilted: TiltedContacts | None = None  # None: axes stay parallel
 
 
@@ -62,8 +198,8 @@ class StatedDampers(NamedTuple):
 
     inner_force: np.ndarray  # N, at least as much as lets springs push
     outer_force: np.ndarray
-    inner_moment: np.ndarray | float = 0.0  # N m, of contacts that tilt
-    outer_moment: np.ndarray | float = 0.0
+    inner_moment: Numbers = 0.0  # N m, of contacts that tilt
+    outer_moment: Numbers = 0.0
 
 
 def contact_state(
@@ -84,51 +220,59 @@ def contact_state(
     """
     turns, tilts = state.turns, state.tilts
     found = overlaps(bearing, state.x, state.y, state.rho, state.theta).on_surfaces(bearing, turns)
-    tilted: TiltedContacts | None = None
-    own: list[Any] = []  # laws, and below pairs, of inner and outer contacts
-    passing: tuple[Any, Any] = (0.0, 0.0)
-    dampers: tuple[Any, Any] = (0.0, 0.0)
+    # of inner and outer contacts
+    depth, own, springs, forces = (found.inner, found.outer), [], [], []
     if isinstance(laws, TiltedLaws):
         if tilts is None:
             raise ValueError("contacts of tilted rollers ask for a state with tilts")
-        tilted, *forces = tilted_contacts(laws, found, tilts)
-        found = found.at_contact(*tilted.falls)
+        at = misalignments(found, tilts)
+        springs = [met(*each) for each in zip(laws, depth, at[:2], found.surfaces, strict=True)]
+        forces = [here.force for here in springs]
+        found = found.at_contact(*map(falls, springs, found.surfaces))
     else:
-        own = [softened(laws.inner, found.inner_compliance), softened(laws.outer, found.outer_compliance)]
-        forces = [own[0].force(found.inner), own[1].force(found.outer)]
+        own = [softened(*each) for each in zip(laws, found.compliances, strict=True)]
+        forces = [law.force(deep) for law, deep in zip(own, depth, strict=True)]
         found = found.at_force(*forces)
-    inner, outer = found.surfaces
-    if inner is not None and outer is not None:
-        passing = (
-            inner.passing(turns.inner_ring_speed, turns.roller_speed),
-            outer.passing(turns.outer_ring_speed, turns.roller_speed),
-        )
     vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
-    along, across = vx * found.cos + vy * found.sin, vy * found.cos - vx * found.sin
-    apart = state.rho_rate - along, state.rho * state.theta_rate - across
+    out = state.rho_rate - (vx * found.cos + vy * found.sin)  # the rollers' velocity from the hub's, along e_r and e_t
+    around = state.rho * state.theta_rate - (vy * found.cos - vx * found.sin)
+    speeds = turns.inner_ring_speed, turns.outer_ring_speed
+    passing = [0.0 if surface is None else surface.passing(speed, turns.roller_speed)
+               for surface, speed in zip(found.surfaces, speeds, strict=True)]  # fmt: skip
     closing = (
-        -(found.radial * apart[0] + found.tangential * apart[1]) + passing[0],
+        -(found.radial * out + found.tangential * around) + passing[0],
         state.rho_rate - found.outer_slope * state.rho * state.theta_rate + passing[1],
     )
+    dampers: Any = 0.0, 0.0
+    moments: Any = 0.0, 0.0
+    turning: Any = 0.0, 0.0  # rates of misalignments ψ, rad/s
     if isinstance(damping, StatedDampers):
-        dampers = damper_force(forces[0], damping.inner_force, 1.0), damper_force(forces[1], damping.outer_force, 1.0)
-    elif damping.acts and tilted is not None and tilts is not None:
-        turning = turning_speeds(tilted, tilts, state.theta_rate, found, apart)
-        tilted, *dampers = tilted.damped(damping, closing, turning, bearing.roller_length)
+        dampers = [damper_force(force, given, 1.0) for force, given in zip(forces, damping, strict=False)]
+    elif damping.acts and tilts is not None and springs:
+        bx, by = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
+        (radial, tangential), tilting = found.circle, tilts.tilt_rate - (bx * found.cos + by * found.sin)
+        skewing = state.theta_rate * tilts.tilt - (by * found.cos - bx * found.sin)
+        passed = (around * radial - out * tangential) / found.distance
+        turning = tilting * radial + skewing * tangential + at.across * passed, -tilts.tilt_rate
+        each = zip(springs, closing, turning, strict=True)
+        both = [tilted_damper(here, damping, rate, turn, bearing.roller_length) for here, rate, turn in each]
+        dampers, moments = zip(*both, strict=True)
     elif damping.acts:
-        slopes = own[0].slope(found.inner), own[1].slope(found.outer)
-        dampers = tuple(
-            damper_force(force, speed, damping.coefficient(force, slope))
-            for force, speed, slope in zip(forces, closing, slopes, strict=True)
-        )
-    inner_force, outer_force = forces[0] + dampers[0], forces[1] + dampers[1]
-    if tilted is not None:
+        each = zip(forces, closing, own, depth, strict=True)
+        dampers = [damper_force(q, rate, damping.coefficient(q, law.slope(deep))) for q, rate, law, deep in each]
+    inner_force, outer_force = (force + damper for force, damper in zip(forces, dampers, strict=True))
+    tilted = None
+    if springs:
         if isinstance(damping, StatedDampers):  # without a force there is no moment
-            tilted = tilted.with_moments(
-                np.where(inner_force > 0.0, damping.inner_moment, -tilted.inner_moment),
-                np.where(outer_force > 0.0, damping.outer_moment, -tilted.outer_moment),
-            )
-        found = tilted.turned(found, inner_force)
+            each = zip((inner_force, outer_force), damping[2:], springs, strict=True)
+            moments = [np.where(force > 0.0, given, -here.moment) for force, given, here in each]
+        tilted = TiltedContacts(
+            inner_moment=springs[0].moment + moments[0], outer_moment=springs[1].moment + moments[1],
+            normal=found.circle, energy=springs[0].energy + springs[1].energy, dampers=tuple(moments),
+            lost=-(moments[0] * turning[0] + moments[1] * turning[1]),
+        )  # fmt: skip
+        push, closed = tilted.inner_moment * at.across / found.distance, inner_force > 0.0
+        found = replace(found, aside=found.aside + np.where(closed, push / np.where(closed, inner_force, 1.0), 0.0))
     return ContactState(
         **vars(found), inner_force=inner_force, outer_force=outer_force,
         inner_closing=closing[0], outer_closing=closing[1], inner_passing=passing[0], outer_passing=passing[1],
@@ -154,9 +298,8 @@ def angular_equations(
     """
     m, rho = bearing.roller_mass, state.rho
     inertia = rho * theta_acceleration + 2.0 * state.rho_rate * state.theta_rate
-    weight = operation.gravity * contacts.cos
     aside = contacts.inner_force * contacts.tangential + contacts.outer_force * contacts.outer_slope
-    return rho * (m * (inertia + weight) - aside)
+    return rho * (m * (inertia + operation.gravity * contacts.cos) - aside)
 
 
 def hub_equations(operation: Operation, state: State, contacts: ContactState, x_acceleration, y_acceleration):
@@ -173,6 +316,37 @@ def hub_equations(operation: Operation, state: State, contacts: ContactState, x_
         )
     pushed = contact_resultant(contacts, contacts.inner_force)
     return error_forces(operation, x_acceleration, y_acceleration, *pushed, held)
+
+
+def tilt_equations(
+    bearing: Bearing, operation: Operation, state: Any, contacts: Any, tilt_acc, theta_acc
+) -> tuple[np.ndarray, np.ndarray]:
+    """Left sides of the equations of tilt and of skew, N m, (..., n_rollers): moments that something else must give.
+
+    tilt: I_t (τ̈ − θ̇²τ) + I_a w θ̇τ − M_in n·e_r + M_out
+    skew: −I_t (2θ̇τ̇ + θ̈τ) + I_a w τ̇ + M_in n·e_t
+
+    The second is the moment of the guides on a roller, which rolls without slip at the spin w.
+    """
+    across, along = roller_inertias(bearing)
+    t, omega = state.tilts, state.theta_rate
+    turning = along * np.asarray(kinematics(bearing, *operation.ring_speeds).roller)[..., None]
+    return (
+        across * (tilt_acc - omega**2 * t.tilt) + turning * omega * t.tilt - contacts.tilted.outwards,
+        turning * t.tilt_rate - across * (2.0 * omega * t.tilt_rate + theta_acc * t.tilt) - contacts.tilted.backwards,
+    )
+
+
+def hub_slope_equations(bearing: Bearing, operation: Operation, hub: HubTilt, state: Any, contacts: Any, x_acc, y_acc):
+    """Left sides of the equations of the hub's slope along x and y, N m, each (...,): 0 where nothing else holds it.
+
+    I_h b̈ + I_ha Ω (ḃ_y, −ḃ_x) + k (b − b₀) + Σ M_in n; of a hub whose slope is held what the shaft must give.
+    """
+    t, turning = state.tilts, hub_axial_inertia(bearing, operation) * np.asarray(operation.speed)
+    on_x, on_y = contacts.tilted.on_hub(np.cos(state.theta), np.sin(state.theta))
+    x = hub.inertia * x_acc + turning * t.slope_y_rate + hub.stiffness * (t.slope_x - hub.slope_x)
+    y = hub.inertia * y_acc - turning * t.slope_x_rate + hub.stiffness * (t.slope_y - hub.slope_y)
+    return x - on_x, y - on_y
 
 
 def housing_accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
@@ -206,25 +380,29 @@ def accelerations(
     return -error_x / hub, -error_y / hub, -radial / m, -angular / (m * state.rho**2)
 
 
-def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:
-    """T of the translations, J, (...,): ½ M (ẋ² + ẏ²) + Σ ½ m (ρ̇² + ρ² θ̇²). Source: (2), (14).
+def kinetic_energy(bearing: Bearing, operation: Operation, state: State, hub: HubTilt | None = None) -> np.ndarray:
+    """T of the translations, J, (...,): ½ M (ẋ² + ẏ²) + Σ ½ m (ρ̇² + ρ² θ̇²), and of tilts. Source: (2), (14).
 
-    In a housing that moves hub and elements move with it, and it has its own with the outer ring.
+    In a housing that moves hub and elements move with it, and it has its own with the outer ring. Of rollers that tilt
+    ½ I_t |ȧ|², and of the `hub` ½ I_h |ḃ|².
     """
-    hub = np.asarray(state.x_rate) ** 2 + np.asarray(state.y_rate) ** 2
-    elements = np.sum(state.rho_rate**2 + (state.rho * state.theta_rate) ** 2, axis=-1)
-    alone = 0.5 * (operation.inner_mass * hub + bearing.roller_mass * elements)
+    m, M, t = bearing.roller_mass, operation.inner_mass, state.tilts
+    around = state.rho * state.theta_rate
+    moving = np.asarray(state.x_rate) ** 2 + np.asarray(state.y_rate) ** 2
+    found = 0.5 * (M * moving + m * np.sum(state.rho_rate**2 + around**2, axis=-1))
     housing = operation.mounting.housing
-    if housing is None:
-        return alone
-    x, y = np.asarray(state.ring_x_rate), np.asarray(state.ring_y_rate)
-    cos, sin, around = np.cos(state.theta), np.sin(state.theta), state.rho * state.theta_rate
-    along_x = bearing.roller_mass * np.sum(state.rho_rate * cos - around * sin, axis=-1)
-    along_y = bearing.roller_mass * np.sum(state.rho_rate * sin + around * cos, axis=-1)
-    along_x, along_y = along_x + operation.inner_mass * state.x_rate, along_y + operation.inner_mass * state.y_rate
-    carried = operation.inner_mass + bearing.n_rollers * bearing.roller_mass
-    carrying = housing.mass + bearing.outer_ring_mass
-    return alone + along_x * x + along_y * y + 0.5 * (carried + carrying) * (x**2 + y**2)
+    if housing is not None:
+        x, y = np.asarray(state.ring_x_rate), np.asarray(state.ring_y_rate)
+        cos, sin = np.cos(state.theta), np.sin(state.theta)
+        along_x = m * np.sum(state.rho_rate * cos - around * sin, axis=-1) + M * state.x_rate
+        along_y = m * np.sum(state.rho_rate * sin + around * cos, axis=-1) + M * state.y_rate
+        whole = M + bearing.n_rollers * m + (housing.mass + bearing.outer_ring_mass)
+        found = found + along_x * x + along_y * y + 0.5 * whole * (x**2 + y**2)
+    if hub is None or t is None:
+        return found
+    rollers = 0.5 * roller_inertias(bearing)[0] * np.sum(t.tilt_rate**2 + (state.theta_rate * t.tilt) ** 2, axis=-1)
+    slope = np.asarray(t.slope_x_rate) ** 2 + np.asarray(t.slope_y_rate) ** 2
+    return found + (rollers + 0.5 * hub.inertia * slope)
 
 
 def rotation_energy(bearing: Bearing, operation: Operation):
@@ -245,5 +423,5 @@ def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
     if contacts.tilted is not None:
         return np.sum(contacts.tilted.energy, axis=-1)
-    inner, outer = softened(laws.inner, contacts.inner_compliance), softened(laws.outer, contacts.outer_compliance)
+    inner, outer = (softened(*each) for each in zip(laws, contacts.compliances, strict=True))
     return np.sum(inner.potential(contacts.inner) + outer.potential(contacts.outer), axis=-1)

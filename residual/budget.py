@@ -28,9 +28,8 @@ import numpy as np
 from lagrange.contact.laws import contact_laws, law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.load_history import load_share
-from lagrange.motion import State
-from lagrange.tilt import Misalignments, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
-from residual.laws import Identification, Law, inner_law, misaligned, moment_resultant, sliced
+from lagrange.motion import State, TiltedContacts, Tilts, hub_slope_equations, hub_tilt, tilt_equations
+from residual.laws import Identification, Law, inner_law, moment_resultant, sliced
 from residual.record import Held, Pair, Record
 from residual.spectrum import Statistics, derivative, rms
 
@@ -86,7 +85,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     `closing_speed` : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
     """
     contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
-    push = law.pushes(contacts.inner, closing_speed, contacts.inner_compliance)
+    push = law.pushes(contacts.inner, closing_speed, contacts.compliances[0])
     contacts = push.turned(contacts)
     if shaft is not None:
         held = tuple(shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
@@ -187,7 +186,7 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
     closed = run_force > 0.0
     for name, law in laws.items():
-        push = law.pushes(contacts.inner, budget.closing_speed, contacts.inner_compliance)
+        push = law.pushes(contacts.inner, budget.closing_speed, contacts.compliances[0])
         contact_rms = rms((run_force - push.force[late])[closed]) if closed.any() else None
         x, y = _added(inertia_and_load, push.on_hub(record, contacts), -1.0)
         scores.append(LawScore(name, (Statistics.of(x[late]), Statistics.of(y[late])), contact_rms))
@@ -223,12 +222,11 @@ def tilt_errors(record: Record, law: str, order: int) -> TiltErrors:
         x=record.inner_x, y=record.inner_y, rho=np.hypot(record.roller_x, record.roller_y), theta=theta,
         x_rate=0.0, y_rate=0.0, rho_rate=given, theta_rate=rate(theta),
         tilts=Tilts(**columns, **{f"{name}_rate": rate(values) for name, values in columns.items()}))  # fmt: skip
-    cos, sin, (nx, ny) = np.cos(theta), np.sin(theta), contacts.normal
-    at, turning = Misalignments(misaligned(record, contacts)[0], given, given), rate(theta, 2)
+    cos, sin, (nx, ny), turning = np.cos(theta), np.sin(theta), contacts.normal, rate(theta, 2)
 
     def left(inner, outer):
-        more = TiltedContacts(inner_moment=inner, outer_moment=outer, energy=given, at=at,
-                              normal=(nx * cos + ny * sin, ny * cos - nx * sin))  # fmt: skip
+        normal = nx * cos + ny * sin, ny * cos - nx * sin
+        more = TiltedContacts(inner_moment=inner, outer_moment=outer, normal=normal)
         touch, hub = SimpleNamespace(tilted=more), hub_tilt(record.operation, axial)
         slopes = hub_slope_equations(bearing, record.acting, hub, state, touch, gains["slope_x"], gains["slope_y"])
         return tilt_equations(bearing, record.acting, state, touch, gains["tilt"], turning)[0], slopes

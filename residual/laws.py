@@ -16,12 +16,11 @@ import numpy as np
 from lagrange.axial.slices import Slices, alone, contact_slices
 from lagrange.axial.table import TiltedContact
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force, tilted_damper
-from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws
+from lagrange.contact.laws import LogarithmicLaw, PowerLaw, contact_laws, softened
 from lagrange.equations import Overlaps, contact_resultant
 from lagrange.errors import InputError
+from lagrange.motion import falls, met
 from lagrange.surface.deviation import Falls, SurfaceDeviation
-from lagrange.surface.edges import softened
-from lagrange.tilt import falls, met
 from residual.load_zone import load_zones
 from residual.record import FEWEST_SAMPLES, Pair, Record
 from residual.spectrum import derivative, rms

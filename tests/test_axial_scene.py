@@ -25,6 +25,7 @@ from lagrange.contact.laws import contact_laws
 from lagrange.errors import UsageError
 from lagrange.files.hdf5 import Damaged, hdf5_to_write
 from lagrange.kinematics import roller_angles
+from lagrange.motion import HubTilt, sliced_laws
 from lagrange.rating.life import Dimensions
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
@@ -32,7 +33,6 @@ from lagrange.scene import Scene, read_scene
 from lagrange.scene.faults import SceneError
 from lagrange.scene.scene import parse_scene_text
 from lagrange.statics import Placement, TiltedStatics, tilted_equilibrium
-from lagrange.tilt import HubTilt, sliced_laws
 from tests.reference.kit import LOAD, ON_A_ROLLER, operation, paper
 
 

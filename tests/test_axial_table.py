@@ -26,7 +26,7 @@ from lagrange.axial.slices import Profile, Slices, alone, spalled, tabulated
 from lagrange.axial.table import in_series as softened
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import LogarithmicLaw, contact_laws, johnson
-from lagrange.tilt import roller_inertias
+from lagrange.motion import roller_inertias
 from tests.reference.continua import Pressed, pressed
 from tests.reference.kit import STEEL, paper
 

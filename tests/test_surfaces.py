@@ -19,7 +19,7 @@ from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import static_equilibrium
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
-from lagrange.contact.laws import ball_law, contact_laws
+from lagrange.contact.laws import contact_laws
 from lagrange.errors import UsageError
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
@@ -333,7 +333,7 @@ def test_statics_with_a_ball_over_a_shallow_spall_are_the_least_of_the_energy():
     fault = Spall(body="outer_ring", roller=None, angle=DOWN, width=2e-3, depth=depth, edge_radius=1e-4)
     still = replace(RUNNING, speed=0.0, gravity=0.0, radial_load=load)
     found = static_equilibrium(replace(DGBB_209, faults=(fault,)), still, HERTZ, roller_mass=0.0)
-    inner, outer = (ball_law(DGBB_209, side).stiffness for side in ("inner", "outer"))
+    inner, outer = (law.stiffness for law in contact_laws("hertz", DGBB_209))
     series = (inner ** (-2.0 / 3.0) + outer ** (-2.0 / 3.0)) ** -1.5  # of both contacts of a ball
     turn = 2.0 * np.pi * np.arange(9) / 9
     sunk = np.where(turn == 0.0, depth, 0.0) + DGBB_209.radial_clearance

@@ -18,8 +18,8 @@ from lagrange.axial.pressure import placed, pressures
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import RunFailed, UsageError
 from lagrange.first_state import Problem
+from lagrange.motion import TiltedLaws, sliced_laws
 from lagrange.scene.scene import SceneError
-from lagrange.tilt import TiltedLaws, sliced_laws
 from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import pressure

@@ -479,5 +479,6 @@ def _sinkage(bearing: Bearing, faults: tuple, body: Body, roller: int | None, an
     surfaces = profiles(replace(bearing, faults=faults))
     own = {"inner_ring": surfaces.inner_ring, "outer_ring": surfaces.outer_ring}
     profile = own.get(body, surfaces.rollers_outside)
-    at = profile.at(np.repeat(angle[:, None], profile.row.size, axis=1))
-    return (at.sinkage if at.part is None else at.sinkage + at.part.sinkage)[:, roller or 0]
+    around = np.repeat(angle[:, None], profile.row.size, axis=1)
+    sunk = [each.at(around)[0] for each in (profile, profile.part) if each is not None]
+    return sum(sunk)[:, roller or 0]

@@ -18,11 +18,11 @@ from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import ContactLaws
 from lagrange.kinematics import kinematics, roller_angles
+from lagrange.motion import TiltedLaws, hub_tilt
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, Point, approach_rates, damping_matrix, over_pitch
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED
-from lagrange.tilt import TiltedLaws, hub_tilt
 
 TILTED_SAMPLES = 16  # cage angles in a pitch
 

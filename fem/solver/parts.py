@@ -24,9 +24,9 @@ from lagrange.axial.slices import Axial
 from lagrange.bearing import Cage
 from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
+from lagrange.motion import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
 from lagrange.mounting import Mounting
 from lagrange.surface.deviation import Profile, profiles
-from lagrange.tilt import Tilts, hub_axial_inertia, hub_tilt, roller_inertias
 
 
 def filled(kind: type, sizes: dict[str, int], *sources: object, **values: Any) -> Any:

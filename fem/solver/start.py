@@ -18,10 +18,10 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import kinematics, roller_angles, turned
+from lagrange.motion import TiltedLaws, Tilts, hub_tilt
 from lagrange.mounting import HELD
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED, Turns
-from lagrange.tilt import TiltedLaws, Tilts, hub_tilt
 
 NEWTON_STEPS = 20
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds

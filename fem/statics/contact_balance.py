@@ -367,5 +367,5 @@ def edge_compliances(bearing: Bearing, radial, position, turns: Turns = UNTURNED
     """What edges of spalls add to the compliance of each contact, (2 n,), m/N."""
     found = overlaps(bearing, position[0], position[1], position[2:], np.arctan2(radial[:, 1], radial[:, 0]))
     found = found.on_surfaces(bearing, turns)
-    soft = found.inner_compliance, found.outer_compliance
+    soft = found.compliances
     return np.concatenate([np.broadcast_to(each, bearing.n_rollers) for each in soft])

@@ -29,8 +29,8 @@ from fem.statics.contact_balance import (
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import Bearing, Operation
 from lagrange.equations import overlaps
+from lagrange.motion import HubTilt, TiltedLaws
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
-from lagrange.tilt import HubTilt, TiltedLaws
 
 MAX_NEWTON = 40
 MAX_CLOSING = 100

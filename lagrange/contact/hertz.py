@@ -8,7 +8,6 @@ Source: Hertz 1881; Johnson, Contact Mechanics (1985), chapter 4; Harris, Rollin
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from math import exp, pi, sqrt
 from typing import Literal, NamedTuple
 
@@ -78,17 +77,18 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
 
     Two rigid rollers meet with their material's compliance: they would have none otherwise.
     """
-    r, roller = bearing.roller_radius, bearing.roller
-
-    def pair(kind: str, radius: float, *materials: Material) -> Pair:
-        length, cosine = bearing.roller_length, bearing.cosine
-        return Pair(kind=kind, radii=(radius, r), materials=(materials[0], materials[1]), length=length, cosine=cosine)
-
-    return (
-        pair("inner", bearing.inner_raceway_radius, bearing.inner_ring, roller),
-        pair("outer", -bearing.outer_raceway_radius, bearing.outer_ring, roller),
-        pair("roller", r, roller.elastic, roller.elastic),
+    r, roller, both = bearing.roller_radius, bearing.roller, bearing.roller.elastic
+    sides = (
+        ("inner", bearing.inner_raceway_radius, (bearing.inner_ring, roller)),
+        ("outer", -bearing.outer_raceway_radius, (bearing.outer_ring, roller)),
+        ("roller", r, (both, both)),
     )
+    length, cosine = bearing.roller_length, bearing.cosine
+    inner, outer, between = (
+        Pair(kind=kind, radii=(radius, r), materials=materials, length=length, cosine=cosine)
+        for kind, radius, materials in sides
+    )
+    return inner, outer, between
 
 
 class Curvature(NamedTuple):
@@ -219,14 +219,6 @@ def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, n
     return across, poisson_ratio * (across + down), down
 
 
-@cache
-def _largest(poisson_ratio: float) -> tuple[float, float, float, float]:
-    """Largest shear and von Mises stress over the peak pressure, each with its depth over the half-width."""
-    x, y, z = stress_below(DEPTHS, poisson_ratio)
-    shear, mises = 0.5 * np.abs(x - z), np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
-    return float(shear.max()), float(DEPTHS[shear.argmax()]), float(mises.max()), float(DEPTHS[mises.argmax()])
-
-
 def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of `lagrange.columns.DERIVED` from a run's contact forces, each (n_times, n_rollers).
 
@@ -244,15 +236,16 @@ def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[s
     for pair in contact_pairs(bearing)[:2]:
         width = np.sqrt(pair.half_width_factor * samples[f"{pair.kind}_force"])
         found[f"{pair.kind}_half_width"] = width
-        # Q = b² / factor
-        found[f"{pair.kind}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width
+        found[f"{pair.kind}_peak_pressure"] = 2.0 / (np.pi * pair.length * pair.half_width_factor) * width  # Q = b²/...
     return {name: found[name] for name in DERIVED}
 
 
 def line_contact(pair: Pair, force: float) -> LineContact:
     """Stresses of a pair under a force, N; the depths are those in steel of the ring's Poisson ratio."""
     pressure, width = pair.peak_pressure(force), pair.half_width(force)
-    shear, shear_at, mises, mises_at = _largest(pair.materials[0].poisson_ratio)
+    x, y, z = stress_below(DEPTHS, pair.materials[0].poisson_ratio)
+    shear, mises = 0.5 * np.abs(x - z), np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
+    (shear, shear_at), (mises, mises_at) = ((float(s.max()), float(DEPTHS[s.argmax()])) for s in (shear, mises))
     return LineContact(
         peak_pressure=pressure, half_width=width, largest_shear=shear * pressure, shear_depth=shear_at * width,
         largest_von_mises=mises * pressure, von_mises_depth=mises_at * width,

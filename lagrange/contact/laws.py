@@ -10,7 +10,7 @@ import numpy as np
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.contact.hertz import Side, ball_stiffness, compliances, contact_pairs
 
-NEWTON_STEPS = 4  # from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
+LOGARITHM_STEPS = 4  # of Newton's method from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
 SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
 
 
@@ -95,9 +95,57 @@ class LogarithmicLaw:
         inside = np.minimum(np.maximum(depth, SHALLOWEST), self._largest_approach)  # np.clip is slow
         target = (self.level + np.log(self.compliance)) - np.log(inside)
         u = target + np.log(target)
-        for _ in range(NEWTON_STEPS):
+        for _ in range(LOGARITHM_STEPS):
             u = u * (target + np.log(u) - 1.0) / (u - 1.0)
         return depth, inside, u
+
+
+MOST_STEPS = 60  # of Newton's method; 3 to 6 are usual
+SETTLED = 1e-10  # of the approach: what is left is of its square
+SLOWEST = 0.1  # of itself: what the law's own approach keeps in a step, at least
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Softened:
+    """A law in series with compliances, as of edges. Same methods; approaches and forces go with these' shape."""
+
+    law: PowerLaw | LogarithmicLaw
+    compliance: np.ndarray | float  # c, m/N, >= 0
+
+    def force(self, approach):
+        return self.law.force(self._own(approach))
+
+    def approach(self, force):
+        return self.law.approach(force) + self.compliance * np.asarray(force)
+
+    def slope(self, approach):
+        slope = self.law.slope(self._own(approach))
+        return slope / (1.0 + self.compliance * slope)
+
+    def potential(self, approach):
+        own = self._own(approach)
+        return self.law.potential(own) + 0.5 * self.compliance * self.law.force(own) ** 2
+
+    def _own(self, approach):
+        """The law's share of an approach, m, by Newton's method to round-off; all of it where it is open."""
+        depth, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), self.compliance)
+        own = depth.flatten()
+        left = np.flatnonzero((depth > 0.0) & (soft != 0.0))  # each until it has settled, whatever stands beside it
+        depth, soft, shape = depth.ravel()[left], soft.ravel()[left], depth.shape
+        for _ in range(MOST_STEPS):
+            if not left.size:
+                break
+            now = own[left]
+            step = (now + soft * self.law.force(now) - depth) / (1.0 + soft * self.law.slope(now))
+            own[left] = now = np.maximum(now - step, SLOWEST * now)
+            moves = np.abs(step) > SETTLED * now
+            left, depth, soft = left[moves], depth[moves], soft[moves]
+        return own.reshape(shape)
+
+
+def softened(law: PowerLaw | LogarithmicLaw, compliance: np.ndarray | float) -> PowerLaw | LogarithmicLaw | Softened:
+    """The law itself where the compliance, m/N, is the number 0."""
+    return law if isinstance(compliance, float) and compliance == 0.0 else Softened(law=law, compliance=compliance)
 
 
 class ContactLaws(NamedTuple):
@@ -129,27 +177,9 @@ STEEL_LAWS = {
 
 def steel_law(name: str, roller_length: float) -> PowerLaw:
     """One of STEEL_LAWS for rollers of a length, m."""
-    factor, by_length, exponent, source = STEEL_LAWS[name]
-    stiffness = factor * (1e3 * roller_length) ** by_length * 1e3**exponent
-    return PowerLaw(name=name, stiffness=stiffness, exponent=exponent, source=source, range=STEEL_RANGE)
-
-
-def fitted_law(name: str, bearing: Bearing, side: Side) -> PowerLaw:
-    """Power law fitted to the elastic line contact, c = (1 − ν²)/E of both bodies' mean; homogeneous in length.
-
-    Sources: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand;
-    Teutsch and Sauer, An Alternative Slicing Technique to Consider Pressure Concentrations in Non-Hertzian Line
-    Contacts, ASME J. Tribology 126 (2004).
-    """
-    c, L, radius = 0.5 * sum(compliances(bearing, side)), bearing.roller_length, bearing.pitch_radius
-    if name == "houpert":
-        stiffness, exponent = 0.2723 * L / (c * (2.0 * radius) ** 0.074), 1.074
-        formula = "Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074)"
-    else:
-        stiffness, exponent = (3.17 * radius**0.08 * (c / L) ** 0.92) ** (-1.0 / 0.92), 1.0 / 0.92
-        formula = "Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92"
-    source = f"{formula}; the inner raceway's, used for both"
-    return PowerLaw(name=name, stiffness=stiffness, exponent=exponent, source=source, range=FITTED_RANGE)
+    factor, by_length, n, source = STEEL_LAWS[name]
+    K = factor * (1e3 * roller_length) ** by_length * 1e3**n
+    return PowerLaw(name=name, stiffness=K, exponent=n, source=source, range=STEEL_RANGE)
 
 
 def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
@@ -177,15 +207,6 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
         largest_force=min((0.5 * R1) ** 2 / b_squared, exp(level - 2.0)),
         source=f"Johnson 1985, Tripp 1985: line contact of elastic cylinders, {side} raceway",
         range="plane strain; contact width small against roller and ring",
-    )  # fmt: skip
-
-
-def ball_law(bearing: BallBearing, side: Side) -> PowerLaw:
-    """Hertz's law of one ball on one raceway: elastic, smooth, dry, contact ellipse inside the groove."""
-    return PowerLaw(
-        name="hertz", stiffness=ball_stiffness(bearing, side), exponent=1.5,
-        source="Hertz 1881, point contact, Q = K δ^(3/2)",
-        range="elastic; contact ellipse small against the ball and inside the groove",
     )  # fmt: skip
 
 
@@ -226,20 +247,33 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
 
 
 def _law(name: str, bearing: Bearing, side: Side) -> PowerLaw | LogarithmicLaw:
+    """One of `law_names`. Those fitted to the elastic line contact have c = (1 − ν²)/E of both bodies' mean.
+
+    Sources: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand;
+    Teutsch and Sauer, An Alternative Slicing Technique to Consider Pressure Concentrations in Non-Hertzian Line
+    Contacts, ASME J. Tribology 126 (2004).
+    """
     if name in STEEL_LAWS:
         return steel_law(name, bearing.roller_length)
     if name == "johnson":
         return johnson(bearing, side)
-    if isinstance(bearing, BallBearing) and name == "hertz":
-        return ball_law(bearing, side)
-    if name != OWN or (own := bearing.own_law) is None:
-        return fitted_law(name, bearing, side)
-    K = own.inner_stiffness if side == "inner" else own.outer_stiffness
-    return PowerLaw(
-        name=OWN, stiffness=K, exponent=own.exponent,
-        source=f"the scene's own, Q = {K:.4g} N/m^n · δ^n, n = {own.exponent:.4g}",
-        range=f"K = {own.inner_stiffness:.4g} and {own.outer_stiffness:.4g} N/m^n, n = {own.exponent:.4g}, {own.range}",
-    )  # fmt: skip
+    if name == OWN and (own := bearing.own_law) is not None:
+        K, n = own.inner_stiffness if side == "inner" else own.outer_stiffness, own.exponent
+        source = f"the scene's own, Q = {K:.4g} N/m^n · δ^n, n = {n:.4g}"
+        of = f"K = {own.inner_stiffness:.4g} and {own.outer_stiffness:.4g} N/m^n, n = {n:.4g}, {own.range}"
+    elif isinstance(bearing, BallBearing):  # elastic, smooth, dry
+        K, n, source = ball_stiffness(bearing, side), 1.5, "Hertz 1881, point contact, Q = K δ^(3/2)"
+        of = "elastic; contact ellipse small against the ball and inside the groove"
+    else:
+        c, L, radius = 0.5 * sum(compliances(bearing, side)), bearing.roller_length, bearing.pitch_radius
+        if name == "houpert":
+            K, n = 0.2723 * L / (c * (2.0 * radius) ** 0.074), 1.074
+            source = "Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074)"
+        else:
+            K, n = (3.17 * radius**0.08 * (c / L) ** 0.92) ** (-1.0 / 0.92), 1.0 / 0.92
+            source = "Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92"
+        source, of = f"{source}; the inner raceway's, used for both", FITTED_RANGE
+    return PowerLaw(name=name, stiffness=K, exponent=n, source=source, range=of)
 
 
 def warning(name: str, bearing: Bearing) -> str | None:

@@ -33,12 +33,11 @@ def laminae_of(row: Dimensions, profile: bool | np.ndarray = True, laminae: int 
 
     `profile` : the standard's; False: straight rollers; or the drops of both contacts together at the laminae, mm
     """
-    x, law = positions(row, laminae), STIFFNESS * row.length ** (8 / 9)
-    drop = 2.0 * logarithmic_drop(x, row.length, row.diameter) if profile is True else np.zeros(laminae)
-    return Slices(
-        law=PowerLaw(name="iso16281", stiffness=law, exponent=EXPONENT, source="ISO/TS 16281"),
-        place=x, drop=profile if isinstance(profile, np.ndarray) else drop,
-    )  # fmt: skip
+    x, K = positions(row, laminae), STIFFNESS * row.length ** (8 / 9)
+    law = PowerLaw(name="iso16281", stiffness=K, exponent=EXPONENT, source="ISO/TS 16281")
+    if not isinstance(profile, np.ndarray):
+        profile = 2.0 * logarithmic_drop(x, row.length, row.diameter) if profile else np.zeros(laminae)
+    return Slices(law=law, place=x, drop=profile)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,23 +117,19 @@ def turning_rings(operation: Operation) -> tuple[str, ...]:
 
     The load stands, or turns with a ring, as its largest part does: weight, given load, unbalance, rotating load.
     """
-    history, (inner, outer) = operation.history, operation.ring_speeds_met
-    turning = {"inner": 0.0, "outer": 0.0}  # parts of the load, N
+    history, speeds = operation.history, dict(zip(("inner", "outer"), operation.ring_speeds_met, strict=True))
+    parts = {"inner": 0.0, "outer": 0.0}  # of the load that turn with a ring, N
     if history is not None:
-        turning["inner"] = history.unbalance * history.fastest**2
-        turning[history.rotating_load_with.removesuffix("_ring")] += history.rotating_load
-    still = operation.heaviest - sum(turning.values()) + operation.inner_mass * operation.gravity
-    _, load = max((still, 0.0), (turning["inner"], inner), (turning["outer"], outer), key=lambda part: part[0])
-    return tuple(ring for ring, speed in (("inner", inner), ("outer", outer)) if np.any(speed != load)) or ("inner",)
+        parts["inner"] = history.unbalance * history.fastest**2
+        parts[history.rotating_load_with.removesuffix("_ring")] += history.rotating_load
+    still = operation.heaviest - sum(parts.values()) + operation.inner_mass * operation.gravity
+    largest = max(parts, key=lambda ring: parts[ring])
+    of_load = 0.0 if still >= parts[largest] else speeds[largest]
+    return tuple(ring for ring, speed in speeds.items() if np.any(speed != of_load)) or ("inner",)
 
 
 def reference_life(
-    row: Dimensions,
-    capacity: float,
-    inner: np.ndarray,
-    outer: np.ndarray | None = None,
-    *,
-    turning: tuple[str, ...] = ("inner",),
+    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *, turning=("inner",)
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
 
@@ -149,12 +144,11 @@ def reference_life(
     ------
     Unavailable: there is no load.
     """
-    factor, laminae = edge_factor(inner.shape[-1]), inner.shape[-1]
-    life = 0.0
-    loads = {"inner": inner, "outer": inner if outer is None else outer}
-    for ring, limit in zip(loads, lamina_capacities(row, capacity, laminae), strict=True):
+    life, laminae = 0.0, inner.shape[-1]
+    both = zip(("inner", "outer"), (inner, inner if outer is None else outer), strict=True)
+    for (ring, loads), limit in zip(both, lamina_capacities(row, capacity, laminae), strict=True):
         exponent = 4.0 if ring in turning else 4.5
-        stressed = (factor * loads[ring]).reshape(-1, laminae)
+        stressed = (edge_factor(laminae) * loads).reshape(-1, laminae)
         equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
         life += row.rows * float(np.sum((equivalent / limit) ** 4.5))
     if not life > 0.0:
@@ -214,16 +208,14 @@ def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
             "the rings of the run do not turn relative to each other; give rate-bearing the scene instead"
         )
     aside, up = (samples[f"roller_{axis}"] - samples[f"inner_{axis}"][:, None] for axis in "xy")
-    distance = np.hypot(aside, up)
-    load = np.hypot((force * aside / distance).sum(axis=1), (force * up / distance).sum(axis=1))
+    pull = force / np.hypot(aside, up)
+    load = load_factor(bearing) * np.hypot((pull * aside).sum(axis=1), (pull * up).sum(axis=1))
     try:
-        cycle = DutyCycle(loads=load_factor(bearing) * load, speeds=speeds * 30.0 / np.pi, shares=np.ones(time.size))
+        cycle = DutyCycle(loads=load, speeds=speeds * 30.0 / np.pi, shares=np.ones(time.size))
     except ValueError as error:
         raise Unavailable(str(error)) from None
-    kept, half = slice(None, None, -(-time.size // MOST_SAMPLES)), time.size // 2
-    work = samples["work_dissipated"]
+    kept, half, work = slice(None, None, -(-time.size // MOST_SAMPLES)), time.size // 2, samples["work_dissipated"]
     return RunLoads(
-        cycle=cycle, inner=force[kept], outer=samples["outer_force"][kept],
-        dissipated=float((work[-1] - work[half]) / (time[-1] - time[half])), speed=float(np.mean(speeds)),
-        turning=turning_rings(operation),
+        cycle=cycle, inner=force[kept], outer=samples["outer_force"][kept], speed=float(np.mean(speeds)),
+        dissipated=float((work[-1] - work[half]) / (time[-1] - time[half])), turning=turning_rings(operation),
     )  # fmt: skip

@@ -25,7 +25,7 @@ HARMONICS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """Equilibrium of a bearing's section at one angle of the cage."""
+    """Equilibrium of a bearing's section at an angle of the cage."""
 
     place: np.ndarray  # (2,), m, of the hub from the outer ring's centre
     rho: np.ndarray  # (n_rollers,), m
@@ -36,16 +36,14 @@ class Point:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pitch:
-    """Equilibria over a pitch of the rollers, equally spaced, (n,): of a bearing, with the forces of its contacts."""
+class Pitch(Point):
+    """Equilibria over a pitch of the rollers, equally spaced: of a bearing, with the forces of its contacts.
 
-    turned: np.ndarray  # rad, of the cage from its first angle
+    Arrays of `Point` begin with the angles, (n, ...); ρ stays the section's.
+    """
+
+    turned: np.ndarray  # (n,), rad, of the cage from its first angle
     theta: np.ndarray  # (n, n_rollers), rad from +x
-    place: np.ndarray  # (n, 2), m
-    inner_force: np.ndarray  # (n, n_rollers), N
-    outer_force: np.ndarray
-    stiffness: np.ndarray  # (n, 2, 2), N/m
-    damping: np.ndarray  # (n, 2, 2), N s/m
 
     @property
     def mean(self) -> np.ndarray:
@@ -75,24 +73,17 @@ def over_pitch(
 
     `solve` : of the rollers' angles, (n_rollers,), rad, and a point that is near
     """
-    turned = bearing.period * np.arange(samples) / samples
+    turned, factor, found = bearing.period * np.arange(samples) / samples, stiffness_factor(bearing), list[Point]()
     theta = roller_angles(bearing, first_roller_angle) + turned[:, None]
-    found: list[Point] = []
     for angles in theta:
         found.append(solve(angles, found[-1] if found else None))
-    factor = stiffness_factor(bearing)
-    scales = {"place": 1.0 / bearing.cosine, "inner_force": 1.0, "outer_force": 1.0}
-    scales |= {"stiffness": factor, "damping": factor}
-    every = {name: scale * np.stack([getattr(point, name) for point in found]) for name, scale in scales.items()}
+    scales = {"place": 1.0 / bearing.cosine, "stiffness": factor, "damping": factor}
+    every = {name: scales.get(name, 1.0) * np.stack([vars(point)[name] for point in found]) for name in vars(found[0])}
     return Pitch(turned=turned, theta=theta, **every)
 
 
 def lagrangian_pitch(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    damping: ContactDamping = UNDAMPED,
-    samples: int = SAMPLES,
+    bearing: Bearing, operation: Operation, laws: ContactLaws, damping=UNDAMPED, samples: int = SAMPLES
 ) -> Pitch:
     """Of rigid rings on contact laws, perfect surfaces, under what loads the bearing: the shaft's springs do not.
 
@@ -109,12 +100,11 @@ def lagrangian_pitch(
         except RuntimeError:
             still = static_equilibrium(bearing, operation, laws, angles=angles)
         place, both = np.array([still.x, still.y]), (still.inner_force, still.outer_force)
-        forces = np.concatenate(both)
         slopes = np.concatenate([law.slope(law.approach(q)) for law, q in zip(laws, both, strict=True)])
         rates = approach_rates(bearing, angles, place, still.rho)
         return Point(
-            place=place, rho=still.rho, inner_force=still.inner_force, outer_force=still.outer_force,
-            stiffness=still.stiffness, damping=damping_matrix(rates, np.diag(slopes), slopes, forces, damping),
+            place=place, rho=still.rho, inner_force=both[0], outer_force=both[1], stiffness=still.stiffness,
+            damping=damping_matrix(rates, np.diag(slopes), slopes, np.concatenate(both), damping),
         )  # fmt: skip
 
     return over_pitch(bearing, operation.first_roller_angle, solve, samples)

@@ -13,14 +13,14 @@ Equation (2) of docs/surfaces.md.
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf, pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.kinematics import kinematics, turned
-from lagrange.surface.edges import Circles, Meeting, measured_sinkage, reach, sinkage, softening
+from lagrange.surface import edges
 from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
@@ -30,14 +30,57 @@ FAINT = 1e-13  # m, of a spline's ringing beside spalls
 RINGING = 10  # knots beyond a kink after which a spline through it is off by a millionth of what it is at the kink
 
 
-class BodyDeviation(NamedTuple):
-    """What contacts meet along one body, each (..., n_rollers), and its slopes as the angle grows."""
+class Falls(NamedTuple):
+    """By how much a contact's energy falls, over its force, as the part that spalls take sinks and edges soften."""
+
+    part: np.ndarray | float = 0.0  # by the sinkage of the part
+    compliance: np.ndarray | float = 0.0  # N, by the compliance of edges across the whole length
+    part_compliance: np.ndarray | float = 0.0  # N, by that of the part's
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceDeviation:
+    """What the contacts with one raceway meet, (..., n_rollers), of ring and roller together."""
 
     sinkage: np.ndarray  # m
-    slope: np.ndarray  # m/rad
-    compliance: np.ndarray | float = 0.0  # m/N
-    softening: np.ndarray | float = 0.0  # m/N/rad
-    part: "BodyDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
+    slopes: np.ndarray  # (2, ..., n_rollers), m/rad, as the angle on ring and on roller grows
+    softenings: np.ndarray  # the same of the compliance, m/N/rad
+    compliance: np.ndarray | float  # m/N, of edges; 0.0: no contact is near one
+    part: "SurfaceDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Of both, m/rad."""
+        return self.slopes[0] + self.slopes[1]
+
+    @property
+    def soft(self) -> bool:
+        """Whether a contact is near an edge."""
+        return not isinstance(self.compliance, float)
+
+    @property
+    def part_sinkage(self) -> np.ndarray | float:
+        """Of the part of the length that spalls take, beside that of all of it, m."""
+        return 0.0 if self.part is None else self.part.sinkage
+
+    def rows(self, which: slice) -> "SurfaceDeviation":
+        """Of some of the times alone."""
+        part = None if self.part is None else self.part.rows(which)
+        return SurfaceDeviation(
+            sinkage=self.sinkage[which], slopes=self.slopes[:, which], softenings=self.softenings[:, which], part=part,
+            compliance=self.compliance if isinstance(self.compliance, float) else self.compliance[which],
+        )  # fmt: skip
+
+    def at_contact(self, falls: Falls) -> "SurfaceDeviation":
+        """With the slopes that the surfaces have for contacts, see `Falls`; without tilt by ½ Q of the compliance."""
+        slopes, part = self.slopes + falls.compliance * self.softenings, self.part
+        if part is not None:
+            slopes = slopes + falls.part * part.slopes + falls.part_compliance * part.softenings
+        return replace(self, slopes=slopes)
+
+    def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
+        """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
+        return ring_speed * self.slopes[0] + roller_speed * self.slopes[1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,26 +96,16 @@ class Profile:
     # perfect
     part: "Profile | None" = None  # on the same knots, of spalls of part of the rollers' length; None: no such
 
-    @property
-    def deepest(self) -> float:
-        """How far a contact sinks at most, m."""
-        return float((self.coefficients if self.part is None else self.coefficients + self.part.coefficients).max())
-
-    def at(self, angle: np.ndarray) -> BodyDeviation:
-        """At angles of the rollers' contacts, (..., n_rollers), rad."""
+    def at(self, angle: np.ndarray) -> tuple:
+        """Sinkage, its slope, compliance and its slope at angles of the rollers' contacts, (..., n_rollers), rad."""
         n = self.coefficients.shape[1]
         place = np.asarray(angle) * (n / (2.0 * pi))
         base = np.floor(place)
         t, first, knot = place - base, self.row * n, base.astype(np.int64)
-        near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
-        found = BodyDeviation(*_cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi))
-        if self.part is not None:
-            found = found._replace(part=self.part.at(angle))
-        if self.compliance is None:
-            return found
-        soft = [self.compliance.take(at) for at in near]
-        compliance, softening = _cubic(soft, t, 0.5 * n / pi) if np.any(soft) else (0.0, 0.0)
-        return found._replace(compliance=compliance, softening=softening)
+        near, rate = [first + (knot + k) % n for k in (-1, 0, 1, 2)], 0.5 * n / pi
+        soft = [] if self.compliance is None else [self.compliance.take(at) for at in near]
+        found = _cubic([self.coefficients.take(at) for at in near], t, rate)
+        return *found, *(_cubic(soft, t, rate) if np.any(soft) else (0.0, 0.0))
 
 
 def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -107,68 +140,6 @@ class Turns:
 UNTURNED = Turns()
 
 
-class Falls(NamedTuple):
-    """By how much a contact's energy falls, over its force, as the part that spalls take sinks and edges soften."""
-
-    part: np.ndarray | float = 0.0  # by the sinkage of the part
-    compliance: np.ndarray | float = 0.0  # N, by the compliance of edges across the whole length
-    part_compliance: np.ndarray | float = 0.0  # N, by that of the part's
-
-
-@dataclass(frozen=True, kw_only=True)
-class SurfaceDeviation:
-    """What the contacts with one raceway meet, and its slopes as the angle grows, (..., n_rollers)."""
-
-    sinkage: np.ndarray  # m, of ring and roller together
-    ring_slope: np.ndarray  # m/rad
-    roller_slope: np.ndarray
-    compliance: np.ndarray | float = 0.0  # m/N, of edges, of ring and roller together; 0.0: no contact is near one
-    ring_softening: np.ndarray | float = 0.0  # m/N/rad
-    roller_softening: np.ndarray | float = 0.0
-    part: "SurfaceDeviation | None" = None  # what the part of the length that spalls take meets besides; None: nothing
-
-    @property
-    def slope(self) -> np.ndarray:
-        """Of both, m/rad."""
-        return self.ring_slope + self.roller_slope
-
-    @property
-    def soft(self) -> bool:
-        """Whether a contact is near an edge."""
-        return not isinstance(self.compliance, float)
-
-    @property
-    def part_sinkage(self) -> np.ndarray | float:
-        """Of the part of the length that spalls take, beside that of all of it, m."""
-        return 0.0 if self.part is None else self.part.sinkage
-
-    def rows(self, which: slice) -> "SurfaceDeviation":
-        """Of some of the times alone."""
-        part = None if self.part is None else self.part.rows(which)
-        own: dict[str, Any] = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray)}
-        return replace(self, **{name: each[which] for name, each in own.items()}, part=part)
-
-    def at_force(self, force: np.ndarray) -> "SurfaceDeviation":
-        """With the slopes that the surfaces have for contacts under these forces, N."""
-        if not self.soft:
-            return self
-        return self.at_contact(Falls(compliance=0.5 * force))
-
-    def at_contact(self, falls: Falls) -> "SurfaceDeviation":
-        """With the slopes that the surfaces have for contacts of rollers that tilt, see `Falls`."""
-        soft, part = falls.compliance, self.part
-        ring, roller = self.ring_slope + soft * self.ring_softening, self.roller_slope + soft * self.roller_softening
-        if part is not None:
-            share, soft = falls.part, falls.part_compliance
-            ring = ring + share * part.ring_slope + soft * part.ring_softening
-            roller = roller + share * part.roller_slope + soft * part.roller_softening
-        return replace(self, ring_slope=ring, roller_slope=roller)
-
-    def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
-        """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
-        return ring_speed * self.ring_slope + roller_speed * self.roller_slope
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Profiles:
     """All surfaces of a bearing; None where they are perfect."""
@@ -180,14 +151,13 @@ class Profiles:
 
     def inner(self, direction, turns: Turns) -> SurfaceDeviation:
         """At the inner raceway; `direction` from the inner ring's centre to the rollers', (..., n_rollers), rad."""
-        return _deviation(
-            self.inner_ring, direction - turns.inner_ring, self.rollers_inside, direction + pi - turns.rollers
-        )
+        angles = direction - turns.inner_ring, direction + pi - turns.rollers
+        return _deviation((self.inner_ring, self.rollers_inside), angles)
 
     def outer(self, direction, turns: Turns) -> SurfaceDeviation:
         """At the outer raceway; `direction` from the outer ring's centre to the rollers', (..., n_rollers), rad."""
-        on_ring = direction - turns.outer_ring
-        return _deviation(self.outer_ring, on_ring, self.rollers_outside, direction - turns.rollers)
+        angles = direction - turns.outer_ring, direction - turns.rollers
+        return _deviation((self.outer_ring, self.rollers_outside), angles)
 
     @property
     def highest(self) -> float:
@@ -198,17 +168,9 @@ class Profiles:
     @property
     def deepest(self) -> float:
         """How far a contact may sink below where the circles touch, m."""
-        high = [0.0 if profile is None else profile.deepest for profile in vars(self).values()]
-        return max(0.0, max(high[:2]) + max(high[2:]))
-
-    @property
-    def parts(self) -> tuple[float, float]:
-        """How far a part of the length may sink deeper than the rest in inner and outer contacts, m."""
-        ring, outer, *rollers = (
-            0.0 if profile is None or profile.part is None else float(profile.part.coefficients.max())
-            for profile in vars(self).values()
-        )
-        return ring + rollers[0], outer + rollers[1]
+        high = [0.0 if p is None else (p.coefficients if p.part is None else p.coefficients + p.part.coefficients).max()
+                for p in vars(self).values()]  # fmt: skip
+        return max(0.0, float(max(high[:2]) + max(high[2:])))
 
     @property
     def shortest(self) -> float:
@@ -221,23 +183,17 @@ class Profiles:
         return min(profile.waves for profile in vars(self).values() if profile is not None)
 
 
-def _deviation(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> SurfaceDeviation:
+def _deviation(bodies: tuple[Profile | None, Profile | None], angles: tuple) -> SurfaceDeviation:
     """Of contacts at angles on the ring and on the rollers, rad."""
-    one, other = (
-        BodyDeviation(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
-        for profile, angle in ((ring, on_ring), (roller, on_roller))
-    )
-    return _both(one, other)
-
-
-def _both(one: BodyDeviation, other: BodyDeviation) -> SurfaceDeviation:
-    """Of a ring and of rollers together."""
-    parts = one.part, other.part
-    flat = np.zeros_like(one.sinkage)
+    flat = np.zeros(np.broadcast_shapes(*map(np.shape, angles)))
+    pairs = zip(bodies, angles, strict=True)
+    each = [(flat, flat, 0.0, 0.0) if profile is None else profile.at(angle) for profile, angle in pairs]
+    sinkage, slopes, compliance, softenings = zip(*each, strict=True)
+    parts = tuple(None if profile is None else profile.part for profile in bodies)
     return SurfaceDeviation(
-        sinkage=one.sinkage + other.sinkage, ring_slope=one.slope, roller_slope=other.slope,
-        compliance=one.compliance + other.compliance, ring_softening=one.softening, roller_softening=other.softening,
-        part=None if parts == (None, None) else _both(*(part or BodyDeviation(flat, flat) for part in parts)),
+        sinkage=sinkage[0] + sinkage[1], slopes=np.array(np.broadcast_arrays(*slopes)),
+        compliance=compliance[0] + compliance[1], softenings=np.array(np.broadcast_arrays(*softenings, flat)[:2]),
+        part=None if parts == (None, None) else _deviation(parts, angles),
     )  # fmt: skip
 
 
@@ -255,53 +211,43 @@ def profiles(bearing: Bearing) -> Profiles | None:
     )
 
 
-def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Profile | None:
+def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: edges.Meeting) -> Profile | None:
     faults = [fault for fault in bearing.faults if fault.body == body]
     if not faults:
         return None
-    raceway, roller = abs(pair.radii[0]), bearing.element_radius
-    own, other = (roller, raceway) if body == "roller" else (raceway, roller)
-    circles = Circles(own, other, meeting, roller)
-    n = max([FEWEST_KNOTS, *(_knots(fault, circles) for fault in faults)])
+    own, other = abs(pair.radii[0]), bearing.element_radius
+    if body == "roller":
+        own, other = other, own
+    circles = edges.Circles(own, other, meeting, bearing.element_radius)
+    needed = [_knots(fault, circles) for fault in faults]
+    smooth = [count for fault, count in zip(faults, needed, strict=True) if not isinstance(fault, Spall)]
+    n, spalls = max(FEWEST_KNOTS, *needed), [fault for fault in faults if isinstance(fault, Spall)]
     rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
-    rows = [[fault for fault in faults if fault.roller == number] for number in (None, *rollers)]
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
-    for k, number in enumerate(rollers, 1):
-        row[number] = k
-    parted = [f for f in faults if isinstance(f, Spall) and f.is_part(bearing)]
-    whole, parts = ([[f for f in some if (f in parted) is wanted] for some in rows] for wanted in (False, True))
-    smooth = [_knots(fault, circles) for fault in faults if not isinstance(fault, Spall)]
+    row[rollers] = np.arange(1, len(rollers) + 1)
+    of_part = [spall for spall in spalls if spall.is_part(bearing)]
 
     def half(spall: Spall) -> float:  # from its middle to where contacts are sound, rad
-        return max(float(np.arcsin(spall.half_opening(circles.roller) / circles.own)), reach(spall, circles))
+        return max(circles.half_angle(spall), edges.reach(spall, circles)) + RINGING * 2.0 * pi / n
 
-    def profile(rows: list[list[Fault]], part: Profile | None = None) -> Profile:
-        compliance, spalled = None, any(isinstance(fault, Spall) for some in rows for fault in some)
-        if spalled and not isinstance(bearing, BallBearing):
-            softer = [_softening(some, circles, n) for some in rows]
-            compliance = _spline(pair.line_compliance * np.array(softer))
+    def profile(taken: list, part: Profile | None = None) -> Profile:
+        soft = any(isinstance(fault, Spall) for fault in taken) and not isinstance(bearing, BallBearing)
+        rows = [[fault for fault in taken if fault.roller == number] for number in (None, *rollers)]
+        sunk, softer = np.swapaxes([_along(some, circles, n, soft) for some in rows], 0, 1)
         return Profile(
-            coefficients=_spline(np.array([_sinkages(some, circles, n) for some in rows])),
-            compliance=compliance,
-            row=row,
-            spacing=2.0 * pi * own / n,
-            spalls=tuple(
-                (fault.roller, fault.angle, half(fault) + RINGING * 2.0 * pi / n)
-                for fault in faults
-                if isinstance(fault, Spall)
-            ),
-            waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf,
-            part=part,
-        )
+            coefficients=_spline(sunk), compliance=_spline(pair.line_compliance * softer) if soft else None, row=row,
+            spacing=2.0 * pi * own / n, spalls=tuple((spall.roller, spall.angle, half(spall)) for spall in spalls),
+            waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf, part=part,
+        )  # fmt: skip
 
-    if not any(parts):
-        return profile(whole)
-    part = profile(parts)  # off spalls exactly nothing: contacts there look no more up
+    if not of_part:
+        return profile(faults)
+    part = profile(of_part)  # off spalls exactly nothing: contacts there look no more up
     clean = np.where(np.abs(part.coefficients) > FAINT, part.coefficients, 0.0)
-    return profile(whole, replace(part, coefficients=clean))
+    return profile([fault for fault in faults if fault not in of_part], replace(part, coefficients=clean))
 
 
-def _knots(fault: Fault, circles: Circles) -> int:
+def _knots(fault: Fault, circles: edges.Circles) -> int:
     """Knots around the circle that a fault needs."""
     if isinstance(fault, Spall):
         return ceil(2.0 * pi * circles.own * KNOTS_PER_SPALL / fault.width)
@@ -310,40 +256,27 @@ def _knots(fault: Fault, circles: Circles) -> int:
     return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
 
 
-def _sinkages(faults: list[Fault], circles: Circles, n: int) -> np.ndarray:
-    """At the knots, (n,), m."""
-    angle = 2.0 * pi * np.arange(n) / n
-    found = np.zeros(n)
+def _along(faults: list[Fault], circles: edges.Circles, n: int, soft: bool) -> np.ndarray:
+    """Sinkage, m, and where contacts are `soft` at edges ΔB, at the knots, (2, n)."""
+    angle, found = 2.0 * pi * np.arange(n) / n, np.zeros((2, n))
+    sunk, softer = found
     for fault in faults:
         if isinstance(fault, UnequalRoller):
-            found -= 0.5 * fault.diameter_deviation
+            sunk -= 0.5 * fault.diameter_deviation
         elif isinstance(fault, Waviness):
-            found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+            sunk -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
         elif isinstance(fault, Film):
-            found -= fault.thickness
+            sunk -= fault.thickness
         elif isinstance(fault, MeasuredSurface):
-            found += measured_sinkage(fault, circles, n)
+            sunk += edges.measured_sinkage(fault, circles, n)
         else:
-            beyond, over = _near(fault, angle, np.arcsin(fault.half_opening(circles.roller) / circles.own))
-            found[over] += sinkage(fault, circles, beyond[over])
+            beyond = np.mod(angle - fault.angle + pi, 2.0 * pi) - pi
+            over = np.flatnonzero(np.abs(beyond) < circles.half_angle(fault))
+            sunk[over] += edges.sinkage(fault, circles, beyond[over])
+            if soft:
+                over = np.flatnonzero(np.abs(beyond) < edges.reach(fault, circles))
+                softer[over] += edges.softening(fault, circles, beyond[over])
     return found
-
-
-def _softening(faults: list[Fault], circles: Circles, n: int) -> np.ndarray:
-    """ΔB at the knots, (n,), by the edges of spalls."""
-    angle = 2.0 * pi * np.arange(n) / n
-    found = np.zeros(n)
-    for fault in faults:
-        if isinstance(fault, Spall):
-            beyond, over = _near(fault, angle, reach(fault, circles))
-            found[over] += softening(fault, circles, beyond[over])
-    return found
-
-
-def _near(spall: Spall, angle: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray]:
-    """Angles from the spall's middle, (n,), rad, and the indices of those that are within an angle of it."""
-    beyond = np.mod(angle - spall.angle + pi, 2.0 * pi) - pi
-    return beyond, np.flatnonzero(np.abs(beyond) < within)
 
 
 def _spline(samples: np.ndarray) -> np.ndarray:

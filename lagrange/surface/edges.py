@@ -10,14 +10,12 @@ the A of Hertz's law δ = A Q (B − ½ ln Q): on an edge of radius e alone ΔB 
 over the edge ½. In series with a law the compliance c gives δ = δ_law(Q) + c Q. Equation (3) of docs/surfaces.md.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, pi, sqrt
+from math import asin, ceil, pi, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lagrange.contact.laws import LogarithmicLaw, PowerLaw
 from lagrange.surface.faults import MeasuredSurface, Spall
 
 Meeting = Literal["bore", "in_bore", "outside"]  # the holed circle is a bore, lies in a bore, lies beside the other
@@ -47,6 +45,10 @@ class Circles(NamedTuple):
     def points_around(self) -> int:
         """How many points of a measured surface must be looked at, so that the other circle sinks by UNSEEN between."""
         return ceil(2.0 * pi * self.own / sqrt(8.0 * UNSEEN / self.curvature))
+
+    def half_angle(self, spall: Spall) -> float:
+        """From a spall's middle to where its edges begin, rad."""
+        return asin(spall.half_opening(self.roller) / self.own)
 
     def surface(self, depth: np.ndarray) -> np.ndarray:
         """Radii of points so deep below the own circle, m."""
@@ -82,13 +84,12 @@ def sinkage(spall: Spall, circles: Circles, angle) -> np.ndarray:
     at, depth = outline(spall, spall.half_opening(circles.roller))
     surface, turned = circles.surface(depth), np.arcsin(at / circles.own)
     angle = np.asarray(angle)[:, None]
-    least = np.full(len(angle), np.inf)
+    least = np.zeros(len(angle)) + np.inf
     for piece in np.array_split(np.arange(at.size), PIECES):  # each rises to one highest point, if it has one
         some = piece[::STRIDE]
         nearest = STRIDE * circles.room(surface[some], angle - turned[some]).argmin(axis=1)
         around = piece[np.clip(nearest[:, None] + np.arange(1 - STRIDE, STRIDE), 0, piece.size - 1)]
-        found = circles.room(surface[around], angle - turned[around])
-        least = np.minimum(least, found.min(axis=1))
+        least = np.minimum(least, circles.room(surface[around], angle - turned[around]).min(axis=1))
     return np.maximum(least, 0.0)
 
 
@@ -106,25 +107,24 @@ def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.nda
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     turn, angle, height = 2.0 * pi, found.table.angle + found.angle, found.table.height
-    height = np.where(np.abs(height) < NO_HEIGHT, 0.0, height)
     count = angle.size * ceil(circles.points_around / angle.size)  # evenly spaced points are among them
     at = angle[0] + turn * np.arange(count + 1) / count
-    ends = slice(-3, None), slice(0, 3)  # slopes of monotone cubics know three points
-    angle = np.concatenate([angle[ends[0]] - turn, angle, angle[ends[1]] + turn])
-    height = np.concatenate([height[ends[0]], height, height[ends[1]]])
-    depth = -PchipInterpolator(angle, height)(at[:-1])
+    # slopes of monotone cubics know three points
+    angle = np.concatenate([angle[-3:] - turn, angle, angle[:3] + turn])
+    height = np.concatenate([height[-3:], height, height[:3]])
+    depth = -PchipInterpolator(angle, np.where(np.abs(height) < NO_HEIGHT, 0.0, height))(at[:-1])
     surface = circles.surface(depth)
 
     def room_at(k):
         return circles.room(surface[(np.arange(count) + k) % count], turn * k / count)
 
-    reach = WINDOW * sqrt(2.0 * np.ptp(depth) / circles.curvature) / circles.own
-    steps = min(ceil(reach / turn * count), count // 4)
+    way = WINDOW * sqrt(2.0 * np.ptp(depth) / circles.curvature) / circles.own
+    steps = min(ceil(way / turn * count), count // 4)
     least, nearest = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
     for k in range(-steps, steps + 1):
-        found_here = room_at(k)
-        nearer = found_here < least
-        least[nearer], nearest[nearer] = found_here[nearer], k
+        here = room_at(k)
+        nearest[here < least] = k
+        least = np.minimum(here, least)
     before, after = room_at(nearest - 1), room_at(nearest + 1)
     bend = before - 2.0 * least + after
     between = np.where(bend > 0.0, (before - after) ** 2 / np.where(bend > 0.0, 8.0 * bend, 1.0), 0.0)
@@ -135,22 +135,21 @@ def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.nda
 
 def outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:
     """Places beside the spall's middle, along the chord, and their depths, m."""
-    rounding = min(spall.edge_radius, opening)
-    steepest = np.arccos(max(0.0, 1.0 - spall.depth / spall.edge_radius)) if spall.edge_radius > 0.0 else 0.0
-    if spall.edge_radius > 0.0:
-        steepest = min(steepest, np.arcsin(rounding / spall.edge_radius))
+    edge, steepest, bottom_depth = spall.edge_radius, 0.0, spall.depth
+    if edge > 0.0:
+        steepest = min(np.arccos(max(0.0, 1.0 - spall.depth / edge)), np.arcsin(min(edge, opening) / edge))
     turned = np.linspace(0.0, steepest, POINTS)
-    arc = opening - spall.edge_radius * np.sin(turned)
-    arc_depth = spall.edge_radius * (1.0 - np.cos(turned))
+    arc, arc_depth = opening - edge * np.sin(turned), edge * (1.0 - np.cos(turned))
+    if edge > opening:
+        bottom_depth = min(bottom_depth, arc_depth[-1])
     bottom = np.linspace(0.0, arc[-1], POINTS // 2, endpoint=False)
     beside = np.linspace(opening, (1.0 + BESIDE) * opening, POINTS // 2)
     half = np.concatenate([bottom, arc, beside])
-    bottom_depth = spall.depth if rounding == spall.edge_radius else min(spall.depth, arc_depth[-1])
     depth = np.concatenate([np.full(bottom.size, bottom_depth), arc_depth, np.zeros(beside.size)])
     return np.concatenate([-half[::-1], half]), np.concatenate([depth[::-1], depth])
 
 
-HALF_WIDTHS = (0.007, 0.014)  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; of ΔB the mean is taken
+HALF_WIDTHS = np.array([0.007, 0.014])  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; ΔB is their mean's
 SHARPEST = 1e-3  # of the roller's radius: sharper edges are as soft as one of 5 µm, or nothing would bound it
 BEYOND = 1.1  # half-widths beyond the opening: there a contact still is sound
 POSITIONS = 24  # on either side of where the edge begins, 24 more between there and the middle
@@ -170,91 +169,69 @@ def softening(spall: Spall, circles: Circles, angle) -> np.ndarray:
     """
     from scipy.interpolate import PchipInterpolator  # half a second to import, and only spalls need it
 
-    shape = Spall(body=spall.body, roller=None, angle=0.0, width=spall.width, depth=spall.depth,
-                  edge_radius=max(spall.edge_radius, SHARPEST * circles.roller))  # fmt: skip
-    at, found = _table(shape, spall.half_opening(circles.roller), circles)
-    beside = np.minimum(np.abs(angle), at[-1])
-    return np.maximum(PchipInterpolator(at, found)(beside), 0.0)
+    edge = max(spall.edge_radius, SHARPEST * circles.roller)
+    at, found = _table(spall.half_opening(circles.roller), spall.depth, edge, circles)
+    return np.maximum(PchipInterpolator(at, found)(np.minimum(np.abs(angle), at[-1])), 0.0)
 
 
 def reach(spall: Spall, circles: Circles) -> float:
     """Angle from the spall's middle from which on contacts are sound, rad."""
-    radius = 1.0 / circles.curvature
-    return float(np.arcsin((spall.half_opening(circles.roller) + BEYOND * HALF_WIDTHS[-1] * radius) / circles.own))
+    return asin((spall.half_opening(circles.roller) + BEYOND * HALF_WIDTHS[-1] / circles.curvature) / circles.own)
 
 
 @lru_cache(maxsize=64)
-def _table(spall: Spall, opening: float, circles: Circles) -> tuple[np.ndarray, np.ndarray]:
-    """Angles from the spall's middle on, rad, and ΔB there; 0 at the last."""
+def _table(opening: float, depth: float, edge: float, circles: Circles) -> tuple[np.ndarray, np.ndarray]:
+    """Angles from the middle of a spall of half an opening, a depth and an edge's radius, m, and ΔB; 0 at the last."""
     radius = 1.0 / circles.curvature
-    widths = [share * radius for share in HALF_WIDTHS]
+    widths = HALF_WIDTHS * radius
     width = BEYOND * widths[-1]
     near = np.linspace(max(opening - width, 0.0), opening + width, 2 * POSITIONS)
     # on both edges the contact changes within δ·R/(w/2), the closer to the middle the wider the spall
     apart = np.geomspace(0.2 * widths[0] ** 2 / opening, near[0] if near[0] > 0.0 else width, POSITIONS)
-    at = np.unique(np.concatenate([[0.0], apart[apart < near[0]], near]))
-    cells = _cells(spall.edge_radius, opening, radius, widths)
-    middle = 0.5 * (cells[1:] + cells[:-1])
-    angle = np.arcsin(at / circles.own)
-    bare = circles.surface(_depth(spall, opening, middle))
-    gaps = circles.room(bare, angle[:, None] - np.arcsin(middle / circles.own))
-    found = _approaches(gaps, cells, [0.5 * b**2 / radius for b in widths])
-    return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
-
-
-def _depth(spall: Spall, opening: float, at: np.ndarray) -> np.ndarray:
-    """Depths of the bare profile at places along the chord, (n,), m."""
-    inside, edge = np.maximum(opening - np.abs(at), 0.0), spall.edge_radius
-    arc = np.where(inside < edge, edge - np.sqrt(np.maximum(edge**2 - inside**2, 0.0)), np.inf)
-    return np.minimum(arc, spall.depth)
-
-
-def _cells(edge_radius: float, opening: float, radius: float, widths: list[float]) -> np.ndarray:
-    """Bounds of cells along the chord, m: fine where the edges begin."""
+    angle = np.arcsin(np.unique(np.concatenate([[0.0], apart[apart < near[0]], near])) / circles.own)
+    # bounds of cells along the chord, m: fine where the edges begin
     coarse = widths[0] / CELLS
-    fine = min(coarse, widths[0] * np.sqrt(edge_radius / (edge_radius + radius)) / CELLS)
+    fine = min(coarse, widths[0] * np.sqrt(edge / (edge + radius)) / CELLS)
     last = (BEYOND + 2.0 * np.sqrt(IN_REACH)) * widths[-1]
     steps = [fine] * (2 * CELLS)
     while sum(steps) < max(last, opening):
         steps.append(min(coarse, GROWTH * steps[-1]))
     outward = np.concatenate([[0.0], np.cumsum(steps)])
-    beside = outward[outward < last]
     inward = outward[1:][outward[1:] < opening - 0.5 * fine]
-    half = np.concatenate([opening - inward[::-1], opening + beside])
-    return np.concatenate([-half[::-1], half])
+    half = np.concatenate([opening - inward[::-1], opening + outward[outward < last]])
+    cells = np.concatenate([-half[::-1], half])
+    middle = 0.5 * (cells[1:] + cells[:-1])
+    inside = np.maximum(opening - np.abs(middle), 0.0)
+    arc = np.where(inside < edge, edge - np.sqrt(np.maximum(edge**2 - inside**2, 0.0)), np.inf)
+    gaps = circles.room(circles.surface(np.minimum(arc, depth)), angle[:, None] - np.arcsin(middle / circles.own))
+    found = _approaches(gaps, cells, 0.5 * widths**2 / radius)
+    return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
 
 
-def _approaches(gaps: np.ndarray, cells: np.ndarray, units: list[float]) -> np.ndarray:
+def _approaches(gaps: np.ndarray, cells: np.ndarray, units: np.ndarray) -> np.ndarray:
     """Approaches over the least gap, over A·Q, (n_units, n_positions), up to numbers that are the same for all.
 
     `units` : A·Q, m, rising; the force Q that makes a half-width b on the sound surface has A·Q = b²/(2R)
     """
-    found, pressed = np.empty((len(units), len(gaps))), [np.zeros(0, dtype=bool)] * len(units)
+    found, pressed = np.empty((len(units), len(gaps))), np.zeros((len(units), gaps.shape[1]), dtype=bool)
     for i, gap in enumerate(gaps):
         above = gap - gap.min()
         widest = np.flatnonzero(above < 2.0 * IN_REACH * units[-1])
-        influence = _influence(cells, widest)
+        # displacement at the middle of cells by a unit force spread over each, over A; another unit of length would
+        # add a number to all of it, and to all approaches
+        bounds = np.union1d(widest, widest + 1)
+        apart = cells[bounds] - 0.5 * (cells[widest] + cells[widest + 1])[:, None]
+        integral, low = apart * (np.log(np.abs(apart)) - 1.0), np.searchsorted(bounds, widest)
+        influence = (integral[:, low] - integral[:, low + 1]) / (cells[widest + 1] - cells[widest])
         for k, unit in enumerate(units):
             inside = np.flatnonzero(above[widest] < 2.0 * IN_REACH * unit)
             in_reach = widest[inside]
             beyond = above[in_reach] / unit
-            start = pressed[k][in_reach] if i else beyond < 0.5
+            start = pressed[k][in_reach]
             found[k, i], closed = _press(beyond, influence[np.ix_(inside, inside)], start)
-            pressed[k] = np.zeros(gap.size, dtype=bool)
-            pressed[k][in_reach] = closed
+            pressed[k] = False
+            pressed[k, in_reach] = closed
     return found
-
-
-def _influence(cells: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Displacement at the middle of cells by a unit force spread over each, over A.
-
-    Another unit of length would add a number to all of it, and to all approaches.
-    """
-    bounds = np.union1d(chosen, chosen + 1)
-    apart = cells[bounds] - 0.5 * (cells[chosen] + cells[chosen + 1])[:, None]
-    integral = apart * (np.log(np.abs(apart)) - 1.0)
-    low = np.searchsorted(bounds, chosen)
-    return (integral[:, low] - integral[:, low + 1]) / (cells[chosen + 1] - cells[chosen])
 
 
 def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[float, np.ndarray]:
@@ -265,75 +242,11 @@ def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[
         k = np.flatnonzero(closed)
         matrix = np.ones((k.size + 1, k.size + 1))
         matrix[:-1, :-1], matrix[:-1, -1], matrix[-1, -1] = influence[np.ix_(k, k)], -1.0, 0.0
-        solved = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
-        force, approach = solved[:-1], solved[-1]
+        *force, approach = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
         pushing = np.zeros(gap.size, dtype=bool)
-        pushing[k] = force > 0.0
-        through = gap + influence[:, k] @ force < approach
-        changed = np.where(closed, pushing, through)
+        pushing[k] = np.array(force) > 0.0
+        changed = np.where(closed, pushing, gap + influence[:, k] @ force < approach)
         if np.array_equal(changed, closed):
             break
         closed = changed if changed.any() else gap <= gap.min()
     return float(approach), closed
-
-
-MOST_STEPS = 60  # of Newton's method; 3 to 6 are usual
-SETTLED = 1e-10  # of the approach: what is left is of its square
-SLOWEST = 0.1  # of itself: what the law's own approach keeps in a step, at least
-
-
-def softened(law: PowerLaw | LogarithmicLaw, compliance: np.ndarray | float) -> "PowerLaw | LogarithmicLaw | Softened":
-    """The law itself where the compliance, m/N, is the number 0."""
-    return law if isinstance(compliance, float) and compliance == 0.0 else Softened(law=law, compliance=compliance)
-
-
-def pressed(law: "PowerLaw | LogarithmicLaw | Softened", approach) -> tuple[np.ndarray, np.ndarray]:
-    """Forces, N, and stiffnesses, N/m, of approaches, m."""
-    return law.pressed(approach) if isinstance(law, Softened) else (law.force(approach), law.slope(approach))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Softened:
-    """Same methods as `PowerLaw`, with approaches and forces that go with the compliances' shape."""
-
-    law: PowerLaw | LogarithmicLaw
-    compliance: np.ndarray | float  # c, m/N, >= 0
-
-    def force(self, approach):
-        """Contact force, N, >= 0, of an approach, m."""
-        return self.law.force(self._own(approach))
-
-    def approach(self, force):
-        """Approach, m, of a contact force, N, >= 0."""
-        return self.law.approach(force) + self.compliance * np.asarray(force)
-
-    def slope(self, approach):
-        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
-        return self.pressed(approach)[1]
-
-    def pressed(self, approach):
-        """Contact force, N, and stiffness, N/m, of an approach, m: in half the time of asking for one and the other."""
-        own = self._own(approach)
-        slope = self.law.slope(own)
-        return self.law.force(own), slope / (1.0 + self.compliance * slope)
-
-    def potential(self, approach):
-        """Energy stored in contact and compliance, J."""
-        own = self._own(approach)
-        return self.law.potential(own) + 0.5 * self.compliance * self.law.force(own) ** 2
-
-    def _own(self, approach):
-        """The law's share of an approach, m, by Newton's method to round-off; all of it where it is open."""
-        depth, soft = np.broadcast_arrays(np.asarray(approach, dtype=float), self.compliance)
-        own = depth.flatten()
-        left = np.flatnonzero((depth > 0.0) & (soft != 0.0))  # each until it has settled, whatever stands beside it
-        depth, soft = depth.ravel()[left], soft.ravel()[left]
-        for _ in range(MOST_STEPS):
-            if not left.size:
-                break
-            now = own[left]
-            step = (now + soft * self.law.force(now) - depth) / (1.0 + soft * self.law.slope(now))
-            own[left] = now = np.maximum(now - step, SLOWEST * now)
-            moves = np.abs(step) > SETTLED * now
-            left, depth, soft = left[moves], depth[moves], soft[moves]
-        return own.reshape(np.broadcast_shapes(np.shape(approach), np.shape(self.compliance)))

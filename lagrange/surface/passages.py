@@ -71,41 +71,37 @@ def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int
     ------
     Sliding speeds come from differences of the rollers' angles, of second order in the interval.
     """
-    found = defaultdict[tuple[int, Raceway, int], list[np.ndarray]](list)
+    faults, found = spalls(bearing), defaultdict[tuple[int, Raceway, int], list[np.ndarray]](list)
+    halves = [asin(0.5 * spall.width / own_radius(bearing, spall)) for spall in faults]
     for start in range(0, count - 1, BLOCK):
         stop = min(start + BLOCK, count - 1) + 1  # the last sample is the next block's first
         low = max(0, start - 1)
         block, new = read(low, min(count, stop + 1)), slice(start - low, stop - low)
         for raceway, other in RACEWAYS.items():
-            facing = [(k, spall) for k, spall in enumerate(spalls(bearing)) if spall.body != other]
+            facing = [(k, spall) for k, spall in enumerate(faults) if spall.body != other]
             if not facing:
                 continue
             on_ring, on_roller, sliding = _contacts(bearing, operation, block, raceway)
+            time, force = block["time"][new], block[f"{raceway}_force"][new]
             for k, spall in facing:
                 for j in range(bearing.n_rollers) if spall.roller is None else (spall.roller,):
                     where = on_ring if spall.roller is None else on_roller
                     angle = np.mod(where[new, j] - spall.angle + pi, 2.0 * pi) - pi
-                    of_roller = block["time"], block[f"{raceway}_force"][:, j], sliding[:, j]
-                    rows = np.array([np.arange(start, stop), angle, *(each[new] for each in of_roller)])
-                    found[k, raceway, j].append(rows[:, _near(angle, SEEN * _half_width(bearing, spall))])
-    return [passage for key in sorted(found) for passage in _passages(bearing, *key, found[key])]
-
-
-def _half_width(bearing: Bearing, spall: Spall) -> float:
-    return asin(0.5 * spall.width / own_radius(bearing, spall))
-
-
-def _passages(
-    bearing: Bearing, number: int, raceway: Raceway, roller: int, blocks: list[np.ndarray]
-) -> Iterator[Passage]:
-    rows = np.concatenate(blocks, axis=1)
-    rows = rows[:, np.unique(rows[0], return_index=True)[1]]  # blocks share a sample
-    jumps = 1 + np.flatnonzero((np.diff(rows[0]) > 1) | (np.abs(np.diff(rows[1])) > pi))
-    for at, angle, time, force, sliding in np.split(rows, jumps, axis=1) if rows.size else ():
-        yield Passage(
-            spall=number, raceway=raceway, roller=roller, half_width=_half_width(bearing, spalls(bearing)[number]),
-            first=int(at[0]), time=time, angle=angle, force=force, sliding=sliding,
-        )  # fmt: skip
+                    rows = np.array([np.arange(start, stop), angle, time, force[:, j], sliding[new, j]])
+                    # those that end a way which leads over a span around 0, which may be narrower than the way
+                    low_end, high_end = np.minimum(angle[:-1], angle[1:]), np.maximum(angle[:-1], angle[1:])
+                    reach = SEEN * halves[k]
+                    over = (low_end < reach) & (high_end > -reach) & (high_end - low_end < pi)
+                    found[k, raceway, j].append(rows[:, np.append(over, False) | np.append(False, over)])
+    passages = []
+    for (k, raceway, j), blocks in sorted(found.items()):
+        rows = np.concatenate(blocks, axis=1)
+        rows = rows[:, np.unique(rows[0], return_index=True)[1]]  # blocks share a sample
+        jumps = 1 + np.flatnonzero((np.diff(rows[0]) > 1) | (np.abs(np.diff(rows[1])) > pi))
+        for at, angle, time, force, sliding in np.split(rows, jumps, axis=1) if rows.size else ():
+            where = {"spall": k, "raceway": raceway, "roller": j, "half_width": halves[k], "first": int(at[0])}
+            passages.append(Passage(**where, time=time, angle=angle, force=force, sliding=sliding))
+    return passages
 
 
 def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway):
@@ -123,16 +119,6 @@ def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.n
         return direction - way.outer_ring, direction - turn, sliding
     sliding = along - turning - acting.speed * bearing.inner_raceway_radius
     return direction - way.shaft, direction + pi - turn, sliding
-
-
-def _near(angle: np.ndarray, reach: float) -> np.ndarray:
-    """Which samples end a way that leads over a span around 0; samples may be further apart than the span is wide."""
-    low, high = np.minimum(angle[:-1], angle[1:]), np.maximum(angle[:-1], angle[1:])
-    over = (low < reach) & (high > -reach) & (high - low < pi)
-    near = np.zeros(len(angle), dtype=bool)
-    near[:-1] |= over
-    near[1:] |= over
-    return near
 
 
 Kind = Literal["entry", "strike", "exit"]
@@ -187,33 +173,45 @@ def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
     Entry and exit: straight lines between samples; the contact's angle bends by far less than a thousandth of them.
     Strike: with SAMPLES or more in a vibration 0.2 µs and a few per cent of the force; see docs/surfaces.md.
     """
-    found = [event for passage in passages for event in _of(passage)]
+    found = [event for passage in passages for event in _events(passage)]
     return sorted(found, key=lambda event: (event.time, event.spall, event.roller, event.raceway, event.kind))
 
 
-def _of(passage: Passage) -> Iterator[SpallEvent]:
-    half, angle = passage.half_width, passage.angle
+def _events(passage: Passage) -> Iterator[SpallEvent]:
+    half, angle, time, force = passage.half_width, passage.angle, passage.time, passage.force
+
+    def event(kind: Kind, time, force, sliding) -> SpallEvent:
+        return SpallEvent(
+            time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway, kind=kind,
+            force=float(force), sliding_speed=float(sliding),
+        )  # fmt: skip
+
+    def crossing(kind: Kind, i: int, edge: float) -> SpallEvent:
+        share = (edge - angle[i]) / (angle[i + 1] - angle[i])
+        pressed, slides = (_between(row, i, share) for row in (force, passage.sliding))
+        return event(kind, time[i] + share * (time[i + 1] - time[i]), max(0.0, pressed), slides)
+
     way = np.sign(np.diff(angle))
     before, after = way * angle[:-1], way * angle[1:]
     goes_in, goes_out = ((before < edge) & (edge <= after) for edge in (-half, half))
     entries = np.flatnonzero(goes_in).tolist()
     for i, following in zip(entries, [*entries[1:], len(angle) - 1], strict=False):
-        entry = _between(passage, i, -half * way[i], "entry")
+        entry = crossing("entry", i, -half * way[i])
         yield entry
-        yield from _strike(passage, i, following, way[i] * angle, entry)
+        if (k := _strike(passage, i, following, way[i] * angle, entry.force)) is None:
+            continue
+        at, peak, slides = time[k], force[k], passage.sliding[k]
+        if 0 < k < len(force) - 1:  # by the parabola through three samples
+            left, right = force[k - 1] - peak, force[k + 1] - peak
+            if left + right < 0.0:
+                share = 0.5 * (left - right) / (left + right)
+                at, peak = at + share * (time[k + 1] - at), peak - 0.25 * (left - right) * share
+        yield event("strike", at, peak, slides)
     for i in np.flatnonzero(goes_out).tolist():
-        yield _between(passage, i, half * way[i], "exit")
+        yield crossing("exit", i, half * way[i])
 
 
-def _between(passage: Passage, i: int, edge: float, kind: Kind) -> SpallEvent:
-    """Where the contact crosses an edge, rad, between two samples."""
-    angle, time = passage.angle, passage.time
-    share = (edge - angle[i]) / (angle[i + 1] - angle[i])
-    force, sliding = (_cubic(row, i, share) for row in (passage.force, passage.sliding))
-    return _event(passage, kind, time[i] + share * (time[i + 1] - time[i]), max(0.0, force), sliding)
-
-
-def _cubic(row: np.ndarray, i: int, share: float) -> float:
+def _between(row: np.ndarray, i: int, share: float) -> float:
     """A row of samples between i and i + 1, by the cubic through the four nearest; at its ends by a straight line."""
     if not 1 <= i < len(row) - 2:
         return row[i] + share * (row[i + 1] - row[i])
@@ -222,42 +220,22 @@ def _cubic(row: np.ndarray, i: int, share: float) -> float:
     return float(np.dot(weights, row[i - 1 : i + 3]))
 
 
-def _strike(passage: Passage, i: int, following: int, onward, entry: SpallEvent) -> Iterator[SpallEvent]:
-    """After an entry between samples i and i + 1, before the `following` one; nothing where there is none.
+def _strike(passage: Passage, i: int, following: int, onward: np.ndarray, entering: float) -> int | None:
+    """Its sample after an entry between samples i and i + 1, under a force, N, before the `following` one; or None.
 
     `onward` : (n,), rad, angles from the middle on the way of the entry
     """
-    after = slice(i + 1, following + 1)
-    away = np.flatnonzero(np.abs(onward[after]) >= UNTIL * passage.half_width)
+    away = np.flatnonzero(np.abs(onward[i + 1 : following + 1]) >= UNTIL * passage.half_width)
     if not away.size:
-        return
+        return None
     after = slice(i + 1, i + 2 + away[0])
     force = passage.force[after]
-    rise = force - np.minimum(np.minimum.accumulate(force), entry.force)
+    rise = force - np.minimum(np.minimum.accumulate(force), entering)
     grows = np.diff(passage.force)[i : i + 1 + away[0]] > 0.0
     rise = np.where((onward[after] >= FROM * passage.half_width) & grows, rise, 0.0)
-    if rise.max() == 0.0 or rise.max() < LARGE * entry.force:
-        return
+    if rise.max() == 0.0 or rise.max() < LARGE * entering:
+        return None
     k = i + 1 + int(np.argmax(rise >= LARGE * rise.max()))
     while k + 1 < len(passage.force) and passage.force[k + 1] > passage.force[k]:
         k += 1
-    yield _event(passage, "strike", *_peak(passage, k))
-
-
-def _peak(passage: Passage, k: int) -> tuple[float, float, float]:
-    """Time, force and sliding speed at a peak of the force, by the parabola through three samples."""
-    time, force, sliding = (row[k] for row in (passage.time, passage.force, passage.sliding))
-    if not 0 < k < len(passage.force) - 1:
-        return time, force, sliding
-    left, right = passage.force[k - 1] - force, passage.force[k + 1] - force
-    if left + right >= 0.0:
-        return time, force, sliding
-    share = 0.5 * (left - right) / (left + right)
-    return time + share * (passage.time[k + 1] - time), force - 0.25 * (left - right) * share, sliding
-
-
-def _event(passage: Passage, kind: Kind, time: float, force: float, sliding: float) -> SpallEvent:
-    return SpallEvent(
-        time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway, kind=kind,
-        force=float(force), sliding_speed=float(sliding),
-    )  # fmt: skip
+    return k

@@ -24,10 +24,10 @@ from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.hertz import contact_pairs
+from lagrange.contact.laws import softened
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.scene.scene import read_scene
 from lagrange.surface.deviation import Turns, profiles
-from lagrange.surface.edges import softened
 from lagrange.surface.faults import Spall
 from residual.spectrum import kinematic_lines
 from residual.vibration import Vibration, vibration

@@ -12,10 +12,9 @@ from fem.solver.simulate import make_plan
 from lagrange.axial.slices import alone, contact_slices
 from lagrange.axial.table import in_series
 from lagrange.contact.hertz import contact_pairs
-from lagrange.contact.laws import contact_laws
+from lagrange.contact.laws import Softened, contact_laws
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
-from lagrange.surface.edges import Softened
 from tests.measurements import markdown_table, program
 from tests.verification.runs import RunSamples, record
 

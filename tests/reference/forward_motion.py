@@ -13,11 +13,21 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.columns import columns_of
 from lagrange.first_state import Problem, sampled
 from lagrange.kinematics import kinematics, roller_angles, turned
-from lagrange.motion import State, accelerations, contact_state, housing_accelerations, rotation_energy
+from lagrange.motion import (
+    HubTilt,
+    State,
+    Tilts,
+    accelerations,
+    contact_state,
+    housing_accelerations,
+    hub_slope_equations,
+    roller_inertias,
+    rotation_energy,
+    tilt_equations,
+)
 from lagrange.mounting import PARTS
 from lagrange.step_size import critical_time_step
 from lagrange.surface.deviation import Turns
-from lagrange.tilt import HubTilt, Tilts, hub_slope_equations, roller_inertias, tilt_equations
 
 # ---- Lagrange's equations derived from T and V by computer algebra, evaluated with 40 digits. T and V are typed in
 # from the paper's (2), (3), (14)-(19), (26), (27); nothing of `lagrange` is used.

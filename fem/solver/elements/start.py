@@ -19,8 +19,8 @@ from lagrange.axial.slices import MORE
 from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving
 from lagrange.kinematics import kinematics, roller_angles, turned
+from lagrange.motion import HubTilt, Tilts, hub_tilt
 from lagrange.surface.deviation import profiles
-from lagrange.tilt import HubTilt, Tilts, hub_tilt
 
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
 

@@ -36,11 +36,10 @@ from lagrange.equations import THROUGH, touching_distances
 from lagrange.first_state import Problem
 from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import kinematics, kinematics_met, turned
-from lagrange.motion import State, StatedDampers, contact_state, hub_equations, rotation_energy
+from lagrange.motion import State, StatedDampers, Tilts, contact_state, hub_equations, rotation_energy
 from lagrange.mounting import from_outer_ring
 from lagrange.step_size import expected_force
 from lagrange.surface.deviation import Turns, profiles
-from lagrange.tilt import Tilts
 
 if TYPE_CHECKING:
     from fem.solver.rigid.reduced import ReducedPlan

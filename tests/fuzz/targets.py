@@ -5,7 +5,7 @@ import json
 import tempfile
 import warnings
 from contextlib import redirect_stderr, redirect_stdout
-from math import isfinite, pi
+from math import pi
 from pathlib import Path
 
 import h5py
@@ -27,6 +27,11 @@ from residual.sources import read_table
 
 LONGEST_MESSAGE = 10_000  # characters: 21 lines
 MOST_POINTS = 200  # of a study that the whole command sees
+NAMING = {
+    "heights": '[[profile]]\nfile = "fuzzed.csv"\n', "speeds": '[operation]\nspeed_table = "fuzzed.csv"\n',
+    "loads": '[operation]\nload_table = "fuzzed.csv"\n',
+}  # fmt: skip
+RECORDS = {"record_text": "record.csv", "record_wav": "record.wav", "record_numpy": "record.npz"}
 FEW_ROLLERS = "[bearing]\nrollers = 3\ninner_raceway_diameter_mm = 36.0\n"
 
 
@@ -37,6 +42,12 @@ class Targets:
         self._folder = folder
         warnings.simplefilter("error", RuntimeWarning)  # an overflow that nobody looked for
 
+    def __call__(self, name: str, data: bytes) -> bool:
+        """Whether the reader of a name takes a file's content."""
+        if name in RECORDS:
+            return self.record(data, RECORDS[name])
+        return self.named(data, name) if name in NAMING else getattr(self, name)(data)
+
     def scene(self, data: bytes) -> bool:
         """Read a scene file; what is taken must come back from its own text."""
         try:
@@ -45,25 +56,6 @@ class Targets:
             return _refused(error)
         assert parse_scene_text(scene.to_toml(), "again", scene.files) == scene
         return True
-
-    def heights(self, data: bytes) -> bool:
-        """Run-fem's plan of a scene that names a table of heights; what is taken must close."""
-        self._file("fuzzed-heights.csv", data)
-        path = self._file("heights.toml", b'[[profile]]\nfile = "fuzzed-heights.csv"\n')
-        if not _planned(path):
-            return False
-        (fault,) = read_scene(path).ideal_bearing().faults
-        angle, height = fault.table.angle, fault.table.height
-        assert all(map(isfinite, height)) and (angle[1:] > angle[:-1]).all() and angle[-1] - angle[0] < 2.0 * pi
-        return True
-
-    def speeds(self, data: bytes) -> bool:
-        self._file("fuzzed-speeds.csv", data)
-        return _planned(self._file("speeds.toml", b'[operation]\nspeed_table = "fuzzed-speeds.csv"\n'))
-
-    def loads(self, data: bytes) -> bool:
-        self._file("fuzzed-loads.csv", data)
-        return _planned(self._file("loads.toml", b'[operation]\nload_table = "fuzzed-loads.csv"\n'))
 
     def study(self, data: bytes) -> bool:
         """Run-study's plan, of large studies the reader alone."""
@@ -96,8 +88,8 @@ class Targets:
             return _refused(error)
         return True
 
-    def record_text(self, data: bytes, name: str = "fuzzed-record.csv") -> bool:
-        """Read a vibration record from text, and judge it where it is taken."""
+    def record(self, data: bytes, name: str) -> bool:
+        """Read a vibration record from text, a WAV, an NPY or an NPZ file, and judge it where it is taken."""
         try:
             signal = read_signal(self._file(name, data))
         except InputError as error:
@@ -113,20 +105,22 @@ class Targets:
             assert all(np.isfinite([each.clear, each.depth, each.p]).all() for each in found.findings)
         return True
 
-    def record_wav(self, data: bytes) -> bool:
-        return self.record_text(data, "fuzzed-record.wav")
-
-    def record_numpy(self, data: bytes) -> bool:
-        return self.record_text(data, "fuzzed-record.npz")
+    def named(self, data: bytes, name: str) -> bool:
+        """Run-fem's plan of a scene that names a table; heights that are taken must close."""
+        self._file("fuzzed.csv", data)
+        path = self._file("named.toml", NAMING[name].encode())
+        if not _commanded(run_main, path, "--model", "lagrange", "--dry-run"):
+            return False
+        if name == "heights":
+            (fault,) = read_scene(path).ideal_bearing().faults
+            angle, height = fault.table.angle, fault.table.height
+            assert np.isfinite(height).all() and (angle[1:] > angle[:-1]).all() and angle[-1] - angle[0] < 2.0 * pi
+        return True
 
     def _file(self, name: str, data: bytes) -> Path:
         path = self._folder / name
         path.write_bytes(data)
         return path
-
-
-def _planned(scene: Path) -> bool:
-    return _commanded(run_main, scene, "--model", "lagrange", "--dry-run")
 
 
 def _commanded(main, *arguments) -> bool:
@@ -188,7 +182,7 @@ SOUND = {
     "loads": [b"time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n100,-300,-2000\n",
               b"y_N\ttime_ms\tx_N\n-1\t0\t9\n-3\t99\t8\n"],
 }  # fmt: skip
-NAMES = (*SOUND, "folder", "table", "record_text", "record_wav", "record_numpy")
+NAMES = (*SOUND, "folder", "table", *RECORDS)
 
 
 def seeds(name: str) -> list[bytes]:

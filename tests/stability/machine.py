@@ -69,7 +69,7 @@ def _of_set(seed: int, number: int, sets: int) -> tuple[Draw, str]:
     return kinds, str(kinds.rng.choice(MODELS, p=SHARES))
 
 
-def machine_scene(seed: int, number: int, sets: int, folder: Path, axial: bool = False) -> Tables:
+def machine_scene(seed: int, number: int, folder: Path, sets: int, axial: bool = False) -> Tables:
     """Tables of a scene of one of so many sets; the files that it names are written to the folder.
 
     `axial`: with that table in any case.
@@ -98,11 +98,6 @@ def machine_scene(seed: int, number: int, sets: int, folder: Path, axial: bool =
     interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
     tables["numerics"] |= {"start": start, "output_interval_us": interval}
     return tables
-
-
-def drawn(seed: int, sets: int, axial: bool, number: int, folder: Path) -> Tables:
-    """The same, as a campaign asks for it."""
-    return machine_scene(seed, number, sets, folder, axial)
 
 
 def _damping(tables: Tables, kinds: Draw, values: Draw) -> None:
@@ -327,7 +322,7 @@ def main(
     output: CSV, a line a scene; scenes that it holds are counted, and not run again
     seconds: of wall time, after which no further scene begins
     """
-    draw = partial(drawn, seed, sets, axial)
+    draw = partial(machine_scene, seed, sets=sets, axial=axial)
     # a set's scenes together, because the first of them loads its kernels, but not so many that other sets wait long
     numbers = sorted(range(first, first + scenes), key=lambda k: (k // (TOGETHER * sets), k % sets, k))
     wanted = (number for number in numbers if _of_set(seed, number, sets)[1] in models)

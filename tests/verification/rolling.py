@@ -18,7 +18,7 @@ from tests.reference.continua import carter_creep, half_width
 from tests.reference.kit import LOAD, ON_A_ROLLER, paper
 from tests.verification import Case, Check
 from tests.verification.contact_statics import BALANCE
-from tests.verification.runs import WIDE, RunSamples, collide, every_step, plan_of, record, without_spin
+from tests.verification.runs import WIDE, collide, every_step, plan_of, record, without_spin
 
 FRICTION = 0.1
 CARTER = "analytic: ξ = (μb/R)(1 − √(1 − T/μQ)) (Carter 1926; Johnson 1985, 8.3)"
@@ -206,12 +206,8 @@ HALF_PITCH_POINTS = 13
 
 
 def over_a_pitch(hub_at) -> np.ndarray:
-    """Hub positions, (2 (HALF_PITCH_POINTS − 1), 2), m, as the rollers move on by one pitch.
-
-    Parameters
-    ----------
-    hub_at : function of the first roller's angle, rad; called over half a pitch, the rest is its mirror image
-    """
+    """Hub positions, (2 (HALF_PITCH_POINTS − 1), 2), m, as the rollers move on by one pitch, by a function of the first
+    roller's angle, rad; it is called over half a pitch, the rest is its mirror image."""
     angles = ON_A_ROLLER + pi / paper().n_rollers * np.linspace(0.0, 1.0, HALF_PITCH_POINTS)
     half = np.array([hub_at(angle) for angle in angles])
     return np.concatenate([half, half[-2:0:-1] * [-1.0, 1.0]])
@@ -220,12 +216,6 @@ def over_a_pitch(hub_at) -> np.ndarray:
 def line(hub: np.ndarray) -> np.ndarray:
     """Complex amplitude of the ball-pass line in x and y, m, of equidistant positions over one period."""
     return 2.0 * np.fft.rfft(hub, axis=0)[1] / len(hub)
-
-
-def _period(found: RunSamples, period: float, number: int) -> np.ndarray:
-    """Hub positions over one ball-pass period, s, of a run, (SAMPLES, 2), m."""
-    at = period * (number + np.arange(SAMPLES) / SAMPLES)
-    return np.column_stack([np.interp(at, found["time"], found[name]) for name in ("inner_x", "inner_y")])
 
 
 def varying_compliance():
@@ -240,7 +230,9 @@ def varying_compliance():
         numerics__mesh_size_mm=2.0, numerics__output_interval_us=20.0, operation__speed_rpm=SPEED_RPM,
         operation__gravity_m_s2=0.0, numerics__duration_ms=2.02e3 / ideal,
     ))  # fmt: skip
-    before, last = (_period(found, 1.0 / ideal, number) for number in (0, 1))
+    at = np.arange(2 * SAMPLES) / (ideal * SAMPLES)
+    hub = np.column_stack([np.interp(at, found["time"], found[name]) for name in ("inner_x", "inner_y")])
+    before, last = hub[:SAMPLES], hub[SAMPLES:]
     amplitude = line(last)
     size = 1e9 * np.abs(amplitude)
 

@@ -1,14 +1,15 @@
 """The critical time step: dense eigenvalues, and leapfrog itself just below and just above it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from fem.contacts import points
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, STEP_TOLERANCE, critical_time_step
-from fem.contacts.points import disc_patch_force, disc_patch_traction, ring_patch_force, ring_patch_traction
 from fem.elastic.bodies import assemble
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels.elements import discs, rings
@@ -21,32 +22,37 @@ from tests.reference import compiled
 from tests.reference.kit import LENGTH, STEEL, disc, model, paper, ring, whole_run
 
 LOAD = 650.0  # N, on the most loaded roller
-
-
-def without_contacts(whole):
-    """The model with contacts a million million times softer."""
-    soft = {name: replace(getattr(whole, name), A=1e12 * getattr(whole, name).A) for name in LAWS}
-    return replace(whole, **soft)
-
-
 LAWS = ("inner_law", "outer_law", "roller_law")
 LONG = pytest.mark.parametrize("mass", [SECOND, THIRD], ids=["second degree", "third degree"])
+NOTHING = ((0.0, 0.0),) * 3
 
 
-def springs_of(whole, load, sticks):
+@cache
+def coarse():
+    return model(paper(), 2e-3)
+
+
+def harder(names, times):
+    """The coarse model with contacts so many times harder."""
+    return replace(
+        coarse(), **{name: replace(getattr(coarse(), name), A=getattr(coarse(), name).A / times) for name in names}
+    )
+
+
+def springs_of(load, sticks):
     """Stiffnesses, N/m, of contacts at the margin over a load, (kind, normal and tangential)."""
-    force, found = LOAD_MARGIN * load, []
-    for name, level in zip(LAWS, whole.shear_levels, strict=True):
-        law = getattr(whole, name)
-        found.append((law.stiffness(force), sticks / (law.A * (level - 0.5 * np.log(force)))))
-    return found
+    force, laws = LOAD_MARGIN * load, [getattr(coarse(), name) for name in LAWS]
+    shear = [
+        sticks / (law.A * (level - 0.5 * np.log(force))) for law, level in zip(laws, coarse().shear_levels, strict=True)
+    ]
+    return tuple(zip([law.stiffness(force) for law in laws], shear, strict=True))
 
 
 def dense_disc(body, springs=()):
     """M⁻¹K and Σ 2k M⁻¹ f fᵀ, symmetric."""
     stiffness, pressed = body.stiffness.toarray(), np.zeros(body.stiffness.shape)
     for j, both in enumerate(springs):
-        for spring, force in zip(both, (disc_patch_force, disc_patch_traction), strict=True):
+        for spring, force in zip(both, (points.disc_patch_force, points.disc_patch_traction), strict=True):
             patch = force(body, 2.0 * np.pi * j / len(springs))
             pressed += 2.0 * spring * np.outer(patch, patch)
     scale = 1.0 / np.sqrt(np.repeat(body.mass, 2))
@@ -56,15 +62,12 @@ def dense_disc(body, springs=()):
 def dense_ring(body, springs=(0.0, 0.0)):
     """The same of the held ring in Cartesian components, from scikit-fem's own matrix."""
     stiffness = assemble(Mesh(points=body.points, cells=body.cells), body.material, LENGTH).stiffness.toarray()
-    angle = body.angles
     node = np.arange(body.n_rows * body.n_sectors).reshape(body.n_rows, -1)[body.free_rows].ravel()
     free = (2 * node[:, None] + np.arange(2)).ravel()
     scale = 1.0 / np.sqrt(np.repeat(body.row_mass[body.free_rows], 2 * body.n_sectors))
     pressed = np.zeros((free.size, free.size))
-    for spring, force in zip(springs, (ring_patch_force, ring_patch_traction), strict=True):
-        radial, across = np.moveaxis(force(body, 0.0), 1, 0)
-        x, y = radial * np.cos(angle) - across * np.sin(angle), radial * np.sin(angle) + across * np.cos(angle)
-        patch = scale * np.stack([x, y], axis=-1).ravel()[free]
+    for spring, force in zip(springs, (points.ring_patch_force, points.ring_patch_traction), strict=True):
+        patch = scale * body.cartesian(force(body, 0.0)).ravel()[free]
         pressed += 2.0 * spring * np.outer(patch, patch)
     return scale[:, None] * stiffness[np.ix_(free, free)] * scale, pressed
 
@@ -90,45 +93,30 @@ def squares_of_steps(waves, pressed, mass):
 def longest(waves, pressed, mass):
     """By bisection: dt² ω² of q(dt² A)(A + S) reaches 4, or dt² A what q is made for."""
     largest, fastest = squares_of_steps(waves, pressed, mass)
-
-    def bears(dt):
-        return largest(dt) <= 4.0
-
     low, high = 0.0, np.sqrt(mass.reach / fastest)
-    if bears(high):
+    if largest(high) <= 4.0:
         return high
     for _ in range(12):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if bears(middle) else (low, middle)
+        low, high = (middle, high) if largest(middle) <= 4.0 else (low, middle)
     return 0.5 * (low + high)
 
 
-def dense_step(whole, springs, mass):
-    return min(
-        longest(*dense_disc(whole.roller, springs), mass),
-        longest(*dense_ring(whole.inner_ring, springs[0]), mass),
-        longest(*dense_ring(whole.outer_ring, springs[1]), mass),
-    )
+def dense_step(springs, mass):
+    rings = (dense_ring(coarse().inner_ring, springs[0]), dense_ring(coarse().outer_ring, springs[1]))
+    return min(longest(*dense, mass) for dense in (dense_disc(coarse().roller, springs), *rings))
 
 
 @LONG
-def test_without_contacts_it_is_the_dense_eigenvalue(mass):
-    whole = model(paper(), 2e-3)
-    found = critical_time_step(without_contacts(whole), LOAD, mass=mass)
-    wanted = dense_step(whole, [(0.0, 0.0)] * 3, mass)
+def test_it_is_the_dense_eigenvalue_without_contacts_and_with_springs(mass):
+    found, wanted = critical_time_step(harder(LAWS, 1e-12), LOAD, mass=mass), dense_step(NOTHING, mass)
     # never above; Lanczos' tolerance below, and the same added for safety
-    assert found <= wanted * (1.0 + 1e-9)
-    assert found >= wanted * (1.0 - 1.1 * LANCZOS_TOLERANCE)
-
-
-@LONG
-@pytest.mark.parametrize("sticks", [False, True], ids=["frictionless", "sticking"])
-def test_with_contacts_it_is_the_dense_eigenvalue_with_springs(mass, sticks):
-    whole, load = model(paper(), 2e-3), LOAD
-    found = critical_time_step(whole, load, mass=mass, sticks=sticks)
-    wanted = dense_step(whole, springs_of(whole, load, sticks), mass)
-    assert found <= wanted * (1.0 + 3e-4)  # of twelve halves
-    assert found >= wanted * (1.0 - 2.0 * STEP_TOLERANCE)
+    assert wanted * (1.0 - 1.1 * LANCZOS_TOLERANCE) <= found <= wanted * (1.0 + 1e-9)
+    for sticks in (False, True):
+        found = critical_time_step(coarse(), LOAD, mass=mass, sticks=sticks)
+        wanted = dense_step(springs_of(LOAD, sticks), mass)
+        assert wanted * (1.0 - 2.0 * STEP_TOLERANCE) <= found <= wanted * (1.0 + 3e-4), sticks  # of twelve halves
+    assert found == critical_time_step(coarse(), LOAD, mass=mass), "the same number every time"
 
 
 @LONG
@@ -137,13 +125,10 @@ def test_with_contacts_it_is_the_dense_eigenvalue_with_springs(mass, sticks):
 )
 def test_all_shorter_steps_are_stable(load, mass):
     """dt² ω² of slowed waves on springs rises with the step, and then may fall."""
-    whole = model(paper(), 2e-3)
-    springs = springs_of(whole, load, True)
-    found = critical_time_step(whole, load, mass=mass)
-    if found == 0.0:
-        assert load > LOAD, "not worth it"
-    for waves, pressed in (dense_disc(whole.roller, springs), dense_ring(whole.outer_ring, springs[1])):
-        largest, _ = squares_of_steps(waves, pressed, mass)
+    springs, found = springs_of(load, True), critical_time_step(coarse(), load, mass=mass)
+    assert found > 0.0 or load > LOAD, "not worth it"
+    for dense in (dense_disc(coarse().roller, springs), dense_ring(coarse().outer_ring, springs[1])):
+        largest, _ = squares_of_steps(*dense, mass)
         for dt in found * np.array([0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0]):
             assert largest(dt) <= 4.0 + 1e-6
 
@@ -151,55 +136,41 @@ def test_all_shorter_steps_are_stable(load, mass):
 @pytest.mark.slow
 @LONG
 def test_where_a_reciprocal_mass_gains_too_little_there_is_none(mass):
-    whole = model(paper(), 2e-3)
     stiff = 1e3 * LOAD
-    assert critical_time_step(whole, stiff, mass=mass) == 0.0
-    lumped = critical_time_step(whole, stiff)
-    assert dense_step(whole, springs_of(whole, stiff, True), mass) < mass.worth * lumped * (1.0 + 3e-4)
-    assert critical_time_step(whole, LOAD, mass=mass) > mass.worth * critical_time_step(whole, LOAD)
+    assert critical_time_step(coarse(), stiff, mass=mass) == 0.0
+    lumped = critical_time_step(coarse(), stiff)
+    assert dense_step(springs_of(stiff, True), mass) < mass.worth * lumped * (1.0 + 3e-4)
+    assert critical_time_step(coarse(), LOAD, mass=mass) > mass.worth * critical_time_step(coarse(), LOAD)
 
 
-def test_contacts_lower_it_or_leave_it():
-    whole = model(paper(), 2e-3)
-    free = critical_time_step(without_contacts(whole), LOAD)
-    steps = np.array([critical_time_step(whole, load) for load in (1.0, 100.0, 1e4, 1e6, 1e9)])
+def test_contacts_and_finer_meshes_lower_it():
+    free = critical_time_step(harder(LAWS, 1e-12), LOAD)
+    steps = np.array([critical_time_step(coarse(), load) for load in (1.0, 100.0, 1e4, 1e6, 1e9)])
     assert np.all(np.diff(steps) <= 1e-12 * free)  # stiffer with the load
     assert np.all(steps <= free * (1.0 + LANCZOS_TOLERANCE))
     assert steps[-2] == pytest.approx(steps[-1], rel=1e-6)  # the straight line has a stiffness of its own
-    hard = replace(whole, roller_law=replace(whole.roller_law, A=1e-2 * whole.roller_law.A))
-    assert critical_time_step(hard, LOAD) < 0.7 * free
-
-
-def test_it_is_the_same_number_every_time():
-    whole = model(paper(), 2e-3)
-    assert critical_time_step(whole, LOAD) == critical_time_step(whole, LOAD)
-
-
-def test_it_shrinks_with_the_mesh():
-    steps = [critical_time_step(model(paper(), size), LOAD) for size in (2e-3, 1e-3)]
+    assert critical_time_step(harder(["roller_law"], 100.0), LOAD) < 0.7 * free
+    step, finer = (critical_time_step(whole, LOAD) for whole in (coarse(), model(paper(), 1e-3)))
     # half the spacing, half the step; node counts are rounded: 18 and 30 on the roller, 2 and 4 layers in the ring
-    assert steps[0] / steps[1] == pytest.approx(2.0, rel=0.25)
+    assert step / finer == pytest.approx(2.0, rel=0.25)
     # by the square of the time in which a wave crosses an element
-    assert steps[1] < 1e-3 / STEEL.dilatational_wave_speed
+    assert finer < 1e-3 / STEEL.dilatational_wave_speed
 
 
 def leapfrog_disc(body, dt, n_steps, mass):
     """Largest displacement, relative to the first, after free leapfrog steps."""
-    columns = 16
-    slowing = mass.at(dt)
-    nodes = disc_nodes(body, dt, columns)
+    columns, slowing, nodes = 16, mass.at(dt), disc_nodes(body, dt, 16)
     nodes = nodes if mass.calming else nodes._replace(calmed=nodes.w)
     u = np.zeros((body.n_nodes, 2, columns))
     u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))
     nodes.u[:] = u.ravel()
     still, torque = np.zeros(columns), np.zeros(columns)
     turns = discs.Turns(still, np.ones(columns), still, still, still)
-    first = np.abs(u).max()
     for _ in range(n_steps):
         compiled.kick_disc(nodes, nodes.w, columns, torque)
         compiled.slow_disc(nodes, turns.cosine, columns, slowing.waves, slowing.velocities / dt, dt, torque)
         compiled.drift_disc(nodes, turns, columns, dt, torque)
-    return np.abs(nodes.u).max() / first
+    return np.abs(nodes.u).max() / np.abs(u).max()
 
 
 def leapfrog_ring(body, dt, n_steps, mass):
@@ -207,9 +178,7 @@ def leapfrog_ring(body, dt, n_steps, mass):
     first, last = (1, body.n_rows) if body.held_row == 0 else (0, body.n_rows - 1)
     u = np.zeros((body.n_rows, 2, body.n_sectors + 2 * HALO))
     u[first:last, :, HALO:-HALO] = np.random.default_rng(2).standard_normal((last - first, 2, body.n_sectors))
-    width = u.shape[2]
-    for at in range(0, u.size, width):
-        compiled.wrap(u, at, width)
+    compiled.wrap_all(u)
     w, start = np.zeros_like(u), np.abs(u).max()
     for _ in range(n_steps):
         compiled.kick_ring(table, u, w, first, last)
@@ -219,20 +188,18 @@ def leapfrog_ring(body, dt, n_steps, mass):
 
 
 @LONG
-@pytest.mark.parametrize("which", ["roller", "inner ring", "outer ring"])
-def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(which, mass):
-    if which == "roller":
-        body, leapfrog = disc(0.005, 3), leapfrog_disc
-        limit = longest(*dense_disc(body), mass)
-    else:
-        inside = which == "inner ring"
-        body = ring(0.0125, 0.018, 56, 3, True) if inside else ring(0.028, 0.0325, 88, 2, False)
-        limit, leapfrog = longest(*dense_ring(body), mass), leapfrog_ring
+@pytest.mark.parametrize(("make", "leapfrog", "dense"), [
+    (lambda: disc(0.005, 3), leapfrog_disc, dense_disc),
+    (lambda: ring(0.0125, 0.018, 56, 3, True), leapfrog_ring, dense_ring),
+    (lambda: ring(0.028, 0.0325, 88, 2, False), leapfrog_ring, dense_ring),
+], ids=["roller", "inner ring", "outer ring"])  # fmt: skip
+def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(make, leapfrog, dense, mass):
+    body, times = make(), 1.03
+    limit = longest(*dense(body), mass)
     # dt² ω² of a step is z q(z) with z = (ω dt)², at most 3.5: at any number of steps a mode is amplified at most
     # 1/sqrt(1 − 3.5/4) = 2.8 times, the second degree's fastest 1/sqrt(1 − 0.98²) = 5 times
     assert leapfrog(body, limit, 4000, mass) < 20.0
     # of the fastest it is below 0 beyond the second degree's limit, and above 4 beyond the third's
-    times = 1.03
     growth = np.log([leapfrog(body, times * limit, n_steps, mass) for n_steps in (200, 250)])
     assert growth[0] > 40.0
     z = times**2 * mass.reach
@@ -243,12 +210,10 @@ def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(which, mass):
 
 # Long steps with the reciprocal mass: what turns fast gains no energy by them
 
-
 FAST = {
-    "material": {"youngs_modulus_GPa": 70.0},
-    "operation": {"speed_rpm": 40_000.0, "radial_load_N": 500.0},
+    "material": {"youngs_modulus_GPa": 70.0}, "operation": {"speed_rpm": 40_000.0, "radial_load_N": 500.0},
     "numerics": {"mesh_size_mm": 2.2, "duration_ms": 1.0, "time_step_safety": 0.65},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1])
@@ -260,30 +225,26 @@ def test_a_ring_and_rollers_that_turn_fast_keep_their_energy(friction):
     assert np.abs(found.imbalance).max() < 3e-5 * found.exchanged[-1]
 
 
-@pytest.mark.parametrize(
-    ("tables", "long_steps"),
-    [
-        ({}, True),
-        ({"operation": {"speed_rpm": 0.0}}, True),
-        ({"operation": {"speed_rpm": 500.0}}, False),  # gravity is half of what turning presses rollers outwards by
-        ({"operation": {"speed_rpm": 500.0, "gravity_m_s2": 0.0}}, True),
-        ({"numerics": {"start": "rest", "load_ramp_ms": 5.0}}, False),
-        ({"spall": [{"body": "outer_ring", "angle_deg": 0.0, "width_mm": 1.0}]}, False),
-        ({"numerics": {"mesh_size_mm": 0.4}}, False),  # contacts leave too little
-    ],
-)
+@pytest.mark.parametrize(("tables", "long_steps"), [
+    ({}, True), ({"operation": {"speed_rpm": 0.0}}, True),
+    ({"operation": {"speed_rpm": 500.0}}, False),  # gravity is half of what turning presses rollers outwards by
+    ({"operation": {"speed_rpm": 500.0, "gravity_m_s2": 0.0}}, True),
+    ({"numerics": {"start": "rest", "load_ramp_ms": 5.0}}, False),
+    ({"spall": [{"body": "outer_ring", "angle_deg": 0.0, "width_mm": 1.0}]}, False),
+    ({"numerics": {"mesh_size_mm": 0.4}}, False),  # contacts leave too little
+])  # fmt: skip
 def test_steps_are_long_where_nothing_strikes_and_it_pays(tables, long_steps):
     numerics = {"mesh_size_mm": 2.2, "duration_ms": 0.1} | tables.get("numerics", {})
     assert (make_plan(parse_scene(tables | {"numerics": numerics}, "scene")).mass is not LUMPED) is long_steps
 
 
-@pytest.mark.parametrize("mass", [SECOND, THIRD], ids=["second degree", "third degree"])
+@LONG
 @pytest.mark.parametrize("friction", [0.1, 0.5])
 def test_contacts_that_roll_feed_no_waves(friction, mass, monkeypatch):
     """Springs that follow momenta instead of places gained 2e-4 in 10 ms with the third degree, and grew on."""
     monkeypatch.setattr("fem.solver.elements.plan.LONG", (mass,))
-    tables = {"contact": {"friction_coefficient": friction}, "numerics": {"mesh_size_mm": 2.0, "duration_ms": 15.0}}
-    plan = make_plan(parse_scene(tables, "scene"))
+    numerics = {"mesh_size_mm": 2.0, "duration_ms": 15.0}
+    plan = make_plan(parse_scene({"contact": {"friction_coefficient": friction}, "numerics": numerics}, "scene"))
     assert plan.mass is mass
     found = whole_run(plan)
     assert np.abs(found.imbalance).max() < 5e-7 * found.exchanged[-1]  # measured 1e-7

@@ -345,7 +345,7 @@ def simulate(
 class Statics:
     """A bearing in equilibrium at the start of its scene: under load and weight, and as steady rotation loads it.
 
-    At a contact angle places and forces are the section's, see `lagrange.section`; the stiffness is the bearing's.
+    At a contact angle places and forces are the section's, see `lagrange.bearing`; the stiffness is the bearing's.
     """
 
     hub: np.ndarray  # (2,), m, from the outer ring's centre

@@ -25,6 +25,7 @@ from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
 from lagrange import Bearing
+from lagrange.bearing import is_plain, section_words
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
 from lagrange.kinematics import kinematics, mean_kinematics
@@ -33,7 +34,6 @@ from lagrange.mounting import from_outer_ring
 from lagrange.scene.bearing import default_cage
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
-from lagrange.section import is_plain, section_words
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -98,9 +98,7 @@ class Overlaps:
 def overlaps(bearing: Bearing, x, y, rho, theta) -> Overlaps:
     """Overlaps of rollers at ρ, m, and θ, rad, (..., n_rollers), with the inner ring's centre at x, y, (...,), m.
 
-    Errors
-    ------
-    None but of the coordinates' own last digits. Nearly equal lengths are subtracted first, which is exact.
+    Errors: None but of the coordinates' own last digits. Nearly equal lengths are subtracted first, which is exact.
 
     Source: (19), (26), (27).
     """
@@ -150,15 +148,11 @@ def farthest_place(bearing: Bearing) -> float:
 def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, turns: Turns | None = None) -> Overlaps:
     """Overlaps of a record, which are the approaches δ_in, δ_out of rigid bodies; each (n_times, n_rollers).
 
-    Parameters
-    ----------
     inner_x, inner_y : ndarray, (n_times,), m, centre of the inner ring
     roller_x, roller_y : ndarray, (n_times, n_rollers), m, centres of the rollers
     turns : of ring and rollers, for the bearing's surfaces as they are; None: for perfect circles
 
-    Errors
-    ------
-    Round-off of the positions, about 1e-17 m for a bearing of 50 mm, 4 orders below a contact's nanometre.
+    Errors: Round-off of the positions, about 1e-17 m for a bearing of 50 mm, 4 orders below a contact's nanometre.
     """
     found = overlaps(bearing, inner_x, inner_y, np.hypot(roller_x, roller_y), np.arctan2(roller_y, roller_x))
     return found if turns is None else found.on_surfaces(bearing, turns)
@@ -179,8 +173,6 @@ def error_forces(
 
     M ẍ − ΣQ_x − the load along x, 0 of the paper's, and M ÿ + M g − ΣQ_y + W; less the shaft's force; each (...,), N.
 
-    Parameters
-    ----------
     operation : of each time, see `Operation.at`
     acceleration_x, acceleration_y : m/s², of the inner ring's centre
     resultant_x, resultant_y : N, see `contact_resultant`

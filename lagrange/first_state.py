@@ -48,8 +48,6 @@ def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> t
 
     Along these λ > M (n ω_cage)²: the hub's own frequency lies above that of the rollers' passage. k is 0, 1 or 2.
 
-    Parameters
-    ----------
     stiffness : (2, 2), N/m, of the hub in its static equilibrium
     """
     values, vectors = np.linalg.eigh(stiffness)
@@ -109,8 +107,6 @@ def equilibrium_state(
 
     `axial` : of rollers that tilt, where a hub that cannot follow starts without velocity, and so do all
 
-    Errors
-    ------
     RuntimeError: no equilibrium.
     """
     first, n = roller_angles(bearing, operation.first_roller_angle), bearing.n_rollers
@@ -185,8 +181,6 @@ def weight_on_springs(bearing: Bearing, operation: Operation) -> float:
 class Problem:
     """One motion to be found.
 
-    Parameters
-    ----------
     start : "equilibrium": on the statics at the start, with the velocities of the equilibrium as it moves on;
         "rest": rings centred, contacts undeformed, elements at cage speed
     angles : "kinematic": θ̇ is the cage's, and the work of what holds it is accounted for; "free": no friction, nothing
@@ -196,8 +190,6 @@ class Problem:
     cage : with free angles a body of its own; else what holds the angles
     axial : profiles and slices of rollers that tilt, guided against skew; None: axes stay parallel
 
-    Errors
-    ------
     ValueError: impossible choices.
     """
 
@@ -244,8 +236,6 @@ class Problem:
     def first_state(self) -> FirstState:
         """The state at t = 0, and what to say of it.
 
-        Errors
-        ------
         RuntimeError: no equilibrium to start from.
         """
         operation = self.operation
@@ -259,8 +249,6 @@ class Problem:
 def sampled(problem: Problem, time: np.ndarray, state: State) -> dict[str, np.ndarray]:
     """Columns by the result file's names, but for works, and what a sensor shows; those of `problem`'s parts.
 
-    Parameters
-    ----------
     time : (n_times,), s; of a free cage 0 alone, where it is concentric and turns with the elements
     """
     bearing, operation, hub, tilts = problem.bearing, problem.operation, problem.hub_tilt, state.tilts

@@ -207,14 +207,11 @@ def contact_state(
 ) -> ContactState:
     """Geometry and forces of every contact.
 
-    Parameters
-    ----------
     laws : of tilted contacts where the state has tilts
     damping : of each closed contact, or what it has given; it never makes a contact pull
 
-    Errors
-    ------
-    Round-off: forces to about 1e-14 relative, of exactly known coordinates; the last digit of ρ itself is 3e-18 m.
+    Errors: Round-off: forces to about 1e-14 relative, of exactly known coordinates; the last digit of ρ itself is 3e-18
+    m.
 
     Source: (18), (19), (24)-(27) of the paper.
     """

@@ -76,19 +76,15 @@ def static_equilibrium(
 ) -> Statics:
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 
-    Parameters
-    ----------
     angles : (n_rollers,), rad; default: equally spaced from the operation's first angle
     roller_mass : kg; default: the bearing's; 0 leaves out the elements' weight and centrifugal force
     start : hub position to begin from, m
     turns : of ring and rollers, which matter where their surfaces are not perfect
     ring : where the outer ring's centre is, m, from which all places are; the shaft's springs know the fixed frame
 
-    Errors
-    ------
-    RuntimeError: no equilibrium found. Forces balance to 1e-10 of the largest, or to the round-off of the approaches
-    (1e-8 N) if that is more. Without load the hub of a bearing with clearance stays where it is put; an element that
-    nothing holds lies midway in its gap.
+    RuntimeError: no equilibrium found. Forces balance to 1e-10 of the largest, or to the round-off of the
+    approaches (1e-8 N) if that is more. Without load the hub of a bearing with clearance stays where it is put; an
+    element that nothing holds lies midway in its gap.
     """
     theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
     load, hub = _load(operation), np.zeros(2) if start is None else np.array(start, dtype=float)
@@ -219,14 +215,10 @@ def tilted_equilibrium(
 ) -> TiltedStatics:
     """Equilibrium under load, weights and centrifugal forces at cage speed.
 
-    Parameters
-    ----------
     laws : of the inner and the outer contact
     start : hub's place, (2,), and rollers' radii, (n_rollers,), m, to begin from
     elastic : None: bodies are rigid but for their contacts
 
-    Errors
-    ------
     RuntimeError: no equilibrium found.
     """
     system, n = _Row(bearing, operation, laws, placement, hub, elastic), bearing.n_rollers

@@ -26,15 +26,11 @@ def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> 
     contacts. In a perfect bearing without clearance they take up their load gradually and vibrate less, which shows
     where it is folded: where the longest interval has no two samples a period of a lightly loaded roller.
 
-    Parameters
-    ----------
     bearing : with its faults, without films
     longest : s, above which a warning of the bearing's faults would follow
 
-    Errors
-    ------
-    Contacts are taken as stiff as under five times a roller's mean load: frequencies are right within some 20 %. The
-    rings' own modes, at 150 kHz and more, are not followed.
+    Errors: Contacts are taken as stiff as under five times a roller's mean load: frequencies are right within some 20
+    %. The rings' own modes, at 150 kHz and more, are not followed.
     """
     rate = SAMPLES_OF_THE_HUB * hub_frequency(bearing, operation)
     struck = bearing.faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius

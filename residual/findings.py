@@ -7,6 +7,7 @@ from math import degrees, hypot, pi
 
 import numpy as np
 
+from lagrange.bearing import is_plain, load_factor
 from lagrange.catalogue import dimension_series
 from lagrange.contact.hertz import hertz_columns
 from lagrange.kinematics import kinematics
@@ -15,7 +16,6 @@ from lagrange.rating import life, sources
 from lagrange.rating.reference_life import COLUMNS, run_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
-from lagrange.section import is_plain, load_factor
 from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap

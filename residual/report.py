@@ -16,12 +16,11 @@ import numpy as np
 from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
-from lagrange.bearing import BallBearing
+from lagrange.bearing import BallBearing, load_factor, section_words
 from lagrange.files.hdf5 import hdf5_to_write, variable
 from lagrange.files.output import as_it_is
 from lagrange.kinematics import turned
 from lagrange.messages import G, engineering, print_section, shown
-from lagrange.section import load_factor, section_words
 from lagrange.version import VERSION
 from residual import findings
 from residual.budget import LawScore, tilt_summary

@@ -46,11 +46,11 @@ from fem.pictures.output import MARK
 from fem.pictures.recover import Instant, StoredRun
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, ShearPeak, shear_peak
 from fem.solver.elements.arrays import rotated
+from lagrange.bearing import load_factor
 from lagrange.files.output import replaced
 from lagrange.load_history import load_share
 from lagrange.messages import shown
 from lagrange.scene.faults import RPM
-from lagrange.section import load_factor
 from lagrange.surface.faults import own_radius
 from lagrange.surface.passages import spalls
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from lagrange import BallBearing, Operation, contact_laws
 from lagrange.axial import Axial
+from lagrange.bearing import load_factor, stiffness_factor
 from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact.hertz import (
     FATIGUE,
@@ -35,7 +36,6 @@ from lagrange.rating.sources import Source, Unavailable
 from lagrange.rating.stiffness import SAMPLES, Pitch, lagrangian_pitch
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
-from lagrange.section import load_factor, stiffness_factor
 from lagrange.surface.film import film_thicknesses, under_films
 
 if TYPE_CHECKING:

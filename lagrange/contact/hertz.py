@@ -110,10 +110,8 @@ def raceway_curvature(bearing: BallBearing, side: Side) -> Curvature:
 def ellipticity(difference: float) -> float:
     """Ratio κ >= 1 of the contact ellipse's axes from the curvature difference F(ρ).
 
-    Errors
-    ------
-    ValueError: F outside [0, 1). κ to 1e-10 relative (the integrals' difference cancels); below F = 1e-5 a series,
-    to 1e-5 of κ − 1.
+    ValueError: F outside [0, 1). κ to 1e-10 relative (the integrals' difference cancels); below F = 1e-5 a
+    series, to 1e-5 of κ − 1.
 
     Source: Harris, Rolling Bearing Analysis, Hertz's theory: F = [(κ²+1)E − 2K]/[(κ²−1)E], m = 1 − 1/κ².
     """
@@ -143,8 +141,6 @@ def _elliptic_integrals(p):
 def delta_star(difference):
     """Dimensionless approach δ*(F), figure 4 of the paper; F a number or an array.
 
-    Errors
-    ------
     ValueError: F outside [0, 1). About 1e-12 relative; Harris' printed table agrees to its last digit, 3e-4.
 
     Source: Harris, Rolling Bearing Analysis: δ* = (2K/π)(π/(2κ²E))^(1/3).
@@ -224,8 +220,6 @@ def hertz_columns(bearing: Bearing, samples: Mapping[str, np.ndarray]) -> dict[s
 
     b² = 4 R Q/(π E* L), p₀ = 2 Q/(π b L), R of the perfect circles: at edges of spalls pressures are higher.
 
-    Errors
-    ------
     Unavailable: the contacts of balls are points.
 
     Source: Johnson, Contact Mechanics (1985), (4.43) to (4.45).

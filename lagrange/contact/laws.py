@@ -226,13 +226,10 @@ def law_names(bearing: Bearing) -> tuple[str, ...]:
 def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
     """The named laws of both contacts of a rolling element.
 
-    Parameters
-    ----------
     name : of `law_names`; "tripp" is "johnson", "power" the bearing's own
 
-    Errors
-    ------
-    ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the known.
+    ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the
+    known.
     """
     known, name = law_names(bearing), "johnson" if name == "tripp" else name
     if name == OWN and name not in known:

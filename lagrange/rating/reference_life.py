@@ -11,11 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.axial.slices import Slices, centres, logarithmic_drop
-from lagrange.bearing import Bearing, Operation
+from lagrange.bearing import Bearing, Operation, load_factor
 from lagrange.contact.laws import PowerLaw
 from lagrange.rating.life import REDUCTION, Dimensions, DutyCycle, dynamic_capacity
 from lagrange.rating.sources import Unavailable
-from lagrange.section import load_factor
 
 LAMINAE = 40  # n_s; the standard asks for 30 at least
 EXPONENT = 10.0 / 9.0  # of the load of a lamina over its approach
@@ -66,8 +65,6 @@ def rigid_loads(
 ) -> LaminaLoads:
     """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
 
-    Parameters
-    ----------
     load, clearance : of one row's section: F_r/(i cos α), N; s cos α, diametral, mm
     profile : of `laminae_of`
     first : rad, of roller 0 from the load
@@ -133,15 +130,11 @@ def reference_life(
 ) -> float:
     """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
 
-    Parameters
-    ----------
     capacity : C_r, N
     inner, outer : (..., laminae), N, of all rollers, and of further cage angles where these are averaged over;
         outer None: as inner
     turning : rings that turn against the load, of `turning_rings`
 
-    Errors
-    ------
     Unavailable: there is no load.
     """
     life, laminae = 0.0, inner.shape[-1]
@@ -189,12 +182,8 @@ class RunLoads:
 def run_loads(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> RunLoads:
     """Loads of a run.
 
-    Parameters
-    ----------
     samples : COLUMNS of a result file
 
-    Errors
-    ------
     Unavailable: fewer than two samples, or its rings stand against each other. Tractions are left out of the
     resultant: they are some per cent of the normal forces at most.
     """

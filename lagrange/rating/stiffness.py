@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
+from lagrange.bearing import Bearing, Operation, stiffness_factor
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.laws import ContactLaws
 from lagrange.equations import overlaps
 from lagrange.kinematics import roller_angles
 from lagrange.mounting import HELD
-from lagrange.section import stiffness_factor
 from lagrange.statics import static_equilibrium
 
 SAMPLES = 64  # cage angles in a pitch; stiffness jumps where contacts open, so that means are off by 0.5 % at most
@@ -87,8 +86,6 @@ def lagrangian_pitch(
 ) -> Pitch:
     """Of rigid rings on contact laws, perfect surfaces, under what loads the bearing: the shaft's springs do not.
 
-    Errors
-    ------
     RuntimeError: no equilibrium.
     """
     bearing, operation = replace(bearing, faults=()), replace(operation, mounting=HELD)
@@ -125,8 +122,6 @@ def damping_matrix(
 ) -> np.ndarray:
     """Of the hub by the contacts' dampers, (2, 2), N s/m, so slow that massless rollers stay in balance.
 
-    Parameters
-    ----------
     rates : of `approach_rates`
     contacts : (2 n_rollers, 2 n_rollers), N/m, forces by approaches
     slopes : (2 n_rollers,), N/m, of the contacts alone; forces : N

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import TYPE_CHECKING
 
-from lagrange.bearing import room_between_rollers
+from lagrange.bearing import room_between_rollers, stiffness_factor
 from lagrange.contact.laws import OWN, law_names
 from lagrange.errors import exceeds
 from lagrange.load_history import TIME
@@ -17,7 +17,6 @@ from lagrange.scene import bearing as bearings
 from lagrange.scene import surfaces
 from lagrange.scene.faults import Rule
 from lagrange.scene.run import FIRST_SPEEDS
-from lagrange.section import stiffness_factor
 
 if TYPE_CHECKING:
     from lagrange.scene.scene import Scene

@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import PrivateAttr
 
 from lagrange.axial import Axial
-from lagrange.bearing import BallBearing, Bearing, Cage, Operation
+from lagrange.bearing import BallBearing, Bearing, Cage, Operation, section_mounting, section_operation
 from lagrange.catalogue import bearing_keys, inner_ring_and_shaft, listed
 from lagrange.files.input import LARGEST_FILE, digest, plain_text
 from lagrange.fits import OperatingClearance, growths, in_operation, operating_clearance
@@ -26,7 +26,6 @@ from lagrange.scene import faults, run
 from lagrange.scene.checks import COMBINATIONS
 from lagrange.scene.faults import SceneError, Table, apply_override, beside, key, load, plain, quoted, set_key, table_of
 from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
-from lagrange.section import section_mounting, section_operation
 from lagrange.step_size import fitting_interval, wave_interval
 from lagrange.surface.faults import Fault, Film
 from lagrange.surface.film import films

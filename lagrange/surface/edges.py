@@ -73,13 +73,9 @@ class Circles(NamedTuple):
 def sinkage(spall: Spall, circles: Circles, angle) -> np.ndarray:
     """How far the centre of a circle gets beyond where a perfect surface would stop it, m, >= 0, at angles, rad.
 
-    Parameters
-    ----------
     angle : ndarray, (n,), of the line of centres from the spall's middle
 
-    Errors
-    ------
-    The edge's arc is taken at points: below 1e-4 of the sinkage.
+    Errors: The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
     at, depth = outline(spall, spall.half_opening(circles.roller))
     surface, turned = circles.surface(depth), np.arcsin(at / circles.own)
@@ -100,9 +96,7 @@ def measured_sinkage(found: MeasuredSurface, circles: Circles, n: int) -> np.nda
     monotone cubics), and its sinkage is a spline between angles at which it is found. A circle touches where the
     parabola through the three points that leave the least room has its vertex.
 
-    Errors
-    ------
-    A wave of m points loses up to 5/m² of its amplitude where its crest lies between two points.
+    Errors: A wave of m points loses up to 5/m² of its amplitude where its crest lies between two points.
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -162,10 +156,8 @@ MOST_TURNS = 60  # of the search for the cells in contact; 3 to 8 are usual
 def softening(spall: Spall, circles: Circles, angle) -> np.ndarray:
     """ΔB, >= 0, at angles of the line of centres from the spall's middle, (n,), rad; 0 far from it.
 
-    Errors
-    ------
-    The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see `docs/surfaces.md`. In
-    the spall's middle, on both edges, contacts may be stiffer than sound ones: that is left out.
+    Errors: The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see
+    `docs/surfaces.md`. In the spall's middle, on both edges, contacts may be stiffer than sound ones: that is left out.
     """
     from scipy.interpolate import PchipInterpolator  # half a second to import, and only spalls need it
 

@@ -34,10 +34,8 @@ class HeightTable:
 def height_table(text: str, decimal: str = ".") -> HeightTable:
     """The heights of a table's text with this decimal sign.
 
-    Errors
-    ------
-    ValueError, a sentence on the text: columns missing or twice, a row that can't be read, too few or too many points,
-    angles that do not rise, more than a turn, a gap, also at the seam, or two heights there.
+    ValueError, a sentence on the text: columns missing or twice, a row that can't be read, too few or too many
+    points, angles that do not rise, more than a turn, a gap, also at the seam, or two heights there.
     """
     found = columns(text, (ANGLE, HEIGHT), decimal)
     if not np.all(np.isfinite(found)) or np.any(np.abs(found[:, 0]) > 10.0 * FULL_TURN):

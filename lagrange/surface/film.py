@@ -34,8 +34,6 @@ def film_thickness(pair: Pair, rolling_speed: float, force: float, lubricant: Lu
 
     U = η v/(E′R), G = α E′, W = Q/(E′ L R), H = h/R with E′ = 2/((1 − ν₁²)/E₁ + (1 − ν₂²)/E₂).
 
-    Parameters
-    ----------
     rolling_speed : v, m/s, of both surfaces against the contact; force : Q, N, > 0
 
     Source: Dowson and Higginson, Elasto-hydrodynamic Lubrication (1966; the form of 1968), second hand.

@@ -62,14 +62,10 @@ def surfaces_met(
 def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int) -> list[Passage]:
     """All passages within `count` samples, by spall, raceway, roller and time.
 
-    Parameters
-    ----------
     operation : tells how the inner ring turns
     read : gives samples; it is asked for BLOCK of them and one or two more at a time
 
-    Errors
-    ------
-    Sliding speeds come from differences of the rollers' angles, of second order in the interval.
+    Errors: Sliding speeds come from differences of the rollers' angles, of second order in the interval.
     """
     faults, found = spalls(bearing), defaultdict[tuple[int, Raceway, int], list[np.ndarray]](list)
     halves = [asin(0.5 * spall.width / own_radius(bearing, spall)) for spall in faults]
@@ -168,10 +164,8 @@ def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
     the entry is at least half of the largest such rise. There is none where that is below half of the force on entry,
     because then the roller was not released, and none that is known where the run begins or ends on the way.
 
-    Errors
-    ------
-    Entry and exit: straight lines between samples; the contact's angle bends by far less than a thousandth of them.
-    Strike: with SAMPLES or more in a vibration 0.2 µs and a few per cent of the force; see docs/surfaces.md.
+    Errors: Entry and exit: straight lines between samples; the contact's angle bends by far less than a thousandth of
+    them. Strike: with SAMPLES or more in a vibration 0.2 µs and a few per cent of the force; see docs/surfaces.md.
     """
     found = [event for passage in passages for event in _events(passage)]
     return sorted(found, key=lambda event: (event.time, event.spall, event.roller, event.raceway, event.kind))

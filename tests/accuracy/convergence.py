@@ -1,9 +1,4 @@
-"""How results depend on mesh, step and interval, and on the processor: `python -m tests.accuracy.convergence SECTION`.
-
-orders      observed orders in mesh size, time step and output interval
-crossover   from meshes far coarser than a contact to meshes that resolve it
-processors  one run compiled for processors of three kinds
-"""
+"""How results depend on mesh, step, interval and the processor: `python -m tests.accuracy.convergence SECTION`."""
 
 import json
 import os
@@ -115,9 +110,10 @@ def pyplot():
 
 
 def orders():
-    """Mesh and step are refined together, as users do; shares of the critical step make the halves exact.
+    """Observed orders in mesh size, time step and output interval.
 
-    Statics are held against the exact series, too. Draws docs/convergence.png.
+    Mesh and step are refined together, as users do; shares of the critical step make the halves exact. Statics are held
+    against the exact series, too. Draws docs/convergence.png.
     """
     how = scene().ideal_operation()
     at_rest = exact_statics(scene().ideal_bearing(), how.radial_load, how.first_roller_angle)
@@ -203,8 +199,10 @@ def at_rest(kind: str, size_mm: float) -> tuple[float, ...]:
 
 
 def crossover():
-    """Static hub displacement of the paper's bearing by both contact models, against the exact series; and what share
-    of a contact's approach the law below the grid still carries. Draws docs/crossover.png."""
+    """From meshes far coarser than a contact to meshes that resolve it: the paper's bearing at rest by both models.
+
+    Against the exact series; and what share of a contact's approach the law below the grid still carries.
+    """
     plt, rows = pyplot(), []
     figure, (upper, lower) = plt.subplots(
         2, 1, figsize=(7.5, 6.2), sharex=True, layout="constrained", height_ratios=[3, 2]
@@ -248,10 +246,11 @@ COLUMNS = {"inner_x": "hub x", "inner_y": "hub y", "inner_force": "inner loads",
 
 
 def processors():
-    """Each compiles the time loop anew, about a minute; the processor at hand must know what is asked of it.
+    """One run compiled for processors of three kinds, about a minute each.
 
-    Results repeat bit for bit on one processor; sums are fused and grouped differently on another, and contacts make of
-    that what they make of any round-off. Compared with the plainest.
+    The processor at hand must know what is asked of it. Results repeat bit for bit on one processor; sums are fused and
+    grouped differently on another, and contacts make of that what they make of any round-off. Compared with the
+    plainest.
     """
     runs, rows = {}, []
     with tempfile.TemporaryDirectory() as folder:

@@ -1,14 +1,4 @@
-"""The reduced model against finite elements: `python -m tests.accuracy.reduced SECTION`.
-
-comparison  steady running and loads that come fast, against finite elements of 0.5 mm; minutes
-energies    its energy by the time step; a minute
-rattling    statistics of bearings in clearance that start with a step of load, over starts that differ a little: single
-            paths are chaotic; half an hour, most of it by finite elements of 0.5 mm
-bands       the hub's acceleration by bands of frequency, against finite elements of 0.25 mm; three minutes
-random      random bearings of `tests.stability`, 5 ms, on the meshes they name; a folder keeps a file for each scene
-            and is gone on with, also on another machine
-steps       random bearings that nothing strikes, with steps of exact shares of the critical one; four minutes
-"""
+"""The reduced model against finite elements, and its steps: `python -m tests.accuracy.reduced SECTION`."""
 
 import json
 import os
@@ -61,7 +51,7 @@ def quantities(run: Found) -> list[float]:
 
 
 def comparison():
-    """Both models against a fine mesh, in per cent."""
+    """Steady running and loads that come fast: both models against finite elements of 0.5 mm, in per cent; minutes."""
     rows, finest = [], 0.5
     for name, settings in [*SCENES.items()][:5]:
         fine = found(plan_of(settings, "fem", finest))
@@ -84,7 +74,7 @@ def comparison():
 
 
 def energies():
-    """Largest imbalance by the step, none restarted."""
+    """Largest energy imbalance by the step, none restarted; a minute."""
     rows, shares = [], (0.15, 0.3, 0.45, 0.6, 0.75, 1.0)
     for name, settings in SCENES.items():
         plan, cells = plan_of(settings, "reduced"), []
@@ -141,7 +131,10 @@ def statistics(run: Found) -> list[float]:
 
 
 def rattling(*, members: int = 4):
-    """From so many starts each: a row for each bearing and model, means over the starts, and their standard errors."""
+    """Bearings in clearance that start with a step of load, from so many starts that differ a little: means and errors.
+
+    Single paths are chaotic. Half an hour, most of it by finite elements of 0.5 mm.
+    """
     rows, timing = [], (f"numerics.duration_ms={MEMBERS_MS}", "numerics.output_interval_us=4")
     starts = [f"operation.first_roller_deg={APART_DEG * k - 90.0}" for k in range(members)]
     for name, settings in RATTLING.items():
@@ -175,7 +168,7 @@ def band_levels(run: Found) -> np.ndarray:
 
 
 def bands():
-    """A row for each scene and model: errors of the levels, x and y, in per cent."""
+    """The hub's acceleration by bands of frequency, against finite elements of 0.25 mm, in per cent; three minutes."""
     rows = []
     for name, (settings, duration) in BANDED.items():
         timing = (f"numerics.duration_ms={duration:g}", f"numerics.output_interval_us={BANDS_US:g}")
@@ -284,7 +277,10 @@ def class_rows(pairs: list[Pair]) -> Iterable[list[str]]:
 
 
 def random(*, first: int = 0, last: int = 500, workers: int = 1, folder: Path = Path("runs/reduced_random")):
-    """Run what is missing of scenes first … last − 1, in so many processes; the tables are of all in the folder."""
+    """Random bearings of `tests.stability` on the meshes they name: what is missing of scenes first … last − 1.
+
+    A file for each scene stays in the folder, which is gone on with, also on another machine; the tables are of all.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     missing = [number for number in range(first, last) if not (folder / f"{number}.json").exists()]
     if missing:
@@ -360,7 +356,7 @@ def by_share(scene: tuple[int, int]) -> tuple[float, list[float], list[float]] |
 
 
 def steps(*, count: int = 500, jobs: int = 2):
-    """So many scenes of each seed, in so many processes, none restarted."""
+    """Random bearings that nothing strikes, with steps of exact shares of the critical one; four minutes."""
     with ProcessPoolExecutor(jobs) as pool:
         scenes = [(seed, number) for seed in SEEDS for number in range(count)]
         every = [one for one in pool.map(by_share, scenes, chunksize=5) if one is not None]

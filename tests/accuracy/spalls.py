@@ -1,10 +1,4 @@
-"""One crossing of a spall, and a measured bearing with one: `python -m tests.accuracy.spalls SECTION`.
-
-half_planes       the contact law with soft edges against half-planes pressed on the bare profile; two minutes
-resolved          models of the program against resolved contacts; five minutes
-fineness          what figures of that yardstick depend on; three minutes
-measured_bearing  the envelope line of a measured bearing with a spall on its outer ring
-"""
+"""One crossing of a spall, and a measured bearing with one: `python -m tests.accuracy.spalls SECTION`."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -133,7 +127,7 @@ def fast(other, force: Force, half: float, outward: float) -> np.ndarray:
 
 
 def half_planes():
-    """The yardstick's figures, and what the laws differ by."""
+    """The contact law with soft edges against half-planes pressed on the bare profile; two minutes."""
     rows = []
     for body, width in product(("outer_ring", "inner_ring"), WIDTHS):
         half, exact = spall(width).half_opening(PAPER.roller_radius), None
@@ -258,7 +252,7 @@ def row(width: float, name: str, seen: Strike, exact: Strike | None = None) -> l
 
 
 def resolved():
-    """The program's models against the yardstick."""
+    """Models of the program against resolved contacts; five minutes."""
     rows = []
     for width in WIDTHS:
         by = {name: by_program(width, *of) for name, of in MODELS.items()}
@@ -268,7 +262,7 @@ def resolved():
 
 
 def fineness(*parts: Part):
-    """The yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole."""
+    """That yardstick at 1 mm with another step, other modes, another mesh, without the spall's hole; three minutes."""
     rows, width = [], WIDTHS[-1]
     _, hub = by_program(width, "reduced", 1.0)
     for name, how in (OTHERS[part] for part in parts or OTHERS):
@@ -315,14 +309,15 @@ def line(measured: Vibration, near: float) -> tuple[float, float]:
 
 
 def measured_bearing():
-    """Rexnord ZA-2115 of the IMS rig: 16 rollers of 8.407 mm, pitch 71.501 mm, angle 15.17°, 2000 rpm, 6000 lb.
+    """The envelope line of a measured bearing with a spall on its outer ring, beside that of a run.
 
-    The record has its envelope line at 236.0 Hz, kinematics of the contact angle at 236.40 Hz. The scene has the
-    catalogue's sizes: `contact_angle_deg` and `pitch_diameter_mm` make its plane section. Of the 6000 lb, which act on
-    a shaft with four bearings, two between two others, each takes 3000 lb. What the rig's papers leave out is assumed:
-    two rows of rollers 10 mm long, rings 10 mm thick, 2 kg at the hub, a spall of 0.5 mm, and 20 µm of radial preload.
-    Preload takes the place of the cage that the model lacks: without either, rollers lag in the unloaded half, 0.6 % on
-    the average of all.
+    Rexnord ZA-2115 of the IMS rig: 16 rollers of 8.407 mm, pitch 71.501 mm, angle 15.17°, 2000 rpm, 6000 lb. The record
+    has its envelope line at 236.0 Hz, kinematics of the contact angle at 236.40 Hz. The scene has the catalogue's
+    sizes: `contact_angle_deg` and `pitch_diameter_mm` make its plane section. Of the 6000 lb, which act on a shaft with
+    four bearings, two between two others, each takes 3000 lb. What the rig's papers leave out is assumed: two rows of
+    rollers 10 mm long, rings 10 mm thick, 2 kg at the hub, a spall of 0.5 mm, and 20 µm of radial preload. Preload
+    takes the place of the cage that the model lacks: without either, rollers lag in the unloaded half, 0.6 % on the
+    average of all.
 
     Source: Lee, Qiu, Yu, Lin, Bearing data set, IMS, University of Cincinnati, NASA Prognostics Data Repository (2007).
     """

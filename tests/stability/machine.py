@@ -87,60 +87,57 @@ def machine_scene(seed: int, number: int, folder: Path, sets: int, axial: bool =
     tables["contact"]["friction_coefficient"] = 0.0 if kinds.chance(0.2) else values.uniform(0.0, 1.0)
     if model == "lagrange":
         tables["lagrange"] = {"angles": kinds.one_of("kinematic", "free")}
-    for share, add in AROUND_A_BEARING:
-        if kinds.chance(share):
-            add(tables, kinds, values)
-    drawn = [change for share, change in KINDS_OF_BEARINGS if kinds.chance(share) or (axial and change is _axial)]
-    for change in drawn:
-        if not any(change in few and other in drawn for few, other in REFUSED_TOGETHER):
-            change(tables, kinds, values)
+    _around(tables, kinds, values)
+    _of_its_own_kind(tables, kinds, values, axial)
     start = "equilibrium" if values.chance(0.7) else "rest"
     interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
     tables["numerics"] |= {"start": start, "output_interval_us": interval}
     return tables
 
 
-def _damping(tables: Tables, kinds: Draw, values: Draw) -> None:
-    ranges = {"contact_N_s_m": (1.0, 1e4), "contact_time_us": (0.1, 25.0), "hunt_crossley_s_m": (1e-3, 1.0)}
-    kind = "contact_N_s_m" if tables["model"] == "fem" else kinds.one_of(*ranges)
-    tables["damping"] = {kind: values.spread(*ranges[kind])}
-
-
-def _cage(tables: Tables, kinds: Draw, values: Draw) -> None:
-    bearing = tables["bearing"]
-    pitch = 0.5 * (bearing["inner_raceway_diameter_mm"] + bearing["outer_raceway_diameter_mm"])
-    room = pitch * sin(pi / bearing["rollers"]) - bearing["roller_diameter_mm"]  # between neighbours
-    tables["cage"] = {
-        "mass_kg": values.spread(0.005, 0.5),
-        "pocket_clearance_mm": max(0.9 * room * values.uniform(0.05, 1.0), 1.1e-3),
-        "friction_coefficient": values.uniform(0.0, 0.3), "drag_torque_N_m": values.spread(1e-5, 0.1),
-        "stiffness_N_per_m": values.spread(1e6, 1e9), "damping_N_s_m": values.spread(0.01, 100.0),
-    }  # fmt: skip
-    guidance = kinds.one_of("rollers", "inner_ring", "outer_ring")
-    if guidance != "rollers":
-        tables["cage"] |= {"guidance": guidance, "guidance_clearance_mm": values.uniform(0.05, 1.0)}
-
-
-def _housing(tables: Tables, kinds: Draw, values: Draw) -> None:
-    tables["support"] = {
-        "kind": "housing", "mass_kg": values.spread(0.1, 50.0), "stiffness_N_per_m": values.spread(1e6, 1e9),
-        "damping_N_s_m": values.spread(10.0, 1e4),
-    }  # fmt: skip
-    if tables["model"] == "fem" and kinds.chance(0.7):
-        outside = tables["bearing"]["outside_diameter_mm"]
-        tables["support"]["fit_clearance_um"] = 1e3 * outside * values.uniform(-3e-4, 1e-3)
-    if kinds.chance(0.7):
-        tables["sensor"] = {"frequency_Hz": values.spread(1e3, 3e4), "damping_ratio": values.uniform(0.01, 0.3)}
-
-
-def _shaft(tables: Tables, kinds: Draw, values: Draw) -> None:
-    stiffness, damping = values.spread(1e5, 1e9), values.spread(1.0, 1e4)
-    tables["operation"] |= {"shaft": "springs", "shaft_stiffness_N_per_m": stiffness, "shaft_damping_N_s_m": damping}
-
-
-def _turning(tables: Tables, kinds: Draw, values: Draw) -> None:
-    unbalance, load = values.spread(0.1, 300.0), 0.3 * tables["operation"]["radial_load_N"]
-    tables["operation"] |= {"unbalance_g_mm": unbalance, "rotating_load_N": load * values.uniform(0.0, 1.0)}
+def _around(tables: Tables, kinds: Draw, values: Draw) -> None:
+    """What stands around a bearing, and its surfaces, speed and load."""
+    model, bearing, operation = tables["model"], tables["bearing"], tables["operation"]
+    d, n, outside = bearing["roller_diameter_mm"], bearing["rollers"], bearing["outside_diameter_mm"]
+    uniform, spread = values.uniform, values.spread
+    if kinds.chance(0.6):
+        ranges = {"contact_N_s_m": (1.0, 1e4), "contact_time_us": (0.1, 25.0), "hunt_crossley_s_m": (1e-3, 1.0)}
+        kind = "contact_N_s_m" if model == "fem" else kinds.one_of(*ranges)
+        tables["damping"] = {kind: spread(*ranges[kind])}
+    if kinds.chance(0.6):
+        pitch = 0.5 * (bearing["inner_raceway_diameter_mm"] + bearing["outer_raceway_diameter_mm"])
+        room = pitch * sin(pi / n) - d  # between neighbours
+        tables["cage"] = {
+            "mass_kg": spread(0.005, 0.5), "pocket_clearance_mm": max(0.9 * room * uniform(0.05, 1.0), 1.1e-3),
+            "friction_coefficient": uniform(0.0, 0.3), "drag_torque_N_m": spread(1e-5, 0.1),
+            "stiffness_N_per_m": spread(1e6, 1e9), "damping_N_s_m": spread(0.01, 100.0),
+        }  # fmt: skip
+        guidance = kinds.one_of("rollers", "inner_ring", "outer_ring")
+        if guidance != "rollers":
+            tables["cage"] |= {"guidance": guidance, "guidance_clearance_mm": uniform(0.05, 1.0)}
+    if kinds.chance(0.6):
+        tables["support"] = {
+            "kind": "housing", "mass_kg": spread(0.1, 50.0), "stiffness_N_per_m": spread(1e6, 1e9),
+            "damping_N_s_m": spread(10.0, 1e4),
+        }  # fmt: skip
+        if model == "fem" and kinds.chance(0.7):
+            tables["support"]["fit_clearance_um"] = 1e3 * outside * uniform(-3e-4, 1e-3)
+        if kinds.chance(0.7):
+            tables["sensor"] = {"frequency_Hz": spread(1e3, 3e4), "damping_ratio": uniform(0.01, 0.3)}
+    if kinds.chance(0.5):
+        operation |= {"shaft": "springs", "shaft_stiffness_N_per_m": spread(1e5, 1e9),
+                      "shaft_damping_N_s_m": spread(1.0, 1e4)}  # fmt: skip
+    if kinds.chance(0.5):
+        turning = 0.3 * operation["radial_load_N"]
+        operation |= {"unbalance_g_mm": spread(0.1, 300.0), "rotating_load_N": turning * uniform(0.0, 1.0)}
+    if kinds.chance(0.6):
+        _surfaces(tables, kinds, values)
+    if kinds.chance(0.4):
+        _speeds(operation, values, "speed_table", "speed_rpm")
+    if kinds.chance(0.3):
+        load, shape = operation.pop("radial_load_N"), values.one_of("smooth", "linear", "steps")
+        pulls = [(t, load * uniform(-0.3, 0.3), -load * uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION)]
+        operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
 
 
 def _surfaces(tables: Tables, kinds: Draw, values: Draw) -> None:
@@ -169,97 +166,79 @@ def _surfaces(tables: Tables, kinds: Draw, values: Draw) -> None:
         tables["profile"] = [{"body": kinds.one_of("outer_ring", "inner_ring"), "file": file}]
 
 
-def _speeds(tables: Tables, kinds: Draw, values: Draw, name: str = "speed_table", key: str = "speed_rpm") -> None:
-    operation = tables["operation"]
+def _speeds(operation: Tables, values: Draw, name: str, key: str) -> None:
     speed, shape = operation.pop(key), values.one_of("smooth", "linear")
     times = [0.0, *sorted(values.uniform(0.2, 0.9) * DURATION for _ in range(2)), DURATION]
     file = values.table(f"{name}.csv", "time_ms,speed_rpm", [(t, speed * values.uniform(0.7, 1.3)) for t in times])
     operation |= {name: file, f"{name}_shape": shape}
 
 
-def _loads(tables: Tables, kinds: Draw, values: Draw) -> None:
-    operation = tables["operation"]
-    load, shape = operation.pop("radial_load_N"), values.one_of("smooth", "linear", "steps")
-    pulls = [(t, load * values.uniform(-0.3, 0.3), -load * values.uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION)]
-    operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
+# shares of bearings at an angle in rows, with a roller missing, in fits, on a solid shaft, of balls, with a law of
+# their own, in an outer ring that turns, of rollers that tilt; and what is refused with others
+SHARES_OF_KINDS = {"angle": 0.25, "missing": 0.2, "fit": 0.2, "solid": 0.2, "balls": 0.25, "law": 0.25,
+                   "outer ring": 0.3, "axial": 0.25}  # fmt: skip
+REFUSED_WITH = {"angle": {"axial"}, "balls": {"axial"}, "fit": {"angle", "solid"}}
 
 
-def _without(tables: Tables, *names: str) -> None:
-    for name in names:
-        tables.pop(name, None)
+def _of_its_own_kind(tables: Tables, kinds: Draw, values: Draw, axial: bool) -> None:
+    """Kinds of bearings, without the tables that they are refused with, so that most scenes run."""
+    model, bearing, operation, uniform = tables["model"], tables["bearing"], tables["operation"], values.uniform
+    drawn = {kind for kind, share in SHARES_OF_KINDS.items() if kinds.chance(share) or (axial and kind == "axial")}
+    drawn = {kind for kind in drawn if not REFUSED_WITH.get(kind, set()) & drawn}
 
+    def without(*names: str) -> None:
+        for name in names:
+            tables.pop(name, None)
 
-def _without_rollers_surfaces(tables: Tables) -> None:
-    _without(tables, *(name for name in ("spall", "waviness") if tables.get(name, [{}])[0].get("body") == "roller"))
-
-
-def _angle(tables: Tables, kinds: Draw, values: Draw) -> None:
-    """A contact angle and rows: element and pitch diameters stay, raceways follow."""
-    _without_rollers_surfaces(tables)
-    bearing = tables["bearing"]
-    inner, outer = bearing.pop("inner_raceway_diameter_mm"), bearing.pop("outer_raceway_diameter_mm")
-    bearing |= {
-        "pitch_diameter_mm": 0.5 * (inner + outer), "contact_angle_deg": values.uniform(1.0, 40.0),
-        "rows": int(values.rng.integers(1, 3)),
-        "clearance_um": 1e3 * bearing["roller_diameter_mm"] * values.uniform(-1e-4, 5e-3),
-    }  # fmt: skip
-
-
-def _missing(tables: Tables, kinds: Draw, values: Draw) -> None:
-    _without_rollers_surfaces(tables)
-    _without(tables, "unequal_roller")
-    tables["bearing"]["missing_rollers"] = [int(values.rng.integers(tables["bearing"]["rollers"]))]
-
-
-def _solid(tables: Tables, kinds: Draw, values: Draw) -> None:
-    tables["bearing"]["bore_diameter_mm"] = 0.0
-    tables["operation"].pop("inner_ring_and_shaft_kg", None)
-
-
-def _fit(tables: Tables, kinds: Draw, values: Draw) -> None:
-    bore, outside = (1e3 * tables["bearing"][f"{name}_diameter_mm"] for name in ("bore", "outside"))
-    tables["fit"] = {
-        "shaft_interference_um": bore * values.uniform(-1e-4, 5e-4),
-        "housing_interference_um": outside * values.uniform(-2e-4, 2e-4),
-        "inner_ring_C": values.uniform(20.0, 60.0), "outer_ring_C": values.uniform(20.0, 60.0),
-    }  # fmt: skip
-
-
-def _balls(tables: Tables, kinds: Draw, values: Draw) -> None:
-    if tables["model"] == "lagrange":
-        tables["bearing"]["type"] = "ball"
-
-
-def _own_law(tables: Tables, kinds: Draw, values: Draw) -> None:
-    """K and n, or a table of forces and approaches around them."""
-    if tables["model"] == "lagrange":
-        exponent, length = values.uniform(1.0, 1.6), 1e-3 * tables["bearing"]["roller_length_mm"]
+    if drawn & {"angle", "missing"}:
+        without(*(name for name in ("spall", "waviness") if tables.get(name, [{}])[0].get("body") == "roller"))
+    if "angle" in drawn:  # element and pitch diameters stay, raceways follow
+        inner, outer = bearing.pop("inner_raceway_diameter_mm"), bearing.pop("outer_raceway_diameter_mm")
+        bearing |= {
+            "pitch_diameter_mm": 0.5 * (inner + outer), "contact_angle_deg": uniform(1.0, 40.0),
+            "rows": int(values.rng.integers(1, 3)),
+            "clearance_um": 1e3 * bearing["roller_diameter_mm"] * uniform(-1e-4, 5e-3),
+        }  # fmt: skip
+    if "missing" in drawn:
+        without("unequal_roller")
+        bearing["missing_rollers"] = [int(values.rng.integers(bearing["rollers"]))]
+    if "fit" in drawn:
+        tables["fit"] = {
+            "shaft_interference_um": 1e3 * bearing["bore_diameter_mm"] * uniform(-1e-4, 5e-4),
+            "housing_interference_um": 1e3 * bearing["outside_diameter_mm"] * uniform(-2e-4, 2e-4),
+            "inner_ring_C": uniform(20.0, 60.0), "outer_ring_C": uniform(20.0, 60.0),
+        }  # fmt: skip
+    if "solid" in drawn:
+        bearing["bore_diameter_mm"] = 0.0
+        operation.pop("inner_ring_and_shaft_kg", None)
+    if "balls" in drawn and model == "lagrange":
+        bearing["type"] = "ball"
+    if "law" in drawn and model == "lagrange":  # K and n, or a table of forces and approaches around them
+        exponent, length = uniform(1.0, 1.6), 1e-3 * bearing["roller_length_mm"]
         stiffness = [5e10 * length * 1e-5 ** (1.0 - exponent) * values.spread(0.3, 3.0) for _ in range(2)]
         if values.chance(0.3):
             approaches = [2.0, 5.0, 10.0, 20.0, 40.0]  # µm
-            rows = [(stiffness[0] * (1e-6 * x) ** exponent * values.uniform(0.95, 1.05), x) for x in approaches]
+            rows = [(stiffness[0] * (1e-6 * x) ** exponent * uniform(0.95, 1.05), x) for x in approaches]
             tables["lagrange"]["law_table"] = values.table("law.csv", "force [N],approach [um]", rows)
         else:
             tables["lagrange"] |= {"contact_stiffness_N_per_m_n": stiffness, "contact_exponent": exponent}
-
-
-def _outer_ring(tables: Tables, kinds: Draw, values: Draw) -> None:
-    """Both rings turn, at a steady speed or by a table."""
-    _without(tables, "support", "sensor", "fit")
-    if tables.get("cage", {}).get("guidance") == "outer_ring":
-        tables["cage"]["guidance"] = "inner_ring"
-    operation = tables["operation"]
-    operation["outer_ring_speed_rpm"] = abs(operation.get("speed_rpm", 1000.0)) * values.uniform(-1.0, 1.0)
-    if "rotating_load_N" in operation:
-        operation["rotating_load_with"] = values.one_of("inner_ring", "outer_ring")
-    if values.chance(0.5):
-        _speeds(tables, kinds, values, "outer_ring_speed_table", "outer_ring_speed_rpm")
+    if "outer ring" in drawn:  # both rings turn, at a steady speed or by a table
+        without("support", "sensor", "fit")
+        if tables.get("cage", {}).get("guidance") == "outer_ring":
+            tables["cage"]["guidance"] = "inner_ring"
+        operation["outer_ring_speed_rpm"] = abs(operation.get("speed_rpm", 1000.0)) * uniform(-1.0, 1.0)
+        if "rotating_load_N" in operation:
+            operation["rotating_load_with"] = values.one_of("inner_ring", "outer_ring")
+        if values.chance(0.5):
+            _speeds(operation, values, "outer_ring_speed_table", "outer_ring_speed_rpm")
+    if "axial" in drawn:
+        if model == "fem":
+            without("damping")  # of contacts, which meshes have not with tilt
+        _axial(tables, kinds, values)
 
 
 def _axial(tables: Tables, kinds: Draw, values: Draw) -> None:
     """Rollers that tilt, of any profiles; the shaft's slope prescribed or free."""
-    if tables["model"] == "fem":
-        _without(tables, "damping")  # of contacts, which meshes have not with tilt
     bearing, operation = tables["bearing"], tables["operation"]
     d, length = bearing["roller_diameter_mm"], bearing["roller_length_mm"]
     coupled = tables["model"] != "lagrange" and kinds.chance(0.7)
@@ -288,17 +267,6 @@ def _axial(tables: Tables, kinds: Draw, values: Draw) -> None:
         for spall in tables.get("spall", []):
             spall |= {"length_mm": part, "z_mm": middle}
     tables["axial"] = axial
-
-
-AROUND_A_BEARING = (
-    (0.6, _damping), (0.6, _cage), (0.6, _housing), (0.5, _shaft), (0.5, _turning), (0.6, _surfaces), (0.4, _speeds),
-    (0.3, _loads),
-)  # fmt: skip
-KINDS_OF_BEARINGS = (
-    (0.25, _angle), (0.2, _missing), (0.2, _fit), (0.2, _solid), (0.25, _balls), (0.25, _own_law), (0.3, _outer_ring),
-    (0.25, _axial),
-)  # fmt: skip
-REFUSED_TOGETHER = (((_angle, _balls), _axial), ((_fit,), _angle), ((_fit,), _solid))
 
 
 app = App(help=__doc__)

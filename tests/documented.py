@@ -233,24 +233,21 @@ def rewritten(text: str, printed: dict[str, str]) -> str:
 
 
 def as_shown(printed: str, shown: str) -> str:
-    """A printed line with the words left out and the decimals that a page shows of it."""
+    """A printed line with the words left out and as few decimals as a page shows of it, but no fewer than two digits."""
     if (found := alike(shown, printed)) is None:
         return printed
     fresh = iter(found.groups())
 
     def put(match: re.Match) -> str:
-        return match[0] if match[1] is None else shortened(next(fresh), match[1])  # run times stay
+        if match[1] is None:  # run times stay
+            return match[0]
+        number, decimals = next(fresh), len(match[1].partition(".")[2])
+        rounded = f"{value(number)[0]:.{decimals}f}"
+        fits = "e" not in number + match[1] and len(number.partition(".")[2]) > decimals
+        return rounded if fits and abs(float(rounded)) >= 10.0 ** (1 - decimals) else number
 
     line = re.sub(f"{RUN_TIME.pattern}|{NUMBER.pattern}", put, shown)
     return line if LEFT_OUT in shown or NUMBER.findall(words(line)) != list(found.groups()) else printed
-
-
-def shortened(number: str, shown: str) -> str:
-    """A number with as few decimals as another, but no fewer than two digits."""
-    decimals = len(shown.partition(".")[2])
-    rounded = f"{value(number)[0]:.{decimals}f}"
-    fits = "e" not in number + shown and len(number.partition(".")[2]) > decimals
-    return rounded if fits and abs(float(rounded)) >= 10.0 ** (1 - decimals) else number
 
 
 def renewed(shown: list[str], told: list[str]) -> list[str]:

@@ -66,51 +66,6 @@ def caged(model: str, duration: float, cage: dict, **tables) -> Run:
     return run({"model": model, "cage": LOOSE | cage, "numerics": numerics, **tables})
 
 
-def free_running() -> str:
-    rows = []
-    for guidance in ({"guidance": "rollers"}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.1}):
-        for friction, gravity in ((0.0, 0.0), (0.05, 0.0), (0.0, 9.81), (0.05, 9.81)):
-            cage = {"pocket_clearance_mm": 0.1, "friction_coefficient": friction, **guidance}
-            ran = caged("reduced", 340.0, cage, operation={"gravity_m_s2": gravity})
-            off = 1e6 * np.hypot(ran.values["cage_x"], ran.values["cage_y"]).max()
-            slips = f"{100 * ran.slip(0.0):.4f}", f"{100 * ran.slip(0.0, 'rollers'):.4f}"
-            rows.append([guidance["guidance"], f"{friction}", f"{gravity}", *slips, f"{1e6 * ran.spacing:.1f}",
-                         f"{off:.1f}"])  # fmt: skip
-    return markdown_table(("guidance", "friction", "gravity, m/s2", "cage's slip, %", "rollers' slip, %",
-                           "spacing off by, µm", "centre, µm"), rows)  # fmt: skip
-
-
-def shared_tractions() -> tuple[str, str, str]:
-    scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
-    still = caged("reduced", 1.0, STIFF_POCKETS, **scene)
-    bearing = still.scene.ideal_bearing()
-    load = float(0.5 * (still.values["inner_force"][0] + still.values["outer_force"][0]).mean())
-    limit = 2.0 * FRICTION * load
-    torque, rows, sliding = limit * bearing.n_rollers * bearing.pitch_radius, [], []
-    for share in (0.25, 0.5, 0.9, 0.98, 1.05, 1.1, 1.2, 1.3):
-        values = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene).values
-        late = slice(len(values["time"]) // 2, None)
-        taken = [values[name][late].mean() / (share * limit) for name in ("inner_traction", "outer_traction")]
-        slowing = -np.polyfit(values["time"][late], values["cage_speed"][late], 1)[0]
-        sliding += [(share, slowing)] if share > 1.0 else []
-        rows.append([f"{share}", *(f"{each:.4f}" for each in taken), f"{slowing:.4g}"])
-    slope, offset = np.polyfit(*np.array(sliding).T, 1)
-    table = markdown_table(("F over 2 mu Q", "inner traction over F", "outer", "cage slows down, rad/s2"), rows)
-    return (
-        f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m", table,
-        f"Gross slip begins at {-offset / slope:.4f} of 2 mu Q (straight line through the sliding ones).",
-    )  # fmt: skip
-
-
-def light_loads() -> str:
-    cage, rows = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}, []
-    for load in (50.0, 100.0, 200.0, 500.0, 2000.0):
-        operation = {"speed_rpm": 10000.0, "radial_load_N": load, "inner_ring_and_shaft_kg": 0.5}
-        ran = caged("reduced", 300.0, cage, bearing=LARGE, operation=operation)
-        rows.append([f"{load:g}", f"{100 * ran.slip(0.5):.3g}{' ' + ran.trouble if ran.trouble else ''}"])
-    return markdown_table(("load, N", "cage's slip, %"), rows)
-
-
 def random_scene(random: np.random.Generator) -> dict:
     def between(low, high):
         return float(low * (high / low) ** random.random())
@@ -129,36 +84,72 @@ def random_scene(random: np.random.Generator) -> dict:
     return {"cage": cage, "operation": operation, "numerics": numerics, "bearing": clearance}
 
 
-def judged(count: int) -> tuple[str, str]:
-    random, silent, worst, rows = np.random.default_rng(17), 0, 0.0, []
-    for scene in (random_scene(random) for _ in range(count)):
-        cage, how = scene["cage"], scene["operation"]
-        told = [cage["guidance"], f"{how['speed_rpm']:.0f}", f"{how['radial_load_N']:.0f}",
-                f"{cage['drag_torque_N_m']:.2g}"]  # fmt: skip
-        try:
-            ran = run({"model": "fem", **scene})
-        except (SceneError, UsageError) as error:
-            rows.append([*told, "-", "-", f"refused: {error}"])
-        else:
-            wrong = ran.trouble is None and not ran.imbalance <= LIMIT
-            silent, worst = silent + wrong, max(worst, ran.imbalance)
-            ending = ran.trouble or ("SILENTLY WRONG" if wrong else "sound")
-            rows.append([*told, f"{ran.imbalance:.1e}", f"{100 * ran.slip(0.5):.2g}", ending])
-        print(*rows[-1], flush=True)
-    words = f"Silently wrong: {silent}; largest imbalance {worst:.1e} of what was exchanged and dissipated."
-    heads = ("guidance", "rpm", "load, N", "drag, N m", "imbalance", "cage's slip, %", "outcome")
-    return markdown_table(heads, rows), words
-
-
 def cage(*, random: int = 0):
     """With `random` so many random bearings, and nothing else."""
     if random:
-        yield "parts", f"{random} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)", *judged(random)
+        draws, silent, worst, rows = np.random.default_rng(17), 0, 0.0, []
+        for scene in (random_scene(draws) for _ in range(random)):
+            of, how = scene["cage"], scene["operation"]
+            numbers = f"{how['speed_rpm']:.0f}", f"{how['radial_load_N']:.0f}", f"{of['drag_torque_N_m']:.2g}"
+            drawn = [of["guidance"], *numbers]
+            try:
+                ran = run({"model": "fem", **scene})
+            except (SceneError, UsageError) as error:
+                rows.append([*drawn, "-", "-", f"refused: {error}"])
+            else:
+                wrong = ran.trouble is None and not ran.imbalance <= LIMIT
+                silent, worst = silent + wrong, max(worst, ran.imbalance)
+                ending = ran.trouble or ("SILENTLY WRONG" if wrong else "sound")
+                rows.append([*drawn, f"{ran.imbalance:.1e}", f"{100 * ran.slip(0.5):.2g}", ending])
+            print(*rows[-1], flush=True)
+        heads = ("guidance", "rpm", "load, N", "drag, N m", "imbalance", "cage's slip, %", "outcome")
+        words = f"Silently wrong: {silent}; largest imbalance {worst:.1e} of what was exchanged and dissipated."
+        heading = f"{random} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)"
+        yield "parts", heading, markdown_table(heads, rows), words
         return
+
+    rows = []
+    for guidance in ({"guidance": "rollers"}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.1}):
+        for friction, gravity in ((0.0, 0.0), (0.05, 0.0), (0.0, 9.81), (0.05, 9.81)):
+            of = {"pocket_clearance_mm": 0.1, "friction_coefficient": friction, **guidance}
+            ran = caged("reduced", 340.0, of, operation={"gravity_m_s2": gravity})
+            off = 1e6 * np.hypot(ran.values["cage_x"], ran.values["cage_y"]).max()
+            slips = f"{100 * ran.slip(0.0):.4f}", f"{100 * ran.slip(0.0, 'rollers'):.4f}"
+            rows.append([guidance["guidance"], f"{friction}", f"{gravity}", *slips, f"{1e6 * ran.spacing:.1f}",
+                         f"{off:.1f}"])  # fmt: skip
+    heads = ("guidance", "friction", "gravity, m/s2", "cage's slip, %", "rollers' slip, %", "spacing off by, µm",
+             "centre, µm")  # fmt: skip
     heading = "Cage without drag: slip of cage and rollers, spacing, its centre (0.1 mm pockets), 340 ms"
-    yield "parts", heading, free_running()
-    yield "parts", "Cage with frictionless pockets, preload, no load: tractions under drag", *shared_tractions()
-    yield "parts", "Cage of 23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load", light_loads()
+    yield "parts", heading, markdown_table(heads, rows)
+
+    scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
+    still = caged("reduced", 1.0, STIFF_POCKETS, **scene)
+    bearing = still.scene.ideal_bearing()
+    load = float(0.5 * (still.values["inner_force"][0] + still.values["outer_force"][0]).mean())
+    limit = 2.0 * FRICTION * load
+    torque, rows, sliding = limit * bearing.n_rollers * bearing.pitch_radius, [], []
+    for share in (0.25, 0.5, 0.9, 0.98, 1.05, 1.1, 1.2, 1.3):
+        values = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene).values
+        late = slice(len(values["time"]) // 2, None)
+        taken = [values[name][late].mean() / (share * limit) for name in ("inner_traction", "outer_traction")]
+        slowing = -np.polyfit(values["time"][late], values["cage_speed"][late], 1)[0]
+        sliding += [(share, slowing)] if share > 1.0 else []
+        rows.append([f"{share}", *(f"{each:.4f}" for each in taken), f"{slowing:.4g}"])
+    slope, offset = np.polyfit(*np.array(sliding).T, 1)
+    yield (
+        "parts", "Cage with frictionless pockets, preload, no load: tractions under drag",
+        f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m",
+        markdown_table(("F over 2 mu Q", "inner traction over F", "outer", "cage slows down, rad/s2"), rows),
+        f"Gross slip begins at {-offset / slope:.4f} of 2 mu Q (straight line through the sliding ones).",
+    )  # fmt: skip
+
+    of, rows = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}, []
+    for load in (50.0, 100.0, 200.0, 500.0, 2000.0):
+        operation = {"speed_rpm": 10000.0, "radial_load_N": load, "inner_ring_and_shaft_kg": 0.5}
+        ran = caged("reduced", 300.0, of, bearing=LARGE, operation=operation)
+        rows.append([f"{load:g}", f"{100 * ran.slip(0.5):.3g}{' ' + ran.trouble if ran.trouble else ''}"])
+    heading = "Cage of 23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load"
+    yield "parts", heading, markdown_table(("load, N", "cage's slip, %"), rows)
 
 
 if __name__ == "__main__":

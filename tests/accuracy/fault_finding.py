@@ -101,16 +101,6 @@ def random_record(seed: int, kind: str, number: int, folder: Path | None) -> Rec
     return record
 
 
-def noisy(record: Record, rng: np.random.Generator) -> Record:
-    """White noise on every sample of every trajectory; on turns as much along the roller's surface."""
-    shaken = {
-        name: getattr(record, name) + NOISE * rng.standard_normal(getattr(record, name).shape)
-        for name in ("inner_x", "inner_y", "roller_x", "roller_y")
-    }
-    along = NOISE / record.bearing.roller_radius * rng.standard_normal(record.roller_turn.shape)
-    return replace(record, **shaken, roller_turn=record.roller_turn + along)
-
-
 class Spot(NamedTuple):
     """A spall that is there, and what was told of it."""
 
@@ -181,9 +171,14 @@ def case(kind: str, number: int, record: Record) -> Case:
 
 
 def searched(task: tuple[int, str, int, Path | None]) -> tuple[Case, ...]:
+    """One run as it is, and with white noise on every trajectory; on turns as much along the roller's surface."""
     seed, kind, number, folder = task
-    record = random_record(seed, kind, number, folder)
-    return tuple(case(kind, number, each) for each in (record, noisy(record, np.random.default_rng((seed, number, 1)))))
+    record, rng, shaken = random_record(seed, kind, number, folder), np.random.default_rng((seed, number, 1)), {}
+    for name in ("inner_x", "inner_y", "roller_x", "roller_y", "roller_turn"):
+        unit = record.bearing.roller_radius if name == "roller_turn" else 1.0
+        values = getattr(record, name)
+        shaken[name] = values + NOISE / unit * rng.standard_normal(values.shape)
+    return tuple(case(kind, number, each) for each in (record, replace(record, **shaken)))
 
 
 def scores(campaigns: dict[str, list[Case]]) -> str:

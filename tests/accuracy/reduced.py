@@ -113,21 +113,15 @@ EDGES_KHZ = (0.0, 5.0, 20.0, 50.0, 100.0, 250.0)
 BANDS_US, FINEST_MM = 2.0, 0.25
 
 
-def struck(force: np.ndarray) -> int:
-    """How often contacts, (n_times, n_contacts), N, have closed and risen above IMPACT."""
-    count = 0
+def statistics(run: Found) -> list[float]:
+    """Mean y, std y, std x, µm; 95th percentile of all contacts' forces, N; how often in a ms contacts are struck."""
+    force, struck = np.hstack([run["inner_force"], run["outer_force"]]), 0
     for one in force.T:
         closed = one > 0.0
         bounds = np.concatenate([[0], np.flatnonzero(np.diff(closed)) + 1, [len(one)]])
-        count += sum(bool(a and closed[a] and one[a:b].max() > IMPACT) for a, b in pairwise(bounds))
-    return count
-
-
-def statistics(run: Found) -> list[float]:
-    """Mean y, std y, std x, µm; 95th percentile of all contacts' forces, N; strikes per ms."""
-    force = np.hstack([run["inner_force"], run["outer_force"]])
+        struck += sum(bool(a and closed[a] and one[a:b].max() > IMPACT) for a, b in pairwise(bounds))
     y, x = 1e6 * run["inner_y"], 1e6 * run["inner_x"]
-    return [y.mean(), y.std(), x.std(), float(np.percentile(force, 95)), 1e-3 * struck(force) / run["time"][-1]]
+    return [y.mean(), y.std(), x.std(), float(np.percentile(force, 95)), 1e-3 * struck / run["time"][-1]]
 
 
 def rattling(*, members: int = 4):

@@ -48,8 +48,7 @@ def _more(ratio: float) -> str:
     return f"{100.0 * (ratio - 1.0):+.2f} %".replace("-", "−")
 
 
-def beside_reduced() -> str:
-    """Mean and deviations of hub and moments on meshes, against the reduced model."""
+def tilted():
     wanted, rows = moved(SLANTED | {"model": "reduced"}), []
     for size in (2.0, 1.0):
         found = moved(SLANTED | {"model": "fem", "numerics.mesh_size_mm": size})
@@ -60,22 +59,10 @@ def beside_reduced() -> str:
             np.abs(off.mean(axis=0)).max() / largest, off.std() / largest, np.abs(off).max() / largest,
         )  # fmt: skip
         rows.append([f"{size:g} mm", *map(_percent, shares)])
-    names = "mesh", "hub, mean", "hub, standard deviation", "moments, mean", "moments, rms", "moments, largest"
-    return markdown_table(names, rows)
+    heads = "mesh", "hub, mean", "hub, standard deviation", "moments, mean", "moments, rms", "moments, largest"
+    about = "Off the reduced model's; 1 mrad, 20 ms, moments over the largest."
+    yield "tilted", "Meshes", about, markdown_table(heads, rows)
 
-
-def spalled_on_meshes() -> str:
-    """Hub, forces, moments and tilts over a spall of half the length, against the reduced model."""
-    keys, rows = SLANTED | {"axial.slices": 20} | HALF, []
-    wanted, found = moved(keys | {"model": "reduced"}), moved(keys | {"model": "fem", "numerics.mesh_size_mm": 2.0})
-    for name, column in COLUMNS.items():
-        off = (of(found[column]) / of(wanted[column]) - 1.0 for of in (np.mean, np.std, lambda x: np.abs(x).max()))
-        rows.append([name, *map(_percent, off)])
-    return markdown_table(("off the reduced model's", "mean", "standard deviation", "largest"), rows)
-
-
-def spalled() -> str:
-    """Forces, moments, tilts and vibration of a spall under the load, 100 ms."""
     keys = {"model": "reduced", "axial.slices": 20, "numerics.duration_ms": 100.0, "numerics.output_interval_us": 5.0}
     columns = []
     for more in SPALLS.values():
@@ -98,22 +85,19 @@ def spalled() -> str:
         "mean force on the outer raceway over its middle", "mean moment there", "largest force on the outer raceway",
         "largest tilt", "acceleration of the hub along the load", "its envelope at BPFO",
     )  # fmt: skip
-    return markdown_table(("spall", *SPALLS), zip(names, *columns, strict=True))
+    about = "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on."
+    table = markdown_table(("spall", *SPALLS), zip(names, *columns, strict=True))
+    yield "tilted", "Spall of half the length", about, table
 
-
-def strikes() -> str:
-    """Largest forces of a roller that crosses a spall of the whole length, beside those of the plane section."""
-    rows = []
+    rows = []  # beside the largest forces of the plane section
     for model in ("reduced", "lagrange"):
         fixed = {"model": model, "numerics.duration_ms": 0.6, "numerics.output_interval_us": 0.5, "spall": CROSSED}
         peaks = [record(make_plan(Scene().varied(fixed | keys)))["outer_force"].max() for keys in ({}, *LAWS.values())]
         rows.append([model, f"{peaks[0]:.0f} N", *(_more(peak / peaks[0]) for peak in peaks[1:])])
-    return markdown_table(("model", "plane section", *LAWS), rows)
+    about = "2000 N, 4500 rpm, a spall 0.5 mm wide; largest forces."
+    yield "tilted", "Strikes on edges", about, markdown_table(("model", "plane section", *LAWS), rows)
 
-
-def at_an_edge() -> str:
-    """Forces where an edge's compliance acts on their sum, over those where it acts on each slice that stands alone."""
-    rows = []
+    rows = []  # an edge's compliance acts on the sum of forces, over: it acts on each slice that stands alone
     for profile in ("none", "logarithmic"):
         scene = Scene().varied({"axial.slices": 40, "axial.roller_profile": profile})
         bearing, axial = scene.ideal_bearing(), scene.ideal_axial()
@@ -123,26 +107,23 @@ def at_an_edge() -> str:
         for slope in (0.0, 1e-3, 2e-3):
             place = whole.approach_under(LOADED, np.array([slope])), np.array([slope])
             hard, yielding = (of.force(whole.approaches(*place)) for of in (law, Softened(law=law, compliance=soft)))
-            found = (
+            ratios = (
                 in_series(whole.at, *place, soft).force / yielding.mean(),
                 alone(half).at(*place, 0.0, 0.0, soft).force / np.where(half.part, yielding, hard).mean(),
             )
-            rows.append([profile, f"{1e3 * slope:g} mrad", *(_more(ratio.item()) for ratio in found)])
-    return markdown_table(("profile", "slope", "whole length", "half the length"), rows)
+            rows.append([profile, f"{1e3 * slope:g} mrad", *(_more(ratio.item()) for ratio in ratios)])
+    about = "ΔB = 1.5, 700 N on the sound raceway, slices that stand alone."
+    table = markdown_table(("profile", "slope", "whole length", "half the length"), rows)
+    yield "tilted", "Uneven pressure at an edge", about, table
 
-
-def tilted():
-    for heading, about, made in (
-        ("Meshes", "Off the reduced model's; 1 mrad, 20 ms, moments over the largest.", beside_reduced),
-        ("Spall of half the length",
-         "2000 N, 4500 rpm, 1 mm wide, 100 ms, undamped; vibration from 20 ms on.", spalled),
-        ("Strikes on edges", "2000 N, 4500 rpm, a spall 0.5 mm wide; largest forces.", strikes),
-        ("Uneven pressure at an edge",
-         "ΔB = 1.5, 700 N on the sound raceway, slices that stand alone.", at_an_edge),
-        ("Spall of half the length on meshes",
-         "2000 N, 4500 rpm, 1 mm wide, 20 ms, 1 mrad, elements of 2 mm.", spalled_on_meshes),
-    ):  # fmt: skip
-        yield "tilted", heading, about, made()
+    keys, rows = SLANTED | {"axial.slices": 20} | HALF, []
+    wanted, found = moved(keys | {"model": "reduced"}), moved(keys | {"model": "fem", "numerics.mesh_size_mm": 2.0})
+    for name, column in COLUMNS.items():
+        off = (of(found[column]) / of(wanted[column]) - 1.0 for of in (np.mean, np.std, lambda x: np.abs(x).max()))
+        rows.append([name, *map(_percent, off)])
+    about = "2000 N, 4500 rpm, 1 mm wide, 20 ms, 1 mrad, elements of 2 mm."
+    table = markdown_table(("off the reduced model's", "mean", "standard deviation", "largest"), rows)
+    yield "tilted", "Spall of half the length on meshes", about, table
 
 
 if __name__ == "__main__":

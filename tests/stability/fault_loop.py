@@ -24,6 +24,7 @@ import time
 import zipfile
 from collections import Counter, defaultdict
 from collections.abc import Hashable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -89,34 +90,21 @@ def _concerns(arguments: str, kind: str, mine: str) -> bool:
     return mine in place and "site-packages" not in place
 
 
-def ends(calls: dict[int, Hashable]) -> list[int]:
-    groups = defaultdict(list)
-    for number, alike in calls.items():
-        groups[alike].append(number)
-    return sorted({number for numbers in groups.values() for number in (numbers[0], numbers[-1])})
-
-
 def state_of(folder: Path) -> str:
     """A digest of all files of a folder, without the times of day in them."""
     text = hashlib.sha256()
     for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.name != LOG):
-        text.update(str(path.relative_to(folder)).encode() + b"\0")
-        try:
-            text.update(_timeless(path))
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
-            text.update(path.read_bytes())
+        parts = [path.read_bytes()]
+        with suppress(OSError, KeyError, ValueError, zipfile.BadZipFile):
+            if path.suffix == ".nc":
+                parts = [name.encode() + value.tobytes() for name, value in sorted(samples_of(path).items())]
+            if path.suffix == ".checkpoint":
+                with np.load(path) as arrays:
+                    meta = json.loads(arrays["meta"].tobytes()) | {"wall_seconds": 0.0}
+                    parts = [arrays[name].tobytes() for name in arrays.files if name != "meta"]
+                    parts.append(json.dumps(meta).encode())
+        text.update(str(path.relative_to(folder)).encode() + b"\0" + b"".join(parts))
     return text.hexdigest()
-
-
-def _timeless(path: Path) -> bytes:
-    if path.suffix == ".nc":
-        return b"".join(name.encode() + value.tobytes() for name, value in sorted(samples_of(path).items()))
-    if path.suffix == ".checkpoint":
-        with np.load(path) as arrays:
-            meta = json.loads(arrays["meta"].tobytes()) | {"wall_seconds": 0.0}
-            rest = (arrays[name].tobytes() for name in arrays.files if name != "meta")
-            return b"".join([json.dumps(meta).encode(), *rest])
-    return path.read_bytes()
 
 
 class Loop:
@@ -204,7 +192,10 @@ def main(
         for kind in kinds:
             calls, before = calls_of(loop.log, kind, str(loop.desk)), len(findings)
             done = {int(n): (int(code), wrong) for *which, n, code, wrong in lines.rows if which == [command, kind]}
-            for number in calls if alike else ends(calls):
+            groups = defaultdict(list)
+            for number, same in calls.items():
+                groups[number if alike else same].append(number)
+            for number in sorted({number for numbers in groups.values() for number in (numbers[0], numbers[-1])}):
                 if number not in done and time.monotonic() < until:
                     done[number] = loop.trial(kind, number)
                     lines.add(command, kind, number, *done[number])

@@ -125,14 +125,21 @@ class History:
         away = self.result.with_name(self.result.name + AWAY)
         if away.exists() and not self.result.exists():
             away.rename(self.result)
-        faults = [_ending(name, done) for name, done in ended.items()]
+        faults = []
+        for name, done in ended.items():
+            if done.code is None:
+                faults.append(f"{name} hangs")
+            elif done.code not in EXITS or "Traceback" in done.said:
+                faults.append(f"{name}: exit {done.code}: {done.said[-400:]}")
+            elif done.code in (1, 2) and not done.said.strip():
+                faults.append(f"{name}: exit {done.code} without a word")
         if self.result.exists() and not self.flipped:
             try:
                 if other := forked.differing(forked.samples_of(self.result), self.whole):
                     faults.append(f"other samples of {', '.join(other)}")
             except (OSError, KeyError) as error:
                 faults.append(f"the result can't be read: {error}")
-        return "; ".join(filter(None, faults))
+        return "; ".join(faults)
 
     def last_leg(self) -> tuple[str, str]:
         """Bring it to its end undisturbed: how it ended, and what is wrong, or nothing."""
@@ -146,14 +153,6 @@ class History:
         if done.code != 0:
             return ending, f"the last leg ends with {done.code}: {done.said[-300:]}"
         return ending, "" if forked.is_same(forked.samples_of(self.result), self.whole) else "another result"
-
-
-def _ending(name: str, done: forked.Ended) -> str:
-    if done.code is None:
-        return f"{name} hangs"
-    if done.code not in EXITS or "Traceback" in done.said:
-        return f"{name}: exit {done.code}: {done.said[-400:]}"
-    return f"{name}: exit {done.code} without a word" if done.code in (1, 2) and not done.said.strip() else ""
 
 
 def history(seed: int, number: int, place: Path, wholes: dict[str, dict[str, np.ndarray]]) -> tuple[str, ...]:

@@ -233,7 +233,7 @@ def rewritten(text: str, printed: dict[str, str]) -> str:
 
 
 def as_shown(printed: str, shown: str) -> str:
-    """A printed line with the words left out and as few decimals as a page shows of it, but no fewer than two digits."""
+    """A printed line with the words left out and the decimals that a page shows of it, but no fewer than two digits."""
     if (found := alike(shown, printed)) is None:
         return printed
     fresh = iter(found.groups())

@@ -52,31 +52,8 @@ def energy_drift(plan: ElementPlan) -> float:
     return float(np.max(np.abs(samples.imbalance)) / np.max(samples["energy_elastic"] + samples["energy_contact"]))
 
 
-def drifts(tables: dict) -> np.ndarray:
-    """Drift of a scene at every ratio, over the same simulated time or a little less."""
-    plan = make_plan(parse_scene(tables, "scene"))
-    steps = int(1e-3 * DURATION_MS / plan.critical_time_step)
-    return np.array([energy_drift(at_ratio(plan, ratio, steps)) for ratio in RATIOS])
-
-
-def measured(plot: Path) -> Iterator[str]:
-    """The map in words and as a table; its picture is drawn."""
-    curves = {name: drifts(tables) for name, tables in SCENES.items()}
-    shown = np.array([["stopped" if np.isnan(drift) else f"{drift:.1e}" for drift in of] for of in curves.values()]).T
-    yield "Energy drift against time step over computed critical step"
-    rows = ([f"{ratio:g}", *cells] for ratio, cells in zip(RATIOS, shown, strict=True))
-    yield markdown_table(("step", *curves), rows)
-    for name, drift in curves.items():
-        bad = np.append(np.flatnonzero(np.isnan(drift)), len(RATIOS))[0]
-        good, bad = np.append(RATIOS, nan)[[bad - 1, bad]] if bad else (nan, RATIOS[0])
-        verdict = "safe side, by less than 15 %" if good >= 1.0 and bad <= 1.0 + SAFE_SIDE else "NOT AS CLAIMED"
-        yield f"{name}: the true limit lies between {good:g} and {bad:g} of the computed step: {verdict}"
-    draw(curves, plot)
-    yield f"plot: {plot}"
-
-
-def draw(curves: dict[str, np.ndarray], path: Path) -> None:
-    """Draw the drift on a logarithmic axis, stopped runs as crosses at the top."""
+def measured(path: Path) -> Iterator[str]:
+    """The map in words and as a table; its picture is drawn, stopped runs as crosses at the top."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -85,10 +62,19 @@ def draw(curves: dict[str, np.ndarray], path: Path) -> None:
     figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
     axes.axvspan(1.0, 1.0 + SAFE_SIDE, color="0.92", label="safe side by less than 15 %")
     axes.axvline(1.0, color="0.4", linewidth=1.0)
-    for i, (name, drift) in enumerate(curves.items()):
+    columns, verdicts = [], []
+    for i, (name, tables) in enumerate(SCENES.items()):
+        plan = make_plan(parse_scene(tables, "scene"))
+        steps = int(1e-3 * DURATION_MS / plan.critical_time_step)  # the same simulated time or a little less
+        drift = np.array([energy_drift(at_ratio(plan, ratio, steps)) for ratio in RATIOS])
+        stopped = np.isnan(drift)
+        columns.append(["stopped" if stops else f"{value:.1e}" for stops, value in zip(stopped, drift, strict=True)])
+        first = np.append(np.flatnonzero(stopped), len(RATIOS))[0]
+        good, bad = np.append(RATIOS, nan)[[first - 1, first]] if first else (nan, RATIOS[0])
+        verdict = "safe side, by less than 15 %" if good >= 1.0 and bad <= 1.0 + SAFE_SIDE else "NOT AS CLAIMED"
+        verdicts.append(f"{name}: the true limit lies between {good:g} and {bad:g} of the computed step: {verdict}")
         axes.semilogy(RATIOS, np.maximum(drift, 1e-12), "o-", color=f"C{i}", label=name, markersize=4)
-        stopped = RATIOS[np.isnan(drift)]
-        axes.semilogy(stopped, np.full(len(stopped), UNBOUNDED * 1.5**i), "x", color=f"C{i}")
+        axes.semilogy(RATIOS[stopped], np.full(stopped.sum(), UNBOUNDED * 1.5**i), "x", color=f"C{i}")
     axes.set(xlabel="time step / computed critical step", ylabel="energy imbalance / stored energy")
     axes.set_title("Crosses: the run stopped itself", fontsize=10)
     axes.grid(alpha=0.3)
@@ -96,6 +82,9 @@ def draw(curves: dict[str, np.ndarray], path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=150)
     plt.close(figure)
+    yield "Energy drift against time step over computed critical step"
+    yield markdown_table(("step", *SCENES), zip((f"{ratio:g}" for ratio in RATIOS), *columns, strict=True))
+    yield from (*verdicts, f"plot: {path}")
 
 
 if __name__ == "__main__":

@@ -247,12 +247,12 @@ def contact_state(
         dampers = [damper_force(force, given, 1.0) for force, given in zip(forces, damping, strict=False)]
     elif damping.acts and tilts is not None and springs:
         bx, by = np.asarray(tilts.slope_x_rate)[..., None], np.asarray(tilts.slope_y_rate)[..., None]
-        (radial, tangential), tilting = found.circle, tilts.tilt_rate - (bx * found.cos + by * found.sin)
+        (radial, tangential), outwards = found.circle, tilts.tilt_rate - (bx * found.cos + by * found.sin)
         skewing = state.theta_rate * tilts.tilt - (by * found.cos - bx * found.sin)
         passed = (around * radial - out * tangential) / found.distance
-        turning = tilting * radial + skewing * tangential + at.across * passed, -tilts.tilt_rate
-        each = zip(springs, closing, turning, strict=True)
-        both = [tilted_damper(here, damping, rate, turn, bearing.roller_length) for here, rate, turn in each]
+        turning = outwards * radial + skewing * tangential + at.across * passed, -tilts.tilt_rate
+        tilting = zip(springs, closing, turning, strict=True)
+        both = [tilted_damper(here, damping, rate, turn, bearing.roller_length) for here, rate, turn in tilting]
         dampers, moments = zip(*both, strict=True)
     elif damping.acts:
         each = zip(forces, closing, own, depth, strict=True)
@@ -261,8 +261,8 @@ def contact_state(
     tilted = None
     if springs:
         if isinstance(damping, StatedDampers):  # without a force there is no moment
-            each = zip((inner_force, outer_force), damping[2:], springs, strict=True)
-            moments = [np.where(force > 0.0, given, -here.moment) for force, given, here in each]
+            stated = zip((inner_force, outer_force), damping[2:], springs, strict=True)
+            moments = [np.where(force > 0.0, given, -here.moment) for force, given, here in stated]
         tilted = TiltedContacts(
             inner_moment=springs[0].moment + moments[0], outer_moment=springs[1].moment + moments[1],
             normal=found.circle, energy=springs[0].energy + springs[1].energy, dampers=tuple(moments),

@@ -50,13 +50,13 @@ class Statics:
     stiffness: np.ndarray  # (2, 2), N/m, of the hub's place as elements follow it; negative across what it balances on
 
 
-class _Upright(NamedTuple):
+class _Upright:
     """A contact of parallel axes as one that may be tilted."""
 
-    law: PowerLaw | LogarithmicLaw
+    has_part, last_approach = False, inf
 
-    has_part = False
-    last_approach = inf
+    def __init__(self, law: PowerLaw | LogarithmicLaw):
+        self.law = law
 
     def at(self, approach, slope) -> TiltedContact:
         law, none = self.law, np.zeros(np.shape(approach))

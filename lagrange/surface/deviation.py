@@ -183,7 +183,7 @@ class Profiles:
         return min(profile.waves for profile in vars(self).values() if profile is not None)
 
 
-def _deviation(bodies: tuple[Profile | None, Profile | None], angles: tuple) -> SurfaceDeviation:
+def _deviation(bodies: tuple[Profile | None, ...], angles: tuple) -> SurfaceDeviation:
     """Of contacts at angles on the ring and on the rollers, rad."""
     flat = np.zeros(np.broadcast_shapes(*map(np.shape, angles)))
     pairs = zip(bodies, angles, strict=True)

@@ -157,7 +157,8 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _completed(cls, data):
-        return cls.completed(data) if isinstance(data, dict) else data
+        """None is what is not given."""
+        return cls.completed({k: v for k, v in data.items() if v is not None}) if isinstance(data, dict) else data
 
     def si(self) -> dict[str, Any]:
         """All values in SI, by keys without the unit that they spell."""

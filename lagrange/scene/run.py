@@ -224,8 +224,6 @@ class SupportTable(Table):
         (lambda t: t.kind == "housing" and t.fit_clearance_um is None and t.bore_stiffness_N_per_mm3 is not None,
             "bore_stiffness_N_per_mm3 = {t.bore_stiffness_N_per_mm3:g}: only with fit_clearance_um, without which the "
             "ring is held all around; give that too, 0 for a bore as wide as the ring"),
-        (lambda t: None in (getattr(t, name) for name in OF_KINDS.get(t.kind, ())),
-            'kind = "{t.kind}" without one of its keys; leave None out'),
     )
 
     def parts(self) -> dict[str, Any]:

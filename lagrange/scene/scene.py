@@ -77,27 +77,17 @@ class Scene(Table):
         super()._fill(data, name)
         self._written = {each: plain(value) for each, value in data.items()}
         with suppress(ValueError):  # a table of speeds or loads that is not at hand
-            self._choose_interval()
-        with suppress(ValueError):
-            self._choose_cage()
-
-    def _choose_interval(self) -> None:
-        """Between samples, where none is given: by the fastest vibration that moves, and so that no warning follows."""
-        if "output_interval_us" in self.numerics.model_fields_set:
-            return
-        bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
-        longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
-        interval = round(1e6 * fitting_interval(bearing, operation, longest), 3)
-        self.__dict__["numerics"] = self.numerics.model_copy(update={"output_interval_us": interval})
-
-    def _choose_cage(self) -> None:
-        """Write out the cage that the bearing has: the table's, what it leaves out by default, or no table."""
-        found = self.cage or ("" if self.model == "lagrange" else bearings.default_cage(self))
-        if isinstance(found, bearings.CageTable) and found.kind != "none":
+            if "output_interval_us" not in self.numerics.model_fields_set:
+                # by the fastest vibration that moves, and so that no warning follows
+                bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
+                longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
+                interval = round(1e6 * fitting_interval(bearing, operation, longest), 3)
+                self.__dict__["numerics"] = self.numerics.model_copy(update={"output_interval_us": interval})
+        with suppress(ValueError):  # the cage that the bearing has: the table's, what it leaves out by default, or none
+            cage = self.cage or (None if self.model == "lagrange" else bearings.default_cage(self))
             moves = self.operation.turns_outer_ring is not None or self.mounting().bore is not None
-            self.__dict__["cage"] = found.filled(self.unmounted_bearing(), moves)
-        else:
-            self.__dict__["cage"] = None
+            self.__dict__["cage"] = (cage.filled(self.unmounted_bearing(), moves)
+                if isinstance(cage, bearings.CageTable) and cage.kind != "none" else None)
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self.__dict__ == other.__dict__
@@ -241,12 +231,9 @@ class Scene(Table):
             roller=replace(roller, density=roller.density / b.cosine ** (2 if balls else 1)),
             inner_ring=self.material.of("inner_ring", "inner_ring" in rigid),
             outer_ring=self.material.of("outer_ring", "outer_ring" in rigid))
-        if not balls:
-            return b.fact(Bearing, **shape)
-        if b.inner_conformity is None or b.outer_conformity is None:
-            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
-        return b.fact(BallBearing, **shape, inner_groove_radius=1e-3 * b.inner_conformity * b.roller_diameter_mm,
-            outer_groove_radius=1e-3 * b.outer_conformity * b.roller_diameter_mm)
+        grooves = {f"{side}_groove_radius": 1e-3 * si[f"{side}_conformity"] * b.roller_diameter_mm
+            for side in ("inner", "outer") if balls}
+        return b.fact(BallBearing if balls else Bearing, **shape, **grooves)
 
     def operating_clearance(self) -> OperatingClearance | None:
         """How the clearance in operation comes about, films included; None: the scene has no [fit]."""

@@ -16,13 +16,13 @@ Estimates, because makers do not publish them:
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
 
-# fmt: off  # rows of tables go on below where they are long
+# fmt: off
 import csv
 import re
-from dataclasses import dataclass
 from functools import lru_cache
 from math import asin, degrees, pi, sqrt
 from pathlib import Path
+from typing import NamedTuple
 
 from lagrange.rating.life import (
     Dimensions,
@@ -68,9 +68,8 @@ _PREFIX = re.compile(  # a maker's name, and letters before the number: material
 _RIBS = re.compile(r"(NUP|NJ|N)(?=\d)")  # of cylindrical roller bearings whose rings have other ribs than NU's
 
 
-@dataclass(frozen=True, kw_only=True)
-class Entry:
-    """A row of the table. mm and kN; raceways None where the catalogue gives none."""
+class Entry(NamedTuple):
+    """A row of the table, as its columns stand. mm and kN; raceways None where the catalogue gives none."""
 
     bore: float
     outside: float
@@ -82,8 +81,7 @@ class Entry:
     source: str
 
 
-@dataclass(frozen=True, kw_only=True)
-class Elements:
+class Elements(NamedTuple):
     """Estimates of rollers or balls and of the raceways around them, without clearance. mm."""
 
     number: int
@@ -101,12 +99,10 @@ class Elements:
 @lru_cache(maxsize=1)
 def entries() -> dict[str, Entry]:
     """All rows by designation; N, NJ and NUP have the section of the NU of the same number."""
-    names = {"bore": "bore_mm", "outside": "outside_mm", "width": "width_mm", "inner": "inner_raceway_mm",
-        "outer": "outer_raceway_mm", "dynamic": "dynamic_kN", "static": "static_kN"}
     with _DATA.open(encoding="utf-8", newline="") as file:
-        return {row["designation"]: Entry(source=row["source"], **{
-            name: float(row[column]) if row[column] else None for name, column in names.items()})  # type: ignore[arg-type]
-            for row in csv.DictReader(file)}
+        rows = list(csv.reader(file))[1:]
+    return {name: Entry._make([*(float(cell) if cell else None for cell in cells), source])
+        for name, *cells, source in rows}
 
 
 def _row_of(name: str) -> str:
@@ -228,7 +224,7 @@ def _rollers(entry: Entry, diameter: float, filled: float) -> Elements:
     most = pi / asin(min(diameter / pitch, 1.0)) if pitch > 0.0 else 1.0
     number = max(int(most) if filled == 1.0 else round(filled * most), 1)
     length = 1e3 * entry.static / (44.0 * abs(1.0 - diameter / pitch) * number * diameter)
-    return Elements(number=number, diameter=diameter, length=round(length, 1), inner=inner, outer=outer)
+    return Elements(number, diameter, round(length, 1), inner, outer)
 
 
 def _balls(entry: Entry) -> Elements:
@@ -245,8 +241,7 @@ def _balls(entry: Entry) -> Elements:
     _, number, diameter = min(tried)
     step = _FINE if diameter < _SMALL_BALL else _COARSE
     diameter = round(step * round(diameter / step), 3)
-    return Elements(number=number, diameter=diameter, length=entry.width, inner=pitch - diameter,
-        outer=pitch + diameter)
+    return Elements(number, diameter, entry.width, pitch - diameter, pitch + diameter)
 
 
 def ratings(name: str) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from copy import deepcopy
 from functools import cache
 from itertools import pairwise
 from math import pi
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic.fields import FieldInfo
@@ -101,13 +101,12 @@ def only(keys: str, other: str, *values: str | None) -> Rule:
     return rule
 
 
-class File:
+class File(NamedTuple):
     """A key of a table that names a file; the text comes with the scene, see `lagrange.scene.scene`."""
 
-    def __init__(self, kind: str, read: Callable[[str, str], Any], forms: tuple[str, ...] = ()):
-        self.kind = kind  # what such a table is of, in words
-        self.read = read  # what a text with this decimal sign says, ValueError
-        self.forms = forms  # values of the key that name no file
+    kind: str  # what such a table is of, in words
+    read: Callable[[str, str], Any]  # what a text with this decimal sign says, ValueError
+    forms: tuple[str, ...] = ()  # values of the key that name no file
 
 
 class Table(BaseModel):

@@ -1,19 +1,7 @@
 """Tables of the scene that say how the bearing is held, how it runs, and how that is computed and read.
 
 [support], [sensor]; [operation], with what of it changes in time; [contact], [damping], [lagrange], [numerics],
-[output]; [table], names and units of the columns of a trajectory table made elsewhere:
-
-[table]
-time = "t [ms]"                # header "t [ms]", or header "t" over milliseconds
-inner_x = "X_hub [um]"
-inner_y = "Y_hub [um]"
-roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and roller_y
-roller_theta = "theta_{j} [deg]"
-inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
-housing_y = "Y_ring [um]"      # with [support] kind = "housing", and housing_x; optional housing_ax, housing_ay
-outer_ring_y = "Y_outer [um]"  # instead of these where the ring has a fit_clearance_um, and outer_ring_x and so on
-first_roller = 1               # number of the first roller in the names; default 0
-decimal = ","                  # default "."
+[output]; [table], names and units of the columns of a trajectory table made elsewhere (docs/tables.md).
 """
 
 # fmt: off
@@ -22,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import lru_cache
 from math import cos, pi, radians, sin
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
@@ -301,12 +289,9 @@ FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
 ACCELERATIONS = {"m/s2": 1.0, "m/s²": 1.0, "m/s^2": 1.0, "mm/s2": 1e-3, "mm/s²": 1e-3, "mm/s^2": 1e-3, "g": G}
 
 
-class Units(NamedTuple):
-    """Of a column that has a name as its value, with their factors to SI."""
-
-    known: dict[str, float]
-
-
+UNITS_OF = {"time": TIMES, "x": LENGTHS, "y": LENGTHS, "rho": LENGTHS, "theta": ANGLES, "ax": ACCELERATIONS,
+    "ay": ACCELERATIONS, "force": FORCES, "traction": FORCES}  # of columns, by the last word of what they hold, to SI
+LONGEST_NAME = 200  # characters
 FEWEST_ROWS = 3  # of a law; with two the fit is exact, and says nothing of itself
 EXPONENTS = 1.0, 3.0  # softer than a line contact's, stiffer than a point's: none is beyond
 
@@ -408,36 +393,31 @@ class OutputTable(Table):
         100_000_000)
 
 
-Length = Annotated[str, Units(LENGTHS)]
-Acceleration = Annotated[str, Units(ACCELERATIONS)]
-Force = Annotated[str, Units(FORCES)]
-
-
 class Columns(Table):
     """Names of a table's columns: "name" (SI) or "name [unit]"."""
 
-    time: Annotated[str, Units(TIMES)] = key("time", "time")
-    inner_x: Length = key("inner_x", "inner ring's centre, x")
-    inner_y: Length = key("inner_y", "inner ring's centre, y (up)")
-    roller_x: Length = key("roller_{j}_x", "roller's centre, x; {j}: its number")
-    roller_y: Length = key("roller_{j}_y", "roller's centre, y")
-    roller_rho: Length = key("roller_{j}_rho", "roller's distance from the outer ring's centre, instead of x and y")
-    roller_theta: Annotated[str, Units(ANGLES)] = key("roller_{j}_theta", "roller's angle from +x, counter-clockwise")
-    inner_ax: Acceleration = key("inner_ax", "acceleration of the inner ring, x")
-    inner_ay: Acceleration = key("inner_ay", "acceleration of the inner ring, y")
-    housing_x: Length = key("housing_x", "outer ring's centre in a housing, x")
-    housing_y: Length = key("housing_y", "outer ring's centre in a housing, y")
-    housing_ax: Acceleration = key("housing_ax", "acceleration of the housing, x")
-    housing_ay: Acceleration = key("housing_ay", "acceleration of the housing, y")
-    outer_ring_x: Length = key("outer_ring_x", "outer ring's centre, x, if it has a fit")
-    outer_ring_y: Length = key("outer_ring_y", "outer ring's centre, y, if it has a fit")
-    outer_ring_ax: Acceleration = key("outer_ring_ax", "acceleration of the outer ring, x")
-    outer_ring_ay: Acceleration = key("outer_ring_ay", "acceleration of the outer ring, y")
-    inner_force: Force = key("roller_{j}_inner_force", "normal force at the inner raceway")
-    outer_force: Force = key("roller_{j}_outer_force", "normal force at the outer raceway")
-    inner_traction: Force = key("roller_{j}_inner_traction", "tangential force of the inner raceway on the roller, "
+    time: str = key("time", "time")
+    inner_x: str = key("inner_x", "inner ring's centre, x")
+    inner_y: str = key("inner_y", "inner ring's centre, y (up)")
+    roller_x: str = key("roller_{j}_x", "roller's centre, x; {j}: its number")
+    roller_y: str = key("roller_{j}_y", "roller's centre, y")
+    roller_rho: str = key("roller_{j}_rho", "roller's distance from the outer ring's centre, instead of x and y")
+    roller_theta: str = key("roller_{j}_theta", "roller's angle from +x, counter-clockwise")
+    inner_ax: str = key("inner_ax", "acceleration of the inner ring, x")
+    inner_ay: str = key("inner_ay", "acceleration of the inner ring, y")
+    housing_x: str = key("housing_x", "outer ring's centre in a housing, x")
+    housing_y: str = key("housing_y", "outer ring's centre in a housing, y")
+    housing_ax: str = key("housing_ax", "acceleration of the housing, x")
+    housing_ay: str = key("housing_ay", "acceleration of the housing, y")
+    outer_ring_x: str = key("outer_ring_x", "outer ring's centre, x, if it has a fit")
+    outer_ring_y: str = key("outer_ring_y", "outer ring's centre, y, if it has a fit")
+    outer_ring_ax: str = key("outer_ring_ax", "acceleration of the outer ring, x")
+    outer_ring_ay: str = key("outer_ring_ay", "acceleration of the outer ring, y")
+    inner_force: str = key("roller_{j}_inner_force", "normal force at the inner raceway")
+    outer_force: str = key("roller_{j}_outer_force", "normal force at the outer raceway")
+    inner_traction: str = key("roller_{j}_inner_traction", "tangential force of the inner raceway on the roller, "
         "along +θ")
-    outer_traction: Force = key("roller_{j}_outer_traction", "tangential force of the outer raceway on the roller, "
+    outer_traction: str = key("roller_{j}_outer_traction", "tangential force of the outer raceway on the roller, "
         "along +θ")
     first_roller: int = key(0, "number of the first roller in the names", 0)
     decimal: Literal[".", ","] = key(".", "decimal sign of the table")
@@ -446,23 +426,20 @@ class Columns(Table):
     @classmethod
     def _usable(cls, name: Any, info: ValidationInfo) -> Any:
         quantity = str(info.field_name)  # which a field's validator always has
-        units = cls.units_of(quantity)
-        if not units:
+        if not (units := cls.units_of(quantity)):
             return name
         if not name.strip() or len(name) > LONGEST_NAME:
             raise ValueError(f"must be a column's name of at most {LONGEST_NAME} characters")
-        unit = _split(name)[1]
-        if unit is not None and unit not in units:
+        if (unit := _split(name)[1]) is not None and unit not in units:
             raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")
-        if per_roller(quantity) != ("{j}" in name):
-            wanted = "needs {j} in place of the roller's number"
-            raise ValueError(wanted if per_roller(quantity) else "has one column, without {j}")
+        if (wanted := per_roller(quantity)) != ("{j}" in name):
+            raise ValueError("needs {j} in place of the roller's number" if wanted else "has one column, without {j}")
         return name
 
-    @classmethod
-    def units_of(cls, quantity: str) -> dict[str, float]:
+    @staticmethod
+    def units_of(quantity: str) -> dict[str, float]:
         """Units that a column may have, and their factors to SI; none of what is no column."""
-        return next((each.known for each in cls.model_fields[quantity].metadata if isinstance(each, Units)), {})
+        return UNITS_OF.get(quantity.rpartition("_")[2], {})
 
     def header(self, quantity: str, roller: int | None = None) -> tuple[list[str], float]:
         """Headers a quantity's column may have, likeliest first, and the factor to SI; `roller` counts from 0."""
@@ -475,9 +452,6 @@ class Columns(Table):
         units = self.units_of(quantity)
         same = [f"{bare} [{other}]" for other, size in units.items() if size == units[unit] and other != unit]
         return [name, bare, *same], units[unit]
-
-
-LONGEST_NAME = 200  # characters
 
 
 def per_roller(quantity: str) -> bool:

@@ -81,19 +81,18 @@ class ContactTable:
 
 
 class TiltedLaw(Protocol):
-    """One contact of a roller that may be tilted: a table, or slices."""
+    """One contact of a roller that may be tilted, a table or slices.
+
+    last_approach : the largest, m, that it knows; has_part : whether `at` takes the spalls of a part of the length, as
+    `SpalledTable.at` does; at : of approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any shape
+    """
 
     @property
-    def last_approach(self) -> float:
-        """The largest, m, that it knows."""
-
+    def last_approach(self) -> float: ...
     @property
-    def has_part(self) -> bool:
-        """Whether `at` takes the spalls of a part of the length, as `SpalledTable.at` does."""
-
+    def has_part(self) -> bool: ...
     @property
-    def at(self) -> Callable[..., TiltedContact]:
-        """Of approaches δ, m, in the plane z = 0 and slopes ψ, rad, of any shape."""
+    def at(self) -> Callable[..., TiltedContact]: ...
 
 
 def in_series(at: Callable[..., TiltedContact], approach, slope, compliance, *spalls) -> TiltedContact:

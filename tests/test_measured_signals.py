@@ -169,11 +169,6 @@ def told(tmp_path, values, time=TIME):
     return signal_of(tmp_path, rows(head=HEAD, columns=(time, values)).replace("nan", ""))
 
 
-def test_missing_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match="No such file"):
-        read_signal(tmp_path / "none.csv")
-
-
 @pytest.mark.parametrize(
     ("values", "note"),
     [(WAVE, None), (np.clip(WAVE, -0.7, 0.7), "saturated"), (WAVE + 5.0, "was removed"),
@@ -185,22 +180,19 @@ def test_faults_of_a_record_are_told(tmp_path, values, note):
     assert abs(signal.values.mean()) < 1e-9
 
 
-def test_longest_piece_between_missing_samples_is_taken(tmp_path):
+def test_longest_piece_between_missing_samples_is_taken_and_a_gap_in_time_does_not_change_the_rate(tmp_path):
     values = WAVE.copy()
     values[[100, 101, 1900]] = np.nan
     signal = told(tmp_path, values)
     assert "3 samples without a number" in signal.notes[0]
     np.testing.assert_allclose(signal.values, G * (WAVE[102:1900] - WAVE[102:1900].mean()), atol=1e-4)
-
-
-def test_gap_in_time_is_told_and_does_not_change_the_rate(tmp_path):
     signal = told(tmp_path, WAVE, np.where(np.arange(2000) < 300, TIME, TIME + 0.1))
     assert "1 gap in time" in signal.notes[0] and signal.values.size == 1700
     assert signal.rate == pytest.approx(RATE, rel=1e-4)
 
 
 @pytest.mark.parametrize("missing", ["", "#N/A", "% an event", "# an event"])
-def test_a_line_without_a_number_is_a_missing_sample(tmp_path, missing):
+def test_a_line_without_a_number_is_a_missing_sample_but_not_between_rows_with_times(tmp_path, missing):
     lines = rows(columns=(WAVE,)).splitlines()
     lines[500] = missing
     signal = signal_of(tmp_path, "acc [g]\n" + "\n".join(lines), rate=RATE)
@@ -208,16 +200,15 @@ def test_a_line_without_a_number_is_a_missing_sample(tmp_path, missing):
     lines[1:-1:3] = [missing] * len(lines[1:-1:3])
     with pytest.raises(InputError, match=r"[23] samples in one piece; .* 667 samples without"):
         signal_of(tmp_path, "acc [g]\n" + "\n".join(lines), rate=RATE)
-
-
-def test_blank_lines_between_rows_with_times_lose_nothing(tmp_path):
     signal = signal_of(tmp_path, rows(head=HEAD).replace("\n", "\n\n"))
     assert signal.values.size == 2000 and signal.rate == pytest.approx(RATE) and signal.notes == ()
 
 
-def test_a_given_rate_decides_with_a_note(tmp_path):
+def test_a_given_rate_decides_with_a_note_and_no_file_is_refused(tmp_path):
     signal = signal_of(tmp_path, rows(head=HEAD), rate=9000.0)
     assert signal.rate == 9000.0 and signal.notes == ("The file says 8000 Hz; --rate 9000 Hz was taken.",)
+    with pytest.raises(InputError, match="No such file"):
+        read_signal(tmp_path / "none.csv")
 
 
 def test_marks_of_thousands_and_dates_in_numbers_are_refused(tmp_path):
@@ -325,11 +316,8 @@ def test_rate_before_the_numbers_and_frequencies_that_are_none(tmp_path, line, r
         signal_of(tmp_path, text)
 
 
-def test_a_whole_word_of_a_channels_name_goes_before_a_part(tmp_path):
+def test_a_whole_word_of_a_channels_name_goes_before_a_part_and_a_unit_may_stand_behind(tmp_path):
     text = rows(head="time_s,band A,band B\n", columns=(TIME, WAVE, 2.0 * WAVE))
     a, b = (signal_of(tmp_path, text, channel=name).values.std() for name in "AB")
     assert b == pytest.approx(2.0 * a)
-
-
-def test_unit_behind_a_columns_name(tmp_path):
     assert signal_of(tmp_path, rows(head="time_s,velocity_mm/s\n", columns=(TIME, WAVE))).unit == "m/s"

@@ -33,29 +33,23 @@ def ramp(tmp_path_factory):
     return record_of(folder, "time_ms,speed_rpm\n0,1000\n1000,4000\n1600,6000\n", 1600)
 
 
-def test_lines_stand_at_their_orders(ramp):
-    found = evaluate(ramp, "harris").y.orders
+def test_lines_stand_at_their_orders_at_every_instant_and_smear_in_hz(ramp):
+    whole = evaluate(ramp, "harris")
+    found = whole.y.orders
     assert (found.tracking.lines["BPFO"], found.tracking.lines["FTF"]) == pytest.approx((BPFO, FTF), rel=1e-6)
     named = {peak.line: peak for peak in found.peaks}
     for line, order, amplitude in (("BPFO", BPFO, 1e-6), ("FTF", FTF, 3e-7)):
         assert named[line].frequency == pytest.approx(order, abs=0.02 * found.path.resolution)
         assert named[line].rms == pytest.approx(amplitude / np.sqrt(2.0), rel=1e-3)
-
-
-def test_lines_stand_there_at_every_instant(ramp):
-    found = evaluate(ramp, "harris").y.orders.short_time
-    resolution = found.frequency[1]
-    assert found.time.size > 20 and resolution <= 0.1001
+    short = found.short_time
+    resolution = short.frequency[1]
+    assert short.time.size > 20 and resolution <= 0.1001
     for low, high, order in ((3.0, 8.0, BPFO), (0.25, 1.0, FTF)):
-        inside = (found.frequency > low) & (found.frequency < high)
-        highest = found.frequency[inside][np.argmax(found.psd[inside], axis=0)]
+        inside = (short.frequency > low) & (short.frequency < high)
+        highest = short.frequency[inside][np.argmax(short.psd[inside], axis=0)]
         assert np.abs(highest - order).max() <= 0.51 * resolution
-
-
-def test_in_hz_the_same_lines_smear(ramp):
-    found = evaluate(ramp, "harris")
-    assert found.lines == {} and any("marked in orders" in note for note in found.notes)
-    by_time, by_angle = power_spectrum(ramp.inner_y, ramp.interval), found.y.orders.path
+    assert whole.lines == {} and any("marked in orders" in note for note in whole.notes)
+    by_time, by_angle = power_spectrum(ramp.inner_y, ramp.interval), found.path
     shares = [s.psd.max() * s.resolution / np.var(ramp.inner_y) for s in (by_time, by_angle)]
     assert shares[0] < 0.1 and shares[1] > 0.4  # of the power in one bin
 

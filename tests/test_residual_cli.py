@@ -33,6 +33,7 @@ from residual.sampling import stationarity
 from residual.sources import read_result, read_table
 from residual.spectrum import find_peaks, power_spectrum
 from residual.vibration import HUB, named_peaks
+from tests.reference.kit import ROOT
 from tests.reference.synthetic_run import (
     exact_errors,
     harris_force,
@@ -45,12 +46,12 @@ from tests.reference.synthetic_run import (
 )
 from tests.waiting import GIVE_UP, wait_until
 
-ROOT = Path(__file__).resolve().parent.parent
 STEP = 1e-5  # s, of made-up runs
 FIGURES = (
     "history whole_spectra budget orbit load_distribution passage loads energy budget_stacked budget_spectra envelope "
     "hub_spectrum"
 )
+PLAIN = "--quiet", "--no-figures"
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +62,21 @@ def run():
 @pytest.fixture
 def result(run, tmp_path):
     return write_result(tmp_path / "made.nc", run)
+
+
+@pytest.fixture(scope="module")
+def pair(run, tmp_path_factory):
+    """Runs "quiet", and "loud", whose hub moves by thrice as much."""
+    folder, loud = tmp_path_factory.mktemp("runs"), make_run(n_times=401, amplitude=6e-7)
+    return write_result(folder / "quiet.nc", run), write_result(folder / "loud.nc", loud)
+
+
+@pytest.fixture(scope="module")
+def odd(run, tmp_path_factory):
+    """The report folder of a run of an odd name."""
+    path = write_result(tmp_path_factory.mktemp("odd") / "a <b> & c.nc", run)
+    assert main([str(path), "--quiet"]) == 0
+    return path.with_name("a <b> & c-residual")
 
 
 def scene_file(run, folder):
@@ -82,38 +98,35 @@ def test_table_with_a_known_residual_is_reproduced(tmp_path, capsys):
         assert first["frequency_Hz"] == pytest.approx(3000.0, rel=1e-3) and first["line"] is None
     bpfo = [p for p in found["peaks_x"] if p["line"] == "BPFO"]
     assert bpfo and bpfo[0]["frequency_Hz"] == pytest.approx(381.52, rel=5e-3)
-    assert "3000 Hz" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "3000 Hz" in told and str(tmp_path / "out" / "report.html") in told.replace("\n", "")
 
 
-def test_report_folder_is_complete_its_page_fetches_nothing_and_escapes_names(run, tmp_path, capsys):
-    path, folder = write_result(tmp_path / "a <b> & c.nc", run), tmp_path / "a <b> & c-residual"
-    assert main([str(path)]) == 0
-    assert str(folder / "report.html") in capsys.readouterr().out.replace("\n", "")
+def test_report_folder_is_complete_its_page_fetches_nothing_and_escapes_names(odd):
     names = {f"{figure}.{kind}" for figure in FIGURES.split() for kind in ("png", "svg")}
-    assert {p.name for p in folder.iterdir()} == {"residual.nc", "summary.json", "report.html"} | names
-    found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert {p.name for p in odd.iterdir()} == {"residual.nc", "summary.json", "report.html"} | names
+    found = json.loads((odd / "summary.json").read_text(encoding="utf-8"))
     contract = "interval_s start_s error_x frequency_resolution_Hz peaks_x peaks_y budget_x budget_y"
     assert set(contract.split()) <= set(found)
     assert (found["run"], found["law"], found["samples"]) == ("a <b> & c", "harris", 401)
     assert found["loaded_rollers"] == {"min": 6, "max": 7}
     assert sum(found["budget_mean_y"].values()) == pytest.approx(found["error_y"]["mean_N"], abs=1e-9)
-    with h5py.File(folder / "residual.nc") as file:
+    with h5py.File(odd / "residual.nc") as file:
         assert file["error_x"].attrs["units"] == "N" and file["psd_x"].attrs["units"] == "N2 Hz-1"
         assert file["psd_y"].dims[0][0] == file["frequency"] and file["error_x"].dims[0][0] == file["time"]
         assert np.std(file["error_y"]) == pytest.approx(found["error_y"]["std_N"], rel=1e-12)
         terms = sum(file[name][:] for name in file if name.startswith("budget_x_"))
         np.testing.assert_allclose(terms, file["error_x"][:], atol=2e-6)
-    page = (folder / "report.html").read_text(encoding="utf-8")
+    page = (odd / "report.html").read_text(encoding="utf-8")
     assert "a &lt;b&gt; &amp; c" in page and "<b> &" not in page
     assert not any(word in page for word in ('src="http', "<script src", "@import"))
     assert page.count("data:image/") == 12 and len(page) < 5_000_000
 
 
-def test_residual_file_opens_in_xarray_by_netcdf(result, tmp_path):
+def test_residual_file_opens_in_xarray_by_netcdf(odd):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("netCDF4")
-    report_of(result, tmp_path / "out", "--quiet", "--no-figures")
-    with xarray.open_dataset(tmp_path / "out" / "residual.nc", engine="netcdf4", decode_times=False) as data:
+    with xarray.open_dataset(odd / "residual.nc", engine="netcdf4", decode_times=False) as data:
         assert data["error_x"].dims == ("time",) and data["psd_x"].dims == ("frequency",)
 
 
@@ -126,17 +139,15 @@ def test_tolerance_gives_the_verdict(result, tmp_path, capsys):
 def test_newest_run_is_the_default_and_quiet_prints_nothing(run, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs").mkdir()
-    old = write_result(tmp_path / "runs" / "a.nc", run)
+    os.utime(write_result(tmp_path / "runs" / "a.nc", run), (1, 1))
     write_result(tmp_path / "runs" / "b.nc", run)
-    os.utime(old, (1, 1))
-    assert main(["--quiet", "--no-figures"]) == 0 and capfd.readouterr() == ("", "")
+    assert main([*PLAIN]) == 0 and capfd.readouterr() == ("", "")
     assert [p.name for p in (tmp_path / "runs").iterdir() if p.is_dir()] == ["b-residual"]
 
 
 def test_unfinished_run_is_used_up_to_its_committed_samples_and_a_warning_told_once(run, tmp_path, capsys):
     variables = run_variables(run)
-    variables["inner_x"] = variables["inner_x"].copy()
-    variables["inner_x"][300:] = np.nan
+    variables["inner_x"] = np.where(np.arange(401) < 300, variables["inner_x"], np.nan)
     about = {"committed": 300, "status": "failed: energy grows at step 7", "warnings": "the same\nthe same"}
     path = write_result(tmp_path / "cut.nc", run, variables, **about)
     found, page = report_of(path, tmp_path / "out", "--no-figures")
@@ -145,12 +156,17 @@ def test_unfinished_run_is_used_up_to_its_committed_samples_and_a_warning_told_o
     assert warned.count("the same") == 1 and page.lower().count("the same</li>") == 1
 
 
-def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, capsys):
-    folder, options = tmp_path / "made-residual", [str(result), "--quiet", "--no-figures"]
+def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, monkeypatch, capsys):
+    """Nor does a failure half way leave anything."""
+    folder, options = tmp_path / "made-residual", [str(result), *PLAIN]
+    with monkeypatch.context() as patch:
+        patch.setattr(report, "_write_arrays", lambda *_: open("/dev/full", "w", buffering=1).write("x\n"))
+        assert main(options) == 2 and "No space left" in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]
     assert main(options) == 0
     made = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     (folder / "summary.json").write_text(json.dumps(made | {"samples": -1}))
-    assert report_of(result, folder, "--quiet", "--no-figures")[0]["samples"] == 401
+    assert report_of(result, folder, *PLAIN)[0]["samples"] == 401
     (folder / "thesis.docx").write_text("dear")
     assert main(options) == 2 and "thesis.docx" in capsys.readouterr().err
     other = tmp_path / "photos"
@@ -161,16 +177,6 @@ def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, 
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
-def test_failure_half_way_leaves_no_report(result, tmp_path, monkeypatch, capsys):
-    def full_disk(*_):
-        raise OSError(28, "No space left on device", "residual.nc")
-
-    monkeypatch.setattr(report, "_write_arrays", full_disk)
-    assert main([str(result), "--no-figures"]) == 2
-    assert "No space left" in capsys.readouterr().err
-    assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]
-
-
 @pytest.mark.parametrize(
     ("which", "code"), [pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow), (signal.SIGINT, 130)]
 )
@@ -178,40 +184,38 @@ def test_signals_end_it_without_a_report(which, code, tmp_path):
     path = write_result(tmp_path / "made.nc", make_run(n_times=6001))
     process = subprocess.Popen(
         [sys.executable, "-m", "residual.cli", str(path)], env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)  # fmt: skip
     wait_until(lambda: list(tmp_path.glob(".made-residual-*")), process)
     process.send_signal(which)
     _, err = process.communicate(timeout=GIVE_UP)
     assert process.returncode in (code, -which)  # the same to a shell: Python may pass an interrupt on as it leaves
-    assert "Traceback" not in err
-    assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]
+    assert "Traceback" not in err and [p.name for p in tmp_path.iterdir()] == ["made.nc"]
 
 
-def test_help_and_version(capsys):
-    for option, word in (("--help", "Example"), ("--version", "")):
-        try:
-            code = main([option])
-        except SystemExit as stop:
-            code = stop.code or 0
-        assert code == 0 and word in capsys.readouterr().out
+@pytest.mark.parametrize(("option", "word"), [("--help", "Example"), ("--version", "")])
+def test_help_and_version(option, word, capsys):
+    try:
+        code = main([option])
+    except SystemExit as stop:
+        code = stop.code or 0
+    assert code == 0 and word in capsys.readouterr().out
 
 
 # What the report says of the Lagrangian model, the statics it compares with, error estimates, the picture
 
 
 @pytest.fixture(scope="module")
-def made_meaning(tmp_path_factory):
+def meant(tmp_path_factory):
     """A run whose forces are the law's times 1.25: the law carries a fifth less than the run."""
     run = make_run(n_times=1201)
     return recorded(tmp_path_factory.mktemp("made") / "made.nc", run, run_variables(run, force_factor=1.25))
 
 
-def test_statics_are_those_of_rigid_rings_on_harris_law(made_meaning):
+def test_statics_are_those_of_rigid_rings_on_harris_law(meant):
     """629.7 N under the load, 607.0 N where it falls between two rollers; approach 4.11 µm; 14 and 120 nm of varying
     compliance: computed independently of this package with Harris' law and rigid rings, without the rollers' mass.
     """
-    found = quasi_static(made_meaning, "harris")
+    found = quasi_static(meant, "harris")
     assert found.force.max() == pytest.approx(629.7, abs=1.5)
     assert found.force[np.abs(found.angle) < 1e-6] == pytest.approx(629.7, abs=1.5)
     assert np.interp(np.pi / 13, found.angle, found.force) == pytest.approx(607.0, abs=1.5)
@@ -219,32 +223,30 @@ def test_statics_are_those_of_rigid_rings_on_harris_law(made_meaning):
     assert 1e9 * np.ptp(found.y) == pytest.approx(14.0, abs=1.0)
     assert 1e9 * np.ptp(found.x) == pytest.approx(120.0, abs=5.0)
     assert found.x[-1] == pytest.approx(found.x[0], abs=1e-12)  # one pitch further the bearing is the same
-    assert quasi_static(made_meaning, "fitted").law == "harris"  # a law fitted to the run is stood in for
+    assert quasi_static(meant, "fitted").law == "harris"  # a law fitted to the run is stood in for
 
 
-def test_the_sentences_say_how_much_of_the_load_the_law_carries(made_meaning):
-    found = evaluate(made_meaning, law="iso16281")
-    sentences = " ".join(interpretation(found))
-    share = 100.0 * found.y.error.mean / 2000.0
+def test_the_sentences_say_how_much_of_the_load_the_law_carries(meant):
+    found = evaluate(meant, law="iso16281")
+    sentences, share = " ".join(interpretation(found)), 100.0 * found.y.error.mean / 2000.0
     assert abs(share) > 1.0
     assert f"gives {abs(share):.3g} % {'less' if share > 0.0 else 'more'} force than the load" in sentences
     assert f"{text(float(found.statics.force.max()))} N on the most loaded roller" in sentences
     assert f"{found.laws[0].name} has the smallest error" in sentences
 
 
-def test_without_forces_or_load_the_sentences_blame_nobody(tmp_path):
-    run = make_run(n_times=401)
+def test_without_forces_or_load_the_sentences_blame_nobody(run, tmp_path):
     bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
     found = evaluate(recorded(tmp_path / "bare.nc", run, bare))
     assert "without contact forces" in verdict(found).lower()
     assert not any("leaves out" in sentence for sentence in interpretation(found))
-    run = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
-    found = evaluate(recorded(tmp_path / "idle.nc", run))
+    idle = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
+    found = evaluate(recorded(tmp_path / "idle.nc", idle))
     assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found))
 
 
-def test_the_pages_spectra_are_those_of_the_evaluation_and_every_peak_of_a_long_record_is_kept(made_meaning, tmp_path):
-    found = evaluate(made_meaning)
+def test_the_pages_spectra_are_those_of_the_evaluation_and_every_peak_of_a_long_record_is_kept(meant, tmp_path):
+    found = evaluate(meant)
     data = json.loads(spectra_json(found))
     assert data["frequency"] == pytest.approx(found.x.spectrum.frequency[1:], rel=1e-6)
     assert data["x"] == pytest.approx(found.x.spectrum.psd[1:], rel=1e-3, abs=1e-15 * found.x.spectrum.psd.max())
@@ -260,11 +262,11 @@ def test_the_pages_spectra_are_those_of_the_evaluation_and_every_peak_of_a_long_
 
 
 def test_error_estimates_of_the_run_are_told(result, tmp_path):
-    assert "Discretisation error" not in report_of(result, tmp_path / "out", "--quiet", "--no-figures")[1]
+    assert "Discretisation error" not in report_of(result, tmp_path / "out", *PLAIN)[1]
     with h5py.File(result, "r+") as file:
         file["quantity_meaning"], file["quantity_unit"] = ["displacement of the hub"], ["m"]  # as run-fem writes it
         file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
-    _, page = report_of(result, tmp_path / "out", "--quiet", "--no-figures")
+    _, page = report_of(result, tmp_path / "out", *PLAIN)
     cells = "</td><td>".join(("displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"))
     assert "Discretisation error" in page and f"<tr><td>{cells}</td></tr>" in page
 
@@ -298,18 +300,12 @@ def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
 # What a report calls things: numbers as a person reads them, causes by their right names, one sentence first
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (-8.03e-5, "−8.03·10⁻⁵"), (46460.0, "46460"), (213.6049, "213.6"), (0.0, "0"), (-0.5, "−0.5"), (None, "-"),
-        (0.000123456, "0.0001235"), (2.5e10, "2.5·10¹⁰"), (1.09e-9, "1.09·10⁻⁹"), (99999.6, "100000"), (1e6, "1·10⁶"),
-    ],
-)  # fmt: skip
-def test_numbers_are_written_out_where_a_person_would(value, expected):
-    assert text(value) == expected
-
-
-def test_noise_is_0_and_units_fit():
+def test_numbers_are_written_out_where_a_person_would_and_noise_is_0():
+    told = {
+        -8.03e-5: "−8.03·10⁻⁵", 46460.0: "46460", 213.6049: "213.6", 0.0: "0", -0.5: "−0.5", None: "-",
+        0.000123456: "0.0001235", 2.5e10: "2.5·10¹⁰", 1.09e-9: "1.09·10⁻⁹", 99999.6: "100000", 1e6: "1·10⁶",
+    }  # fmt: skip
+    assert {value: text(value) for value in told} == told
     assert text(-2.8e-4, noise=2e-3) == "0" and text(2.8e-3, noise=2e-3) == "0.0028"
     assert hertz(380.04) == "380 Hz" and hertz(46460.0) == "46.46 kHz"
     assert [length(x) for x in (3.034e-10, -1.477e-5, 0.0, 1e-13)] == ["0.3034 nm", "−14.77 µm", "0 nm", "0 nm"]
@@ -336,12 +332,12 @@ def test_a_hidden_damper_is_found_as_other_forces():
     np.testing.assert_allclose(found[50:-50], -force[50:-50], atol=5e-3 * np.abs(force).max())
 
 
-def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_rms(tmp_path):
+def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_rms(pair):
     good = evaluate(damped_record(0.0)[0])
     assert verdict(good).startswith("The trajectories are") and "at most" in verdict(good)
     rows = {row[0]: row[1:] for row in error_table(good).rows}
     assert rows["momentum balance, y"][0] == "0"  # round-off of a table
-    told = evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))
+    told = evaluate(read_result(pair[0]))
     found = verdict(told)
     assert found.startswith("The trajectories are not sound")
     worst, peak = max(e.rms for e in told.judged), max(e.max_abs for e in told.judged)
@@ -349,23 +345,20 @@ def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_r
     assert verdict(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
 
 
-def noise_and_tones(*tones):
-    time = STEP * np.arange(6001)
-    record = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
-    return record + sum(np.cos(2 * np.pi * f * time) for f in tones)
-
-
 def test_the_hubs_resonance_and_two_lines_in_one_bin_are_named_and_noise_is_left_out():
-    lines = {"BPFO": 380.0, "5×BPFI": 2995.0, "8×BPFO": 3003.0}
-    spectrum = power_spectrum(noise_and_tones(3000.0, 13_100.0, 7000.0), STEP)
-    peaks = named_peaks(find_peaks(spectrum, lines), spectrum, lines, 13_000.0, 0.0)
+    def spectrum(scale, *tones):
+        time = STEP * np.arange(6001)
+        record = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
+        return power_spectrum(scale * (record + sum(np.cos(2 * np.pi * f * time) for f in tones)), STEP)
+
+    lines, loud = {"BPFO": 380.0, "5×BPFI": 2995.0, "8×BPFO": 3003.0}, spectrum(1.0, 3000.0, 13_100.0, 7000.0)
+    peaks = named_peaks(find_peaks(loud, lines), loud, lines, 13_000.0, 0.0)
     names = {round(peak.frequency, -2): peak_name(peak) for peak in peaks}
     assert names[3000.0] in ("8×BPFO or 5×BPFI", "5×BPFI or 8×BPFO")
     assert names[13_100.0] == HUB and names[7000.0] == "-"
-    lines, spectrum = {"BPFO": 380.0}, power_spectrum(1e-9 * noise_and_tones(3000.0), STEP)
-    found = find_peaks(spectrum, lines)
-    assert named_peaks(found, spectrum, lines, 13_000.0, 0.0)
-    assert named_peaks(found, spectrum, lines, 13_000.0, 1e-6) == []
+    lines, faint = {"BPFO": 380.0}, spectrum(1e-9, 3000.0)
+    found = find_peaks(faint, lines)
+    assert named_peaks(found, faint, lines, 13_000.0, 0.0) and not named_peaks(found, faint, lines, 13_000.0, 1e-6)
 
 
 def test_a_roller_that_barely_touches_is_not_loaded(run, tmp_path):
@@ -379,19 +372,11 @@ def test_a_roller_that_barely_touches_is_not_loaded(run, tmp_path):
 # Two runs or two laws beside each other, a report without equations, the data for other programs
 
 
-@pytest.fixture(scope="module")
-def pair(run, tmp_path_factory):
-    """Runs "quiet", and "loud", whose hub moves by thrice as much."""
-    folder = tmp_path_factory.mktemp("runs")
-    loud = make_run(n_times=401, amplitude=6e-7)
-    return write_result(folder / "quiet.nc", run), write_result(folder / "loud.nc", loud)
-
-
 def number(cell):
     return float(cell.replace("−", "-"))
 
 
-def test_the_differences_of_two_runs_are_those_of_their_motion(pair):
+def test_the_differences_of_two_runs_are_those_of_their_motion_and_captions_name_their_methods(pair):
     here, there = (evaluate(read_result(path)) for path in pair)
     rows = {row[0]: row[1:] for row in difference_table(here, there).rows}
     for axis in "xy":
@@ -400,6 +385,11 @@ def test_the_differences_of_two_runs_are_those_of_their_motion(pair):
         assert [number(cell) for cell in told] == pytest.approx([*stds, stds[0] - stds[1]], rel=5e-3)
         assert words == "66.7 % less"  # of a third of the amplitude
     assert rows["largest roller load, N"][2:] == ["0", "alike"]
+    assert method_sentence(here, there).endswith(" Run loud: finite elements, no contact damping.")
+    damped = here.record.scene.varied({"model": "reduced", "damping.contact_time_us": 12.5})
+    of_time = replace(here, record=replace(here.record, scene=damped))
+    assert method_sentence(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
+    assert method_sentence(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
 
 
 def test_two_laws_of_one_run_share_its_motion_and_differ_in_their_errors(pair, tmp_path, capsys):
@@ -436,25 +426,16 @@ def test_a_run_is_compared_in_words_and_without_equations_by_its_motion_alone(pa
 
 def test_signals_are_exported_as_csv_alone(pair, tmp_path, capsys):
     out = tmp_path / "out"
-    report_of(pair[0], out, "--export", "csv", "--no-figures", "--quiet")
+    report_of(pair[0], out, "--export", "csv", *PLAIN)
     record = read_result(pair[0])
     table = np.genfromtxt(out / "signals.csv", delimiter=",", names=True)
     np.testing.assert_allclose(table["inner_y"], record.inner_y, rtol=1e-11)
     np.testing.assert_allclose(table["inner_force_5"], record.inner_force[:, 5], rtol=1e-11)
-    report_of(pair[0], out, "--no-figures", "--quiet")  # they are an earlier report's
+    report_of(pair[0], out, *PLAIN)  # they are an earlier report's
     assert not (out / "signals.csv").exists()
     for gone in ("mat", "wav", "curves"):
         assert main([str(pair[0]), "--export", gone, "--output", str(out)]) == 2
         assert f"error: --export {gone}: only csv is written; MATLAB reads" in capsys.readouterr().err
-
-
-def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(pair):
-    here, there = (evaluate(read_result(path)) for path in pair)
-    assert method_sentence(here, there).endswith(" Run loud: finite elements, no contact damping.")
-    damped = here.record.scene.varied({"model": "reduced", "damping.contact_time_us": 12.5})
-    of_time = replace(here, record=replace(here.record, scene=damped))
-    assert method_sentence(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
-    assert method_sentence(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
 
 
 # What a check warns of in a record itself: vibration folded down, a beginning that is a transient
@@ -462,31 +443,17 @@ def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(pair):
 
 # NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg
 NU206 = """
-[bearing]
-rollers = 13
-roller_diameter_mm = 7.5
-roller_length_mm = 9.0
-inner_raceway_diameter_mm = 38.5
-outer_raceway_diameter_mm = 53.54
-bore_diameter_mm = 30.0
-outside_diameter_mm = 62.0
-[operation]
-speed_rpm = 3000.0
-radial_load_N = 1500.0
-inner_ring_and_shaft_kg = 3.0
-[numerics]
-duration_ms = 6.0
-mesh_size_mm = 2.0
-"""
+bearing = { rollers = 13, roller_diameter_mm = 7.5, roller_length_mm = 9.0, inner_raceway_diameter_mm = 38.5,
+    outer_raceway_diameter_mm = 53.54, bore_diameter_mm = 30.0, outside_diameter_mm = 62.0 }
+operation = { speed_rpm = 3000.0, radial_load_N = 1500.0, inner_ring_and_shaft_kg = 3.0 }
+numerics = { duration_ms = 6.0, mesh_size_mm = 2.0 }
+""".replace(",\n   ", ",")
 SPALLED = """
 model = "reduced"
 bearing.designation = "NU206"
-operation.speed_rpm = 2950.0
-operation.radial_load_N = 3000.0
+operation = { speed_rpm = 2950.0, radial_load_N = 3000.0 }
 numerics.duration_ms = 8.0
-[[spall]]
-body = "outer_ring"
-width_mm = 1.2
+spall = [{ body = "outer_ring", width_mm = 1.2 }]
 """
 PASSING = 400.0
 
@@ -523,12 +490,10 @@ def test_a_verdict_names_our_own_sampling_and_the_interval_that_resolves_it(tmp_
 def swinging(amplitudes):
     """A record whose hub swings by so much, m, in each of four quarters of 20 ms."""
     time = STEP * np.arange(8000)
-    swing = np.repeat(amplitudes, 2000) * np.sin(2 * np.pi * 900.0 * time)
-    none = np.zeros((time.size, 13))
+    swing, none = np.repeat(amplitudes, 2000) * np.sin(2 * np.pi * 900.0 * time), np.zeros((time.size, 13))
     return Record(
         name="made", source=Path("made.nc"), scene=Scene(), time=time, inner_x=swing, inner_y=0.1 * swing,
-        roller_x=none, roller_y=none,
-    )  # fmt: skip
+        roller_x=none, roller_y=none)  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -542,12 +507,8 @@ def test_the_quarter_from_which_the_hub_swings_alike(amplitudes, settled):
     np.testing.assert_allclose(found.hub["x"], 1e-7 * np.array(amplitudes) / np.sqrt(2), rtol=1e-6)
     remedy = "simulate longer" if settled is None else f"--start {20 * settled} leaves it out"
     assert remedy in found.note if settled != 0 else found.note is None
-
-
-def test_a_record_of_few_passages_is_not_judged():
-    record = swinging(np.ones(4))
-    assert stationarity(record.samples(slice(0, 1900)), {}, PASSING) is None and stationarity(record, {}, 0.0) is None
-    assert stationarity(record, {}, PASSING) is not None
+    assert stationarity(record.samples(slice(0, 1900)), {}, PASSING) is None, "of few passages"
+    assert stationarity(record, {}, 0.0) is None, "nothing passes"
 
 
 # What errors are compared with: the whole load, wherever it points and however it turns, or the contact forces
@@ -566,32 +527,29 @@ LOADS = {  # lines of [operation], and the rms of the whole load, N
 }
 
 
-def more_carried():
-    """What Palmgren's law carries more than Harris', per cent, on the approaches of an equilibrium with the latter."""
-    bearing, operation = Scene().ideal_bearing(), Scene().ideal_operation()
-    harris, palmgren = (contact_laws(name, bearing).inner for name in ("harris", "palmgren"))
-    force = static_equilibrium(bearing, operation, contact_laws("harris", bearing)).inner_force
-    down = np.cos(2.0 * np.pi / bearing.n_rollers * np.arange(bearing.n_rollers))  # roller 0 under the load
-    return 100.0 * (np.sum(palmgren.force(harris.approach(force)) * down) / np.sum(force * down) - 1.0)
-
-
 @pytest.mark.parametrize("name", LOADS)
 def test_a_load_is_a_scale_wherever_it_points_and_however_it_turns(tmp_path, name, capsys):
-    """Palmgren's law misses the same share of 2000 N from any direction: the bearing is round."""
+    """Palmgren's law misses the same share of 2000 N from any direction: the bearing is round. The share is what it
+    carries more than Harris' on the approaches of an equilibrium with the latter.
+    """
     lines, load = LOADS[name]
     time = np.linspace(0.0, 20.0, 801)  # ms
     angle = 2e-3 * np.pi * TURNS * time
     turning = np.column_stack([time, 2000.0 * np.cos(angle), 2000.0 * np.sin(angle)])
     np.savetxt(tmp_path / "turning.csv", turning, "%.9f", ",", header="time_ms,x_N,y_N", comments="")
     (tmp_path / "aside.csv").write_text("time_ms,x_N,y_N\n0,2000,-20\n20,2000,-20\n", encoding="utf-8")
-    scene = f'model = "lagrange"\n[operation]\n{lines}\n[numerics]\nduration_ms = 16.0\n'
-    checked_at(tmp_path, scene, 5.0)
+    checked_at(tmp_path, f'model = "lagrange"\n[operation]\n{lines}\n[numerics]\nduration_ms = 16.0\n', 5.0)
     summary, page = report_of(tmp_path / "5.0.nc", tmp_path / "out", "--law", "palmgren", "--no-figures")
     printed = capsys.readouterr().out
     assert "The trajectories are sound" in printed and "of the load" in printed
     assert summary["load_N"] == pytest.approx(load, rel=1e-5)  # a table is joined smoothly
+    bearing = Scene().ideal_bearing()
+    harris, palmgren = (contact_laws(law, bearing).inner for law in ("harris", "palmgren"))
+    force = static_equilibrium(bearing, Scene().ideal_operation(), contact_laws("harris", bearing)).inner_force
+    down = np.cos(2.0 * np.pi / 13 * np.arange(13))  # roller 0 under the load
+    more = 100.0 * (np.sum(palmgren.force(harris.approach(force)) * down) / np.sum(force * down) - 1.0)
     percent = float(page.partition("law palmgren gives ")[2].partition(" %")[0])
-    assert percent == pytest.approx(more_carried(), rel=0.03) and "% more force than the load" in page
+    assert percent == pytest.approx(more, rel=0.03) and "% more force than the load" in page
 
 
 def test_a_preloaded_bearing_is_judged_by_its_contact_forces(run, tmp_path):
@@ -602,14 +560,12 @@ def test_a_preloaded_bearing_is_judged_by_its_contact_forces(run, tmp_path):
 
 
 @pytest.mark.parametrize("rate", [0.0, 50.0])
-def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(run, tmp_path, rate):
+def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(pair, rate):
     """All turned by an angle, constant or growing: nothing else in the bearing has a direction."""
-    motion = roller_motion(recorded(tmp_path / "run.nc", run))
+    motion = roller_motion(read_result(pair[0]))
     motion = replace(motion, law=contact_laws("palmgren", motion.bearing).inner.force)
-    angle = 1.0 + rate * STEP * np.arange(401)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y = motion.load
-    load = cosine * x - sine * y, sine * x + cosine * y
+    angle, (x, y) = 1.0 + rate * STEP * np.arange(401), motion.load
+    load = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
     turned = replace(motion, inner_angle=motion.inner_angle + angle[:, None], load=load)
     assert turned.scale == pytest.approx(motion.scale, rel=1e-12)
     assert replace(motion, load=(0.0 * x, 0.0 * y)).scale == 1.0

@@ -33,17 +33,10 @@ def test_short_time_spectra_need_two_passages(tmp_path):
     style.save(drawn, tmp_path)
     assert (tmp_path / "short_time.png").stat().st_size > 10_000 and "half a roller passage" in drawn.caption
     assert spectra.short_time(evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))) is None
-
-
-def test_envelope_of_a_record_shorter_than_a_passage(tmp_path):
+    # the envelope of a record shorter than a passage
     scene = parse_scene({"operation": {"speed_rpm": 5.0}}, "test")
     drawn = spectra.resonance_envelope(evaluate(recorded(tmp_path / "slow.nc", make_run(n_times=1201, scene=scene))))
     assert {len(axis.lines[0].get_xdata()) for axis in drawn.figure.axes} == {20}
-
-
-def test_terms_that_may_stand_in_one_figure_have_colours_of_their_own():
-    colours = {name: colour for name, colour in TERM_COLOURS.items() if name != "other_forces"}  # in another's place
-    assert len(set(colours.values())) == len(colours)
 
 
 def drawn_texts(figure):
@@ -63,6 +56,8 @@ def test_a_legend_of_many_terms_is_in_its_figure_and_panels_stay_where_they_are(
     style.legend_above(axes[0], 5, left=-0.08)
     style.save(style.Drawing("many", "Many", "", figure), tmp_path)
     boxes, whole = drawn_texts(figure)
+    colours = {name: colour for name, colour in TERM_COLOURS.items() if name != "other_forces"}  # in another's place
+    assert len(set(colours.values())) == len(colours), "terms that may stand in one figure have colours of their own"
     assert len(boxes) == len(TERM_COLOURS) + 3
     assert all(whole.x0 <= b.x0 and whole.y0 <= b.y0 and b.x1 <= whole.x1 and b.y1 <= whole.y1 for b in boxes)
     assert axes[1].get_position().height * figure.get_size_inches()[1] == pytest.approx(before)
@@ -158,11 +153,8 @@ LABELS = {
 }  # fmt: skip
 
 
-def test_powers_of_ten_are_raised_figures():
+def test_powers_of_ten_are_raised_figures_and_no_label_of_a_figure_needs_mathematics():
     assert {label: plain(label) for label in LABELS} == LABELS
-
-
-def test_no_label_of_a_figure_needs_mathematics():
     figure, (left, right) = plt.subplots(1, 2)
     left.loglog([1e-9, 2e3], [3e-7, 5e2])
     right.plot([0.0, 1.0], [0.0, 3e-7])

@@ -14,7 +14,7 @@ from lagrange.scene.scene import parse_scene_text, read_scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.sources import even_clock, read_table
-from tests.reference.synthetic_run import exact_errors, make_run, report_of, write_result, write_table
+from tests.reference.synthetic_run import exact_errors, make_run, report_of, write_table
 
 MAPPING = """[table]
 time = "t [ms]"
@@ -174,15 +174,9 @@ def test_blanks_between_columns_and_either_sign_of_micro_are_read(run, tmp_path)
     np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
 
 
-def test_a_mapping_survives_the_round_trip_and_absent_is_not_spelt_out(run):
-    scene = scene_with(run)
-    assert parse_scene_text(scene.to_toml(), "again") == scene
-    assert "[table]" not in run.scene.to_toml()
-
-
-def test_incomplete_forces_and_surplus_rollers_are_refused(run, tmp_path):
-    table = foreign_columns(run)
-    scene = scene_with(run)
+def test_incomplete_forces_and_surplus_rollers_are_refused_and_a_mapping_survives_the_round_trip(run, tmp_path):
+    table, scene = foreign_columns(run), scene_with(run)
+    assert parse_scene_text(scene.to_toml(), "again") == scene and "[table]" not in run.scene.to_toml()
     partial = {k: v for k, v in table.items() if k != "Q7 [kN]"}
     with pytest.raises(InputError, match=r"missing column Q7 \[kN\]"):
         read_table(write_foreign(tmp_path / "a.tsv", partial), scene)
@@ -195,11 +189,6 @@ def test_incomplete_forces_and_surplus_rollers_are_refused(run, tmp_path):
         read_table(write_foreign(tmp_path / "d.csv", {"a": run.time, "b": run.time}, ","), scene)
     with pytest.raises(InputError, match="rollers"):
         read_table(write_foreign(tmp_path / "b.tsv", table | {"rho 14 [mm]": table["rho 1 [mm]"]}), scene)
-
-
-def test_resampling_is_refused_for_a_result_file(run, tmp_path, capsys):
-    assert main([str(write_result(tmp_path / "a.nc", run)), "--resample"]) == 2
-    assert "--resample" in capsys.readouterr().err
 
 
 def test_the_example_table_vibrates_on_the_contacts_of_the_law(tmp_path, monkeypatch):
@@ -274,7 +263,9 @@ def test_orbit_alone_is_checked_with_rollers_that_roll_without_slip(tmp_path, ca
     words = [str(tmp_path / "orbit.csv"), "--scene", str(tmp_path / "scene.toml"), "--no-figures", "--quiet"]
     assert main(words) == 2 and "--kinematic-rollers assumes rollers" in capsys.readouterr().err
     assert main([*words, "--kinematic-rollers"]) == 0
-    assert main([str(tmp_path / "run.nc"), "--kinematic-rollers"]) == 2
+    for option in ("--kinematic-rollers", "--resample"):
+        assert main([str(tmp_path / "run.nc"), option]) == 2
+        assert f"{option}: only for tables" in capsys.readouterr().err
     (tmp_path / "scene.toml").write_text("[[spall]]\nwidth_mm = 1.0\n", encoding="utf-8")
     assert main([*words, "--kinematic-rollers"]) == 2 and "only for perfect rings" in capsys.readouterr().err
 

@@ -73,11 +73,6 @@ class Budget(NamedTuple):
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
 
-    @property
-    def acting_terms(self) -> list[str]:
-        """Names of the terms that are not zero throughout in both directions."""
-        return [name for name, x in self.x.terms.items() if np.any(x) or np.any(self.y.terms[name])]
-
 
 def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
     """Split the error forces that a contact law leaves into their terms, which add up to it to 1e-12 of the load.

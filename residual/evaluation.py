@@ -148,7 +148,7 @@ class Evaluation:
     def floors(self) -> tuple[float, float]:
         """Estimated error of the inertia forces that differentiation makes, in x and y, N."""
         mass = self.record.operation.inner_mass
-        return mass * self.x.floor.total, mass * self.y.floor.total
+        return mass * hypot(*self.x.floor), mass * hypot(*self.y.floor)
 
     @property
     def loaded_count(self) -> np.ndarray:

@@ -29,11 +29,9 @@ from residual.record import SMALL_LOAD, Pair, Record
 SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
 PHASE_STEP = 0.7  # of the roller's vibration between its contacts, rad: leapfrog is off by 2 % of a cycle
-SOFTEST, STIFFEST = 1e-8, 3e-4  # m, overlaps that the contacts' law is tabulated for
-TABULATED = 300
+SOFTEST, STIFFEST, TABULATED = 1e-8, 3e-4, 300  # m, overlaps that the contacts' law is tabulated for; points
 STIFF = 2e-5  # m, overlap whose stiffness sets the time step
-VELOCITY_STEPS = 2  # secant steps
-FIRST_VELOCITY_STEP, LONGEST_VELOCITY_STEP = 0.01, 0.3  # m/s
+VELOCITY_STEPS, FIRST_VELOCITY_STEP, LONGEST_VELOCITY_STEP = 2, 0.01, 0.3  # of the secant method; m/s
 INSENSITIVE = 0.15  # of the time between samples: below, velocities show little in the outer samples and are left
 EDGE_ROUNDING = 0.02  # edge radius over roller radius: 0.1 mm of 5 mm; the width changes by 1 % from 0 to twice it
 SOFT_WAY = 0.04, 200  # of the roller's radius, on either side of an edge; points
@@ -41,35 +39,27 @@ AT_ONCE = 1_000_000  # numbers held of one array
 
 # of maps
 BIN = 5e-5  # m along the surface, a sixth of the narrowest spall looked for
-FEWEST_IN_BIN = 3  # of a bin that counts as seen
-SMOOTHED = 3  # bins
+FEWEST_IN_BIN, SMOOTHED = 3, 3  # of a bin that counts as seen; bins
 OFF_RACEWAY = 3e-7  # m: rollers farther off a raceway say nothing about it
 PROBE = 1e-6  # m, of sinkage, whose effect scales all others
 LEAST_GAIN = 0.3  # of what three samples are changed by over the probe: below, rollers hardly touch
-MOST = 3e-5  # m, largest sinkage that rollers reach
-LEAST = 3e-7  # m: maps of perfect bearings reach 0.2 µm
+MOST, LEAST = 3e-5, 3e-7  # m, largest sinkage that rollers reach; maps of perfect bearings reach 0.2 µm
 MAP_BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
-REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
-FEWEST_REST = 20  # bins
+REST, FEWEST_REST = 0.99, 20  # quantile of the rest of a map that its deepest place is compared with; bins
 MAP_STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
 # of the search
-MOST_SUSPECTS = 4
-MOST_SPALLS = 4
+MOST_SUSPECTS, MOST_SPALLS = 4, 4
 WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
 ASIDE = np.linspace(-0.6, 0.6, 9)  # of the width, first tried beside the map's deepest place
-STARTS = 2  # best of these, each made finer
-MOST_SAMPLES = 1200  # that a spall is matched to
-DEEP = 2e-4  # m, first tried
-DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
+STARTS, MOST_SAMPLES = 2, 1200  # best of these, each made finer; that a spall is matched to
+DEEP, DEPTH_RATIOS = 2e-4, (1.8, 1.5, 1.3, 1.2, 1.1)  # m, first tried; from one refinement to the next
 MOVED = 4  # steps that either edge is moved by in each refinement
 DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
 FINER, FIRST_STEP = 0.55, 0.16  # of the width
 BESIDE = 2e-4  # m, that rollers are followed beside a spall's edges
 UNREST = 1.5e-7  # m, that three samples are missed by anyway
-FARTHEST = 3e-4  # m from sample to sample
-NARROWEST = 1.5e-4  # m
-RESAMPLED = 200  # sets of passages drawn with replacement
-SIGMAS = 2.0
+FARTHEST, NARROWEST = 3e-4, 1.5e-4  # m, from sample to sample; of a spall
+RESAMPLED, SIGMAS = 200, 2.0  # sets of passages drawn with replacement; of intervals
 MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond that of passages
 
 # a body, and spalls of it, (n_spalls, 3): angle of the middle, rad; width, m; depth, m

@@ -43,8 +43,7 @@ LARGEST = 2_000_000  # bytes  # of a picture of the run
 MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
 ALL_BELOW = 2000.0  # Hz: here every bin is kept
 DIGITS = 4
-MOST_FRAMES = 400
-MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
+MOST_FRAMES, MOST_NUMBERS = 400, 16_000  # of all rollers and frames: some 100 kB
 FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame to frame
 PATH_POINTS = 1500  # of the hub's path
 BOTH = np.array([-1.0, 1.0])
@@ -160,19 +159,16 @@ def spectra_json(e: Evaluation, equations: bool = True) -> str:
         peaks = [group[np.argmax(psd[group])] for group in groups for psd in (x.psd, y.psd)]
         kept = np.unique(np.concatenate([low, peaks]))
     least = 1e-16 * max(float(each.psd[kept].max()) for each in (x, y))
-    data = {
-        "frequency": _rounded(x.frequency[kept], 7),
-        "x": _rounded(np.maximum(x.psd[kept], least), DIGITS),
+    return _script({
+        "frequency": _rounded(x.frequency[kept], 7), "x": _rounded(np.maximum(x.psd[kept], least), DIGITS),
         "y": _rounded(np.maximum(y.psd[kept], least), DIGITS),
         "lines": [
             {"name": name, "frequency": float(f"{frequency:.7g}"), "colour": LINE_COLOURS[family(name)]}
             for name, frequency in sorted(e.lines.items(), key=lambda line: ("×" in line[0], line[1]))
         ],
-        "names": ["error_x", "error_y"] if equations else ["x", "y"],
-        "unit": "N²/Hz" if equations else "m²/s⁴/Hz",
+        "names": ["error_x", "error_y"] if equations else ["x", "y"], "unit": "N²/Hz" if equations else "m²/s⁴/Hz",
         "resolution": float(f"{x.resolution:.6g}"),
-    }
-    return _script(data)
+    })  # fmt: skip
 
 
 def _script(data):
@@ -199,18 +195,15 @@ def player_json(e: Evaluation) -> str:
     radii = bearing.core_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
     hub = 1e6 * np.array([t.inner_x, t.inner_y])
     *rings, roller = _rounded((1e3 * r for r in (*radii, bearing.roller_radius)), 6)
-    data = {
-        "rings": rings,
-        "roller": roller,
+    turn = np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi)
+    angle = np.arctan2(t.roller_y[shown], t.roller_x[shown])
+    return _script({
+        "rings": rings, "roller": roller,
         "load": [_rounded(row, 4) for row in load[:, shown] / (float(np.hypot(*load).max()) or 1.0)],
-        "time": _rounded(1e3 * t.time[shown], 6),
-        "turn": _rounded(np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi), 4),
-        "hub": [_rounded(row, 5) for row in hub[:, shown]],
-        "angle": [_rounded(row, 5) for row in np.arctan2(t.roller_y[shown], t.roller_x[shown])],
-        "force": [_rounded(row, 4) for row in e.force[shown]],
-        "path": [_rounded(row, 5) for row in hub[:, path]],
-    }
-    return _script(data)
+        "time": _rounded(1e3 * t.time[shown], 6), "turn": _rounded(turn, 4),
+        "hub": [_rounded(row, 5) for row in hub[:, shown]], "angle": [_rounded(row, 5) for row in angle],
+        "force": [_rounded(row, 4) for row in e.force[shown]], "path": [_rounded(row, 5) for row in hub[:, path]],
+    })  # fmt: skip
 
 
 # keys of each class' numbers, key=attribute where these differ; and what is computed
@@ -291,48 +284,36 @@ def summarise(e: Evaluation, options: ReportOptions) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
     t, cage, search, said = e.record, e.record.cage, options.search, e.diagnosis
     noise, (low, high) = numbers(e.position_noise), e.loaded_range
-    summary = {
-        "run": t.name,
-        "source": shown(t.source.name),
-        "law": e.law.name,
-        "samples": int(t.time.size),
-        "interval_s": t.interval,
-        "start_s": e.start,
-        "order": e.order,
-        "frequency_resolution_Hz": e.x.spectrum.resolution,
-        "segments": e.x.spectrum.segments,
+    summary: dict[str, Any] = {
+        "run": t.name, "source": shown(t.source.name), "law": e.law.name, "samples": int(t.time.size),
+        "interval_s": t.interval, "start_s": e.start, "order": e.order,
+        "frequency_resolution_Hz": e.x.spectrum.resolution, "segments": e.x.spectrum.segments,
         "kinematic_lines_Hz": e.lines,
-        "cage_Hz": {
-            "observed": e.lines.get("FTF"), "rolling_without_slip": None if t.reverses else e.ideal_cage,
-        },
+        "cage_Hz": {"observed": e.lines.get("FTF"), "rolling_without_slip": None if t.reverses else e.ideal_cage},
         "diagnosis": {
             "verdict": None if isinstance(said, str) else said.verdict,
             "reasons": [said] if isinstance(said, str) else list(said.reasons),
         },
-        "orders": None,
-        "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in e.watched],
+        "orders": None, "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in e.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": dict(zip("xy", e.floors, strict=True)),
         "load_N": t.load,  # of the plane section
         "bearing_load_N": load_factor(t.bearing) * t.load,
         "position_noise": None if noise is None else noise | {"within": e.within_noise},
-        "quarters": numbers(e.quarters),
-        "tolerance_N": options.tolerance,
-        "verdict": e.outcome(options.tolerance),
-        "contradictions": findings.contradictions(e),
-        "notes": list(e.notes),
-        "laws": numbers(e.laws),
+        "quarters": numbers(e.quarters), "tolerance_N": options.tolerance, "verdict": e.outcome(options.tolerance),
+        "contradictions": findings.contradictions(e), "notes": list(e.notes), "laws": numbers(e.laws),
         "identification": None,
     }  # fmt: skip
     if cage is not None:  # null where the shaft reverses, and slip within one turn
         speed, ideal = cage.speed(t.interval), 2.0 * np.pi * e.ideal_cage
+        guiding, none = np.hypot(cage.guidance_x, cage.guidance_y), ideal == 0.0 or t.orbits < 1.0
         summary["cage"] = {
             "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
-            "slip": None if t.reverses or ideal == 0.0 or t.orbits < 1.0 else 1.0 - abs(speed) / ideal,
+            "slip": None if t.reverses or none else 1.0 - abs(speed) / ideal,
             "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
             "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
             "largest_pocket_force_N": float(np.abs(cage.force).max()),
-            "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
+            "largest_guidance_force_N": float(guiding.max()),
         }
     if search is not None:
         summary |= {"faults": numbers(search.found), "faults_seen": numbers(search.maps)}

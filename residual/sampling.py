@@ -23,8 +23,7 @@ ENOUGH = 20_000  # samples that show a step
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
 UNIFORM = np.sqrt(1.0 / 12.0)  # rms of the rounding to a step, over the step
 WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
-QUARTERS = 4
-PASSAGES = 2.0  # of rollers in a quarter: in less, what varies is the passage itself
+QUARTERS, PASSAGES = 4, 2.0  # of rollers in a quarter: in less, what varies is the passage itself
 SETTLED = 1.5  # quarters alike differ by no more than this factor
 SMALLEST = 1e-9  # m: a hub that moves less stands still
 

@@ -23,9 +23,8 @@ from lagrange.kinematics import OUTER_RING, Kinematics
 
 ORDERS = (4, 6, 8)  # of differentiation
 END_POINTS = 5  # of the stencil at the outermost samples
-WINDOW = "hann"
+WINDOW, NOISE_BINS = "hann", 1.5  # its noise bandwidth, bins
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
-NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
 SLOWEST = 1e-6  # Hz, of a shaft that has lines: with one turn in twelve days the bearing as good as stands
 LOWEST = 1e-9  # Hz, of a line: numbers next to nothing make others infinite
 HARMONICS = {"shaft": 3, OUTER_RING: 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
@@ -42,8 +41,7 @@ RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
 FEWEST_IN_WINDOW = 32  # samples
 MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
 BAND = (2.0**-0.5, 2.0**0.5)  # of a resonance, of its envelope: one octave around it
-FILTER_ORDER = 4
-TOP_OF_NYQUIST = 0.9
+FILTER_ORDER, TOP_OF_NYQUIST = 4, 0.9
 TRANSIENT = 6.0  # periods of the band's width, both ends together
 SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
 
@@ -106,10 +104,6 @@ class Floor(NamedTuple):
 
     round_off: float  # bound: Σ|c| eps max|x − mean| / interval²
     truncation: float  # rms, of the central stencil
-
-    @property
-    def total(self) -> float:
-        return float(np.hypot(self.round_off, self.truncation))
 
 
 def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).eps) -> Floor:

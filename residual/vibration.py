@@ -45,8 +45,7 @@ FAULT_LINES = ("BPFO", "2×BPFO", "3×BPFO", "BPFI", "2×BPFI")
 FAULT_SIDES = (
     ("BPFO", OUTER_RING), ("2×BPFO", OUTER_RING), ("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"),
 )  # fmt: skip
-NEIGHBOURS = 8  # cage multiples on either side that a line is compared with
-FEWEST_NEIGHBOURS = 4
+NEIGHBOURS, FEWEST_NEIGHBOURS = 8, 4  # cage multiples on either side that a line is compared with; together
 # times its neighbours' median, 12 dB: a perfect bearing's BPFO, of passing rollers, reaches 3.7 (docs/surfaces.md)
 STANDS_OUT = 4.0
 SIDE_LOBE = 0.03  # of the highest line, Hann's first side lobe: less may be that line's leakage

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
+from residual.cli import main
 from residual.measured.checks import Question, assumed, check_record, write_check
 from tests.waiting import GIVE_UP
 
@@ -19,10 +21,6 @@ WIDTHS = (390, 1280)
 @pytest.fixture(scope="module")
 def report(coarse_run, tmp_path_factory):
     """The report on the shared run, with a picture beside the run that says it is of it."""
-    from PIL.PngImagePlugin import PngInfo
-
-    from residual.cli import main
-
     folder = tmp_path_factory.mktemp("report")
     run = shutil.copy(coarse_run, folder / "run.nc")
     about = PngInfo()
@@ -76,9 +74,8 @@ def test_the_page_is_no_wider_than_the_screen_its_verdict_first_and_links_lead_s
     verdict = page.locator(".verdict")
     assert "The trajectories are sound" in verdict.inner_text() and "and at most" in verdict.inner_text()
     assert verdict.bounding_box()["y"] < 300
-    found = page.locator("nav a").evaluate_all(
-        "all => all.map(a => document.querySelector(a.getAttribute('href')) !== null)"
-    )
+    leads = "all => all.map(a => document.querySelector(a.getAttribute('href')) !== null)"
+    found = page.locator("nav a").evaluate_all(leads)
     assert len(found) >= 7 and all(found)
 
 
@@ -104,7 +101,7 @@ def test_the_spectra_zoom_by_buttons(page):
 
 
 @on_a_desk
-def test_the_spectra_zoom_by_dragging_and_double_click_shows_all(page):
+def test_the_spectra_zoom_by_dragging_double_click_shows_all_and_are_saved_as_csv_without_a_network(page):
     area = page.locator("#spectra .u-over")
     area.scroll_into_view_if_needed()
     box = area.bounding_box()
@@ -117,6 +114,12 @@ def test_the_spectra_zoom_by_dragging_and_double_click_shows_all(page):
     assert whole[0] < part[0] < part[1] < whole[1]
     area.dblclick()
     assert _range(page) == pytest.approx(whole)
+    with page.expect_download() as saving:
+        page.get_by_role("button", name="save as CSV").click()
+    rows = Path(saving.value.path()).read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "frequency_Hz,psd_error_x,psd_error_y"
+    values = [float(value) for value in rows[1].split(",")]
+    assert len(values) == 3 and values[0] == pytest.approx(249.4, rel=0.01) and min(values) > 0.0
 
 
 def _coloured(page, canvas, *colours):
@@ -129,15 +132,11 @@ def _coloured(page, canvas, *colours):
 
 
 @on_a_desk
-def test_curves_loads_and_the_path_are_drawn(page):
+def test_curves_loads_and_the_path_are_drawn_and_in_print_tables_are_whole_and_controls_gone(page):
     page.locator("#spectra").scroll_into_view_if_needed()
     assert min(_coloured(page, "#spectra canvas", "r < 40 && b > 150", "r > 190 && b < 60")) > 500
     bars, rollers = "r > 200 && g < 110 && b < 20", "r < 90 && b > 90 && b > r + 60"
     assert min(_coloured(page, "#player canvas", bars, rollers)) > 300
-
-
-@on_a_desk
-def test_the_peaks_stand_in_the_appendix_and_in_print_tables_are_whole_and_controls_gone(page):
     order = "player run loads-and-motion spectra vibration errors budget-of-errors appendix peaks"
     places = [page.locator(f"#{name}").bounding_box()["y"] for name in order.split()]
     assert places == sorted(places)
@@ -164,20 +163,8 @@ def test_the_player_stands_at_the_top_and_shows_where_it_is_told(page):
     assert not page.evaluate("window.player.playing()")
 
 
-@on_a_desk
-def test_the_spectra_are_saved_as_csv_without_a_network(page):
-    with page.expect_download() as saving:
-        page.get_by_role("button", name="save as CSV").click()
-    rows = Path(saving.value.path()).read_text(encoding="utf-8").splitlines()
-    assert rows[0] == "frequency_Hz,psd_error_x,psd_error_y"
-    values = [float(value) for value in rows[1].split(",")]
-    assert len(values) == 3 and values[0] == pytest.approx(249.4, rel=0.01) and min(values) > 0.0
-
-
 @everywhere
 def test_a_comparison_fits_the_screen_too(browser, page, coarse_run, tmp_path):
-    from residual.cli import main
-
     out = tmp_path / "out"
     assert main([str(coarse_run), "--against", "palmgren", "--no-figures", "--output", str(out), "--quiet"]) == 0
     page.goto((out / "report.html").as_uri())
@@ -207,9 +194,8 @@ def test_in_the_dark_page_figures_and_canvases_are_dark_and_text_is_light(page):
 def other_pages(tmp_path_factory):
     """Pages of a rating, and of a record beside a simulation whose assumed keys it lists."""
     folder = tmp_path_factory.mktemp("pages")
-    assert (
-        rate_main(["--bearing", "NU206", "--set", "operation.radial_load_N=3000", "--output", str(folder / "a")]) == 0
-    )
+    load = ["--set", "operation.radial_load_N=3000"]
+    assert rate_main(["--bearing", "NU206", *load, "--output", str(folder / "a")]) == 0
     time = np.arange(20_000) / 20_000.0
     np.savez(folder / "record.npz", acc=np.sin(1e4 * time) * (1.0 + np.cos(1e3 * time)), rate=20_000.0)
     check = check_record(folder / "record.npz", None, Question(bearing="NU206", speed=1480.0))
@@ -224,9 +210,8 @@ def test_on_a_phone_the_verdict_is_first_meanings_are_on_the_screen_and_no_word_
     for path in other_pages:
         page.goto(path.as_uri())
         assert page.locator(".verdict").bounding_box()["y"] < 200
-        cells = page.locator(".stacked td").evaluate_all(
-            "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
-        )
+        sizes = "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
+        cells = page.locator(".stacked td").evaluate_all(sizes)
         assert len(cells) > 60
         assert all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
     keys = page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")

@@ -102,11 +102,8 @@ def rolling(body, interval, count):
         "roller_spin": spin + 0.0 * angle,
     }  # fmt: skip
     return find_passages(
-        bearing,
-        replace(RUNNING, speed=speed),
-        lambda start, stop: {name: values[start:stop] for name, values in samples.items()},
-        count,
-    )
+        bearing, replace(RUNNING, speed=speed),
+        lambda start, stop: {name: values[start:stop] for name, values in samples.items()}, count)  # fmt: skip
 
 
 def crossings(body, duration):
@@ -154,22 +151,16 @@ def test_a_slow_light_roller_strikes_where_the_geometry_stops_it(depth_um):
         "operation.gravity_m_s2=200", "bearing.outer_raceway_diameter_mm=56.1", "numerics.duration_ms=3.5",
         "numerics.output_interval_us=2", "damping.contact_N_s_m=1000",
     ))  # fmt: skip
-    found = {event.kind: event for event in _events(scene) if event.roller == 1}
+    plan = make_plan(scene)
+    run = whole_run(plan)
+    passages = find_passages(
+        scene.ideal_bearing(), scene.ideal_operation(),
+        lambda start, stop: {name: run[name][start:stop] for name in COLUMNS}, plan.n_samples)  # fmt: skip
+    found = {event.kind: event for event in spall_events(passages) if event.roller == 1}
     crossing = found["exit"].time - found["entry"].time
     assert crossing == pytest.approx(1e-3 / (0.5 * 450 * 2 * pi / 60 * 36.0 / 46.05 * 28.05e-3), rel=2e-3)
     share = max(0.5, 1.0 - sqrt(2e-6 * depth_um / (1.0 / 5e-3 - 1.0 / 28.05e-3)) / 1e-3)
     assert (found["strike"].time - found["entry"].time) / crossing == pytest.approx(share, abs=0.01)
-
-
-def _events(scene):
-    plan = make_plan(scene)
-    found = whole_run(plan)
-    return spall_events(
-        find_passages(
-            scene.ideal_bearing(), scene.ideal_operation(),
-            lambda start, stop: {name: found[name][start:stop] for name in COLUMNS}, plan.n_samples,
-        )
-    )  # fmt: skip
 
 
 SHORT = ("model=lagrange", *ONE, "spall.0.angle_deg=2", "numerics.duration_ms=0.34")
@@ -200,7 +191,7 @@ def test_a_run_that_was_stopped_and_resumed_has_the_same_events(tmp_path):
     assert everything(whole)["events/kind"] == [b"entry", b"strike", b"exit"]
 
 
-def test_sinkages_are_those_under_the_contacts(tmp_path):
+def test_sinkages_are_those_under_the_contacts_and_perfect_scenes_have_none(tmp_path):
     path = tmp_path / "run.nc"
     scene = read_scene(None, (*SHORT, 'waviness.0.body="roller"', "waviness.0.roller=5", "waviness.0.order=4"))
     run_scene(scene, path, RunOptions(quiet=True))
@@ -209,17 +200,13 @@ def test_sinkages_are_those_under_the_contacts(tmp_path):
         theta, time = file["roller_theta"][:], file["time"][:]
         assert file["outer_sinkage"].attrs["units"] == "m"
         outer, inner = file["outer_sinkage"][:], file["inner_sinkage"][:]
-        np.testing.assert_allclose(
-            outer, surfaces.outer(theta, Turns(rollers=file["roller_turn"][:])).sinkage, atol=1e-15
-        )
+        sinkage = surfaces.outer(theta, Turns(rollers=file["roller_turn"][:])).sinkage
+        np.testing.assert_allclose(outer, sinkage, atol=1e-15)
         assert outer.max() == pytest.approx(5.14e-6, abs=0.3e-6)  # a gap of 0.5 mm, whose kink samples miss
         on_roller = theta[:, 5] + pi - file["roller_turn"][:, 5]
         np.testing.assert_allclose(inner[:, 5], -0.5e-6 * np.cos(4 * on_roller), atol=2e-9)
         assert not np.any(np.delete(inner, 5, axis=1)) and time[-1] == pytest.approx(0.34e-3)
-
-
-def test_perfect_scenes_have_none_of_it(tmp_path):
-    path = tmp_path / "run.nc"
+    path = tmp_path / "perfect.nc"
     run_scene(read_scene(None, ("model=lagrange", "numerics.duration_ms=0.1")), path, RunOptions(quiet=True))
     with h5py.File(path) as file:
         assert not {"events", "inner_sinkage", "outer_sinkage", "roller_turn"} & set(file)

@@ -25,16 +25,13 @@ from residual.report import ReportOptions
 from residual.spectrum import power_spectrum
 from residual.vibration import SLOWEST
 
-MOST_POINTS = 20_000  # of a scatter plot: more hide each other
-MOST_COMPARED = 6000  # the same of two
+MOST_POINTS, MOST_COMPARED = 20_000, 6000  # of a scatter plot, of one of two runs: more hide each other
 DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 SHORTEST = 2e-3  # s, over which speeds of a cage are means
-MOST_SPALLS = 3  # figures: of those struck hardest
-MOST_PASSAGES = 150  # in one of them: more hide each other
-MEAN_POINTS = 401
-SHOWN = 2.6  # half-widths on either side of the middle
+MOST_SPALLS, MOST_PASSAGES = 3, 150  # figures, of those struck hardest; passages in one: more hide each other
+MEAN_POINTS, SHOWN = 401, 2.6  # half-widths on either side of the middle
 BESIDE_SPALL = 0.4e-3  # m, shown on either side of a spall found
 SHARP_STATED = (
     "Loaded ends of these profiles have an edge, where pressure has no limit: values there are averages over a slice."

@@ -140,7 +140,8 @@ def short_time(e: Evaluation) -> Drawing | None:
 
 def budget(e: Evaluation) -> list[Drawing | None]:
     """The errors' terms over time, stacked over two roller passages, and as spectra; none without contact forces."""
-    acting = {name: name.replace("_", " ") for name in e.budget.acting_terms}
+    x, y = e.budget.x.terms, e.budget.y.terms
+    acting = {name: name.replace("_", " ") for name in x if np.any(x[name]) or np.any(y[name])}
     return [each(e, acting) for each in (_terms, _stacked, _term_spectra)] if e.budget.x.terms else []
 
 

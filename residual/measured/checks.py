@@ -287,20 +287,13 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
         name=record.signal.name, headline=found.headline, reasons=found.reasons, notes=record.notes,
         gates=(DECOYS, CLEAR, DEEP), prominent=check.part, command=command, tables=tables(check))  # fmt: skip
     width = [None if w is None else 1e3 * w for w in (record.width.value, record.width.low, record.width.high)]
-    summary = {
-        "record": shown(path.name),
-        **_numbers(record),
-        "width_mm": width[0],
-        "width_interval_mm": None if width[1] is None else width[1:],
-        "width_reason": record.width.reason,
-        "resolution_Hz": found.spectrum.resolution,
-        "against": None if other is None else {
-            "record": shown(other.signal.name),
-            **_numbers(other),
-            "command": None if command is None else shown(command),
-            "assumed": [{"key": each.key, "value": each.value, "given": each.given} for each in taken],
-        },
+    beside = None if other is None else {
+        "record": shown(other.signal.name), **_numbers(other), "command": None if command is None else shown(command),
+        "assumed": [{"key": each.key, "value": each.value, "given": each.given} for each in taken],
     }  # fmt: skip
+    summary = {"record": shown(path.name), **_numbers(record), "width_mm": width[0]}
+    summary |= {"width_interval_mm": None if width[1] is None else width[1:], "width_reason": record.width.reason}
+    summary |= {"resolution_Hz": found.spectrum.resolution, "against": beside}
     page = Page("vibration.html", TEMPLATES / "vibration.html.j2", values)
     return write_folder(folder, PROGRAM, summary, page, draw if figures else None)
 
@@ -415,22 +408,15 @@ def _numbers(judged):
     def place(of) -> dict[str, Any]:
         return {"name": of.name, "expected_Hz": of.expected, "found_Hz": of.found, "depth": of.depth}
 
+    lines = [{**place(line), "level": line.level, "p": each.p} for each in found.findings for line in each.lines]
+    parts = [{**place(f), "p": f.p, "clear": f.clear, "sidebands": f.sidebands} for f in found.findings]
     return {
-        "verdict": found.verdict,
-        "reasons": list(found.reasons),
-        "notes": judged.notes,
-        "lines": [{**place(line), "level": line.level, "p": each.p} for each in found.findings for line in each.lines],
-        "parts": [{**place(f), "p": f.p, "clear": f.clear, "sidebands": f.sidebands} for f in found.findings],
-        "speed_rpm": 60.0 * found.shaft,
-        "speed_from": found.shaft_from,
-        "kinematic_lines_Hz": found.lines,
-        "rate_Hz": judged.signal.rate,
-        "seconds": judged.signal.duration,
-        f"rms_{unit}": judged.level.rms,
-        "crest": judged.level.crest,
-        "kurtosis": judged.level.kurtosis,
+        "verdict": found.verdict, "reasons": list(found.reasons), "notes": judged.notes, "lines": lines,
+        "parts": parts, "speed_rpm": 60.0 * found.shaft, "speed_from": found.shaft_from,
+        "kinematic_lines_Hz": found.lines, "rate_Hz": judged.signal.rate, "seconds": judged.signal.duration,
+        f"rms_{unit}": judged.level.rms, "crest": judged.level.crest, "kurtosis": judged.level.kurtosis,
         "velocity_mm_s": judged.velocity,
-    }
+    }  # fmt: skip
 
 
 class Entry(NamedTuple):

@@ -50,8 +50,7 @@ SIDES = {"BPFO": OUTER_RING, "BPFI": "shaft", "2×BSF": "FTF"}
 
 TOLERANCE = 0.01  # of the speed, where no other is given
 SLIP = 0.01  # of a line, by which slip, contact angle and catalogue's dimensions move it from its kinematic place
-DECOYS = 200
-SEED = 0  # of the frequencies of the decoys: the same record always gets the same verdict
+DECOYS, SEED = 200, 0  # other frequencies, drawn alike: the same record always gets the same verdict
 SURE, DOUBTFUL = 0.01, 0.05  # share of decoys that reach a line's score
 CLEAR, VISIBLE = 5.0, 4.0  # standard deviations of the decoys' scores above their mean, for damage and for a trace
 DEEP = 0.2  # modulation depth of damage
@@ -66,10 +65,8 @@ MARKED, UNMARKED = 1.5, 1.0  # mean of log(1 + power over background) of sideban
 # of envelopes and combs
 PADDING = 4  # bins of the transform for one of the record's resolution
 TURNS = 40  # of the cage in a segment: slip smears lines of longer ones
-HARMONICS = 5
-STEPS = 4  # of a comb's search for one bin of its highest harmonic
-SIDEBAND = 0.5  # a sideband's weight in a comb's score
-MASKED_SIDEBANDS = 2  # on either side
+HARMONICS, STEPS = 5, 4  # of a comb; of its search for one bin of the highest of them
+SIDEBAND, MASKED_SIDEBANDS = 0.5, 2  # a sideband's weight in a comb's score; taken out on either side
 MASK = MAIN_LOBE + 0.5  # of the resolution, half of what is taken out around a line
 MOST_MASKED = 0.5  # of a spectrum, beyond which nothing would be left to compare with
 # of widths
@@ -80,8 +77,7 @@ SMOOTHINGS = (0.01, 0.02)  # of the time between strikes, standard deviation of 
 LOWEST, PASSES_IN_BAND = 500.0, 8.0  # Hz, where bands of strikes begin: at least, and times the line
 TOP = 0.45  # of the rate
 PROMINENCE = 0.02  # of a side peak, over the autocorrelation at no lag
-LONGEST = 0.5  # of the time between strikes
-NEAREST = 3.0  # smoothings from no lag
+LONGEST, NEAREST = 0.5, 3.0  # of the time between strikes; smoothings from no lag
 AGREE, FEWEST_AGREEING = 0.08, 7  # of the median, and of the nine bands and parts
 AGREE_RAW, FEWEST_RAW = 0.1, 4  # the same of the record that is not prewhitened: true lags show in both
 NARROWEST = 1.3e-3  # m: lags of narrower damage drown in the ringing

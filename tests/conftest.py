@@ -36,6 +36,13 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: (place.get(item.path.name, 0), -tests[item.path.name]))
 
 
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A folder of its own to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def coarse_run(tmp_path_factory):
     """Result file of 4 ms of the paper's bearing at 2 mm."""

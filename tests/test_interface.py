@@ -1,27 +1,15 @@
 """The Python interface: the same bits as the commands, in any thread, without files; what it refuses."""
 
-import subprocess
-import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from math import pi, tau
 
 import h5py
 import numpy as np
 import pytest
 
+from fem import interface
 from fem.commands.run_fem import run_main
-from fem.interface import (
-    OF_CHECK,
-    Scene,
-    SceneError,
-    UsageError,
-    check_quantities,
-    frequencies,
-    open_result,
-    read_scene,
-    simulate,
-    statics,
-)
+from fem.interface import Scene, SceneError, UsageError, open_result, read_scene, simulate
 from fem.quantities import OF_RUN, Quantity
 from fem.result.store import variables_of
 from fem.solver.elements.plan import model_of
@@ -66,27 +54,22 @@ def test_a_stored_run_opens_as_the_result_that_simulate_gives(tmp_path):
     assert again.save(tmp_path / "copy.nc").read_bytes() == (tmp_path / "run.nc").read_bytes()
 
 
-@pytest.mark.parametrize("content", [None, b"name = 1", b"\x89HDF\r\n\x1a\n"])
-def test_what_is_no_stored_run_is_refused(content, tmp_path):
-    if content is not None:
-        (tmp_path / "run.nc").write_bytes(content)
-    with pytest.raises(UsageError, match=r"run\.nc: "):
-        open_result(tmp_path / "run.nc")
+def test_what_is_no_stored_run_is_refused(tmp_path):
+    for content in (None, b"name = 1", b"\x89HDF\r\n\x1a\n"):
+        if content is not None:
+            (tmp_path / "run.nc").write_bytes(content)
+        with pytest.raises(UsageError, match=r"run\.nc: "):
+            open_result(tmp_path / "run.nc")
 
 
 def test_kinematic_frequencies_of_a_standard_bearing_are_harris():
-    found, shaft, ratio = frequencies("NU206", 2900.0), 2900.0 / 60.0, 9.0 / 46.5
-    assert found == pytest.approx(
-        {
-            "FTF": 0.5 * shaft * (1.0 - ratio),
-            "BSF": 0.5 * shaft / ratio * (1.0 - ratio**2),
-            "BPFO": 6.5 * shaft * (1.0 - ratio),
-            "BPFI": 6.5 * shaft * (1.0 + ratio),
-        },
-        rel=2e-3,  # the clearance widens the pitch circle
-    )
+    found, shaft, ratio = interface.frequencies("NU206", 2900.0), 2900.0 / 60.0, 9.0 / 46.5
+    expected = {"FTF": 0.5 * (1.0 - ratio), "BSF": 0.5 / ratio * (1.0 - ratio**2), "BPFO": 6.5 * (1.0 - ratio),
+                "BPFI": 6.5 * (1.0 + ratio)}  # fmt: skip
+    shares = {name: frequency / shaft for name, frequency in found.items()}
+    assert shares == pytest.approx(expected, rel=2e-3)  # the clearance widens the pitch circle
     with pytest.raises(SceneError, match="XY17"):
-        frequencies("XY17", 2900.0)
+        interface.frequencies("XY17", 2900.0)
 
 
 def test_pressures_are_hertzs_of_the_forces_and_quantities_their_largest():
@@ -95,9 +78,8 @@ def test_pressures_are_hertzs_of_the_forces_and_quantities_their_largest():
     force, radius, modulus, length = result["inner_force"], 1.0 / (1.0 / 18e-3 + 1.0 / 5e-3), 210e9 / 0.91 / 2.0, 10e-3
     pressure = np.sqrt(force * modulus / (pi * radius * length))
     np.testing.assert_allclose(result["inner_peak_pressure"], pressure, rtol=1e-12)
-    np.testing.assert_allclose(
-        result["inner_half_width"], 2.0 * force / (pi * length * np.maximum(pressure, 1.0)), rtol=1e-12
-    )
+    half_width = 2.0 * force / (pi * length * np.maximum(pressure, 1.0))
+    np.testing.assert_allclose(result["inner_half_width"], half_width, rtol=1e-12)
     largest = result.quantities["largest_inner_pressure"]
     assert (largest.value, largest.unit) == (pytest.approx(pressure.max(), rel=1e-12), "Pa")
     outer = result.quantities["largest_outer_pressure"].value
@@ -115,48 +97,10 @@ def test_balls_have_no_pressures_of_line_contacts_and_no_finite_elements():
 
 
 def test_runs_of_threads_do_not_disturb_each_other():
-    loads = (500.0, 1000.0, 1500.0, 2000.0)
-    scenes = [lagrangian(**{"operation.radial_load_N": load}) for load in loads]
-    alone = [simulate(scene)["inner_y"] for scene in scenes]
-    together: dict[int, np.ndarray] = {}
-
-    def work(i):
-        together[i] = simulate(scenes[i])["inner_y"]
-
-    threads = [threading.Thread(target=work, args=(i,)) for i in range(len(scenes))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    for i, found in enumerate(alone):
-        assert found.tobytes() == together[i].tobytes()
-
-
-def test_nothing_is_written_and_importing_is_cheap(tmp_path):
-    program = (
-        "import sys; from fem.interface import simulate\n"
-        "print(*(name for name in ('numba', 'scipy', 'residual') if name in sys.modules))\n"
-        "from fem.interface import Scene\n"
-        "simulate(Scene(model='lagrange', numerics={'duration_ms': 1.0}))\n"
-        "import os; print(os.listdir('.'))"
-    )
-    # the checkout has no place on the path of a process that starts elsewhere
-    path = [entry for entry in sys.path if entry]
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}\n" + program],
-        capture_output=True, text=True, cwd=tmp_path,
-    )  # fmt: skip
-    assert done.stdout.splitlines() == ["", "[]"], done.stderr
-
-
-def test_quantities_are_those_that_their_tables_name():
-    scene = lagrangian(**{"numerics.duration_ms": 2.0})
-    result = simulate(scene)
-    assert set(result.quantities) == set(OF_RUN)
-    found = check_quantities(result.residual())
-    assert {each.name for each in found} == set(OF_CHECK)
-    # the Lagrangian model's own run leaves nothing in the equations that it solves
-    assert {each.name: each.value for each in found}["error_rms_y"] < 0.02
+    scenes = [lagrangian(**{"operation.radial_load_N": load}) for load in (500.0, 1000.0, 1500.0, 2000.0)]
+    alone = [simulate(scene)["inner_y"].tobytes() for scene in scenes]
+    with ThreadPoolExecutor(len(scenes)) as threads:
+        assert list(threads.map(lambda scene: simulate(scene)["inner_y"].tobytes(), scenes)) == alone
 
 
 def test_a_stopped_run_says_so_keeps_its_samples_and_becomes_an_xarray_with_units():
@@ -172,35 +116,33 @@ def test_a_stopped_run_says_so_keeps_its_samples_and_becomes_an_xarray_with_unit
 def test_stiffness_is_the_slope_of_the_law():
     """Load against displacement in two solutions 10 % apart brackets the slope between them."""
     scene = Scene(model="lagrange")
-    found = {share: statics(scene.varied({"operation.radial_load_N": 2000.0 * share})) for share in (0.9, 1.0, 1.1)}
-    below = 200.0 / (found[0.9].hub[1] - found[1.0].hub[1])
-    above = 200.0 / (found[1.0].hub[1] - found[1.1].hub[1])
+    found = {
+        share: interface.statics(scene.varied({"operation.radial_load_N": 2000.0 * share})) for share in (0.9, 1.0, 1.1)
+    }
+    below, above = (200.0 / (found[low].hub[1] - found[high].hub[1]) for low, high in ((0.9, 1.0), (1.0, 1.1)))
     assert below < found[1.0].stiffness < above
     still = found[1.0]
-    rollers = still.roller_rho * np.stack([np.cos(still.roller_theta), np.sin(still.roller_theta)])
-    towards = rollers - still.hub[:, None]
-    assert still.inner_force @ (-towards / np.hypot(*towards)).T == pytest.approx(
-        [0.0, 2000.0 + 0.078 * 9.81], abs=1e-5
-    )
+    towards = still.roller_rho * np.stack([np.cos(still.roller_theta), np.sin(still.roller_theta)]) - still.hub[:, None]
+    carried = still.inner_force @ (-towards / np.hypot(*towards)).T
+    assert carried == pytest.approx([0.0, 2000.0 + 0.078 * 9.81], abs=1e-5)
 
 
-def test_labels_name_the_first_spall_and_the_lines():
+def test_labels_name_the_first_spall_and_the_lines_and_quantities_are_those_that_their_tables_name():
+    """The Lagrangian model's own run leaves nothing in the equations that it solves."""
+    result = simulate(lagrangian(**{"numerics.duration_ms": 2.0}))
+    assert result.labels["spall_body"] == "none" and set(result.quantities) == set(OF_RUN)
+    found = {each.name: each.value for each in interface.check_quantities(result.residual())}
+    assert set(found) == set(interface.OF_CHECK) and found["error_rms_y"] < 0.02
     result = simulate(lagrangian(**SPALL))
     assert result.labels["spall_body"] == "outer_ring" and result.labels["spall_width_mm"] == 2.0
     assert result.labels["BPFO_Hz"] == pytest.approx(13 * 75.0 * 18.0 / 46.0)
-    assert simulate(lagrangian()).labels["spall_body"] == "none"
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"operation.spede_rpm": 1.0}, "did you mean speed_rpm"),
-        ({"bearing.rollers": 2}, "bearing.rollers = 2"),
-        ({"operation": 1.0}, "must be a table"),
-        ({"spall.3.width_mm": 1.0}, "none of 0 tables"),
-        ({"profile.0.file": "race.csv"}, "can't be varied"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "told"), [
+    ({"operation.spede_rpm": 1.0}, "did you mean speed_rpm"), ({"bearing.rollers": 2}, "bearing.rollers = 2"),
+    ({"operation": 1.0}, "must be a table"), ({"spall.3.width_mm": 1.0}, "none of 0 tables"),
+    ({"profile.0.file": "race.csv"}, "can't be varied"),
+])  # fmt: skip
 def test_an_unusable_variation_is_refused_by_its_key(changes, told):
     with pytest.raises(SceneError, match=told):
         Scene().varied(changes)

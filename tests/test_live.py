@@ -1,20 +1,26 @@
 """The reduced model played live: the run is the solver's, values are the scene's, frames are for those who wait.
 
-And its server to those who shall use it, to those who shall not, and to Ctrl-C.
+Its server to those who shall use it, to those who shall not, and to Ctrl-C; the page in a real browser.
 """
 
 import asyncio
 import http.client
 import json
+import re
 import signal
 import socket
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from queue import Queue
+from threading import Thread
 from types import SimpleNamespace
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
 
 from fem.commands.run_fem import live_main
 from fem.live import player as player_module
@@ -26,8 +32,8 @@ from fem.solver.solver import Samples
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.kit import environment, started_as
-from tests.reference.live_server import SECONDS, ask, served, told
+from tests.reference.kit import environment, sets, started_as
+from tests.waiting import GIVE_UP
 
 
 def scene_of(*settings: str):
@@ -37,11 +43,6 @@ def scene_of(*settings: str):
 @pytest.fixture
 def player() -> Player:
     return Player(scene_of())
-
-
-@pytest.fixture(scope="module")
-def paper():
-    return scene_of()
 
 
 MACHINE = ("support.kind=housing", "sensor.frequency_Hz=12000", "damping.contact_time_us=12.5")
@@ -69,7 +70,7 @@ def test_values_are_those_of_the_scene_they_are_put_into_and_its_own_leave_it_as
     assert shown >= some.keys() and ("misalignment_mrad" in shown) == ("misalignment_mrad" in some)
 
 
-def test_spalls_of_both_rings_and_of_a_roller_change_apart_and_the_first_of_each():
+def test_spalls_and_a_cage_that_the_scene_does_not_give_change_apart():
     scene = scene_of("spall.0.body=inner_ring", "spall.1.width_mm=0.5", "spall.1.depth_um=30")
     values = values_of(scene)
     assert (values["inner_ring_spall_mm"], values["outer_ring_spall_mm"], values["roller_spall_mm"]) == (1.0, 0.5, 0.0)
@@ -79,9 +80,6 @@ def test_spalls_of_both_rings_and_of_a_roller_change_apart_and_the_first_of_each
     assert (found.spall[1].depth_um, found.spall[1].angle_deg) == (30.0, 12.0)
     assert [s.body for s in changed(scene, values | {"inner_ring_spall_mm": 0.0}).spall] == ["outer_ring"]
     assert "roller_spall_mm" not in values_of(scene_of("bearing.missing_rollers=[2]"))  # not both in a scene
-
-
-def test_a_cage_that_the_scene_does_not_give_goes_with_the_friction_that_drives_it():
     still = {"friction_coefficient": 0.0}
     scene = scene_of("bearing.designation=NU206")
     own = scene_of("bearing.designation=NU206", "cage.pocket_clearance_mm=0.2")
@@ -104,36 +102,23 @@ def test_pressures_along_rollers_are_those_of_their_forces_and_moments():
     assert make_page(player, "ws://x")[0].count('id="pressure"') == 1
 
 
-def test_the_page_has_the_controls_of_the_scene():
-    page, _ = make_page(Player(scene_of(*MACHINE)), "ws://here")
-    assert 'id="mass_kg"' in page and "Sensor&#39;s frequency" in page and "(of the sensor)" in page
-
-
 @pytest.mark.parametrize(("some", "words"), [
     ({"radial_load_N": -5.0}, "operation.radial_load_N = -5.0: must be greater"),
-    ({"speed_rpm": 1e6}, "operation.speed_rpm"),
-    ({"clearance_um": 5000.0}, "too large"),
-    ({"clearance_um": -500.0}, "preload"),
-    ({"friction_coefficient": 2.0}, "friction_coefficient = 2.0"),
-    ({"outer_ring_spall_mm": -1.0}, "width_mm = -1.0"),
-    ({"inner_ring_spall_mm": 50.0}, "too wide"),
+    ({"speed_rpm": 1e6}, "operation.speed_rpm"), ({"clearance_um": 5000.0}, "too large"),
+    ({"clearance_um": -500.0}, "preload"), ({"friction_coefficient": 2.0}, "friction_coefficient = 2.0"),
+    ({"outer_ring_spall_mm": -1.0}, "width_mm = -1.0"), ({"inner_ring_spall_mm": 50.0}, "too wide"),
+    ({"radial_load_N": 2e6}, "beyond Hertz's theory"), (None, "values: give speed_rpm, "),
 ])  # fmt: skip
-def test_values_that_are_no_scene_are_refused_by_the_scene(some, words, paper):
-    with pytest.raises(SceneError, match="^these values: .*" + words):
-        changed(paper, values_of(paper) | some)
+def test_values_that_are_no_scene_are_refused_and_leave_the_run_as_it_was(some, words, player):
+    before, values = player.plan, values_of(player.scene)
+    with pytest.raises((SceneError, UsageError), match=words):
+        player.change({"speed_rpm": 100.0} if some is None else values | some)
+    assert player.plan is before and values_of(player.scene) == values and player.advance(5) == 5
 
 
-def test_a_load_that_the_model_refuses_leaves_the_run_as_it_was(player):
-    before = player.plan
-    with pytest.raises(UsageError, match="beyond Hertz's theory"):
-        player.change(values_of(player.scene) | {"radial_load_N": 2e6})
-    with pytest.raises(UsageError, match="values: give speed_rpm, "):
-        player.change({"speed_rpm": 100.0})
-    assert player.plan is before and values_of(player.scene)["radial_load_N"] == 2000.0
-    assert player.advance(5) == 5
-
-
-def test_sliders_hold_the_scenes_own_values():
+def test_the_page_has_the_controls_of_the_scene_and_sliders_hold_its_own_values():
+    page, _ = make_page(Player(scene_of(*MACHINE)), "ws://here")
+    assert 'id="mass_kg"' in page and "Sensor&#39;s frequency" in page and "(of the sensor)" in page
     for settings in ((), ("bearing.outer_raceway_diameter_mm=57.9", "operation.speed_rpm=-30000"),
                      ("operation.radial_load_N=0", "operation.speed_rpm=0", "spall.0.width_mm=5")):  # fmt: skip
         scene = scene_of(*settings)
@@ -142,7 +127,8 @@ def test_sliders_hold_the_scenes_own_values():
             assert slider.low <= values[slider.key] <= slider.high and slider.high - slider.low > slider.step
 
 
-def test_what_is_played_is_the_solvers_run_whatever_it_is_cut_into(player):
+def test_what_is_played_is_the_solvers_run_and_other_values_begin_one_with_roller_0_where_it_was(player, monkeypatch):
+    """Whatever it is cut into. One that has ended restarts; one whose energy does not balance is warned of."""
     plan = make_plan(scene_of("numerics.output_interval_us=10", "numerics.duration_ms=100000"))
     wanted = plan.first_state().advance(401).samples
     for count in (1, 7, 392):
@@ -150,33 +136,22 @@ def test_what_is_played_is_the_solvers_run_whatever_it_is_cut_into(player):
     for name in ("time", "inner_x", "inner_ay", "roller_theta", "outer_force"):
         assert player.now[name].tobytes() == wanted[name][400].tobytes(), name
     assert player.turn[3] == pytest.approx(np.trapezoid(wanted["roller_spin"][:, 3], wanted["time"]), rel=0.01)
-
-
-def test_other_values_begin_a_run_with_roller_0_where_it_was(player):
     player.advance(2345)
     before = float(player.now["roller_theta"][0])
     player.change(values_of(player.scene) | {"radial_load_N": 500.0, "clearance_um": 10.0})
     turned = (float(player.now["roller_theta"][0]) - before + np.pi) % (2.0 * np.pi) - np.pi
     assert abs(turned) < 1e-9 and player.now["time"] == 0.0
     assert player.facts()["given"]["radial_load_N"] == 2000.0 and player.facts()["values"]["radial_load_N"] == 500.0
-
-
-def test_a_run_that_has_come_to_its_end_restarts(player, monkeypatch):
     monkeypatch.setattr(player_module, "LONGEST_MS", 1.0)
     player.change(values_of(player.scene))
     assert player.advance(250) == 250
     assert player.now["time"] == pytest.approx(0.5e-3)  # a run of 1 ms, another, half a third
-
-
-def test_a_run_whose_energy_does_not_balance_is_warned_of(player, monkeypatch):
-    player.advance(100)
     assert player.warnings() == ()
     monkeypatch.setattr(player_module, "LIMIT", 1e-12)
-    assert player.warnings() == (player_module.UNBALANCED,)
-    assert player.frame()["balanced"] is False
+    assert player.warnings() == (player_module.UNBALANCED,) and player.frame()["balanced"] is False
 
 
-def test_forces_of_a_frame_carry_the_load(player):
+def test_frames_show_forces_that_carry_the_load_and_a_cage_where_its_pockets_are(player):
     """Over half a passage of the rollers, whose places count from the load on."""
     operation = player.scene.ideal_operation()
     carried = []
@@ -189,9 +164,6 @@ def test_forces_of_a_frame_carry_the_load(player):
     weight = (operation.inner_mass + rollers) * operation.gravity
     assert np.mean(carried) == pytest.approx(operation.radial_load + weight, rel=2e-3)
     assert frame["hub"][1] == pytest.approx(1e6 * player.now["inner_y"], abs=1e-3) and -5.0 < frame["hub"][1] < -2.0
-
-
-def test_a_cage_is_drawn_where_its_pockets_are():
     player = Player(scene_of("bearing.designation=NU206", "operation.first_roller_deg=10"))
     player.advance(400)
     frame, facts = player.frame(), player.facts()
@@ -207,21 +179,27 @@ def samples_of(**values: np.ndarray) -> Samples:
     return Samples(values=zeros | values, imbalance=np.zeros(n), exchanged=np.ones(n), error=np.zeros(n))
 
 
-def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency():
-    time = 1e-5 * np.arange(10_000)
-    record = Record(1e-5)
+def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency_and_an_orbit_is_given_once_and_not_too_finely():
+    time, record = 1e-5 * np.arange(10_000), Record(1e-5)
     for part in np.array_split(3.0 + 2.0 * np.sin(2.0 * np.pi * 380.0 * time), 7):
         record.add(samples_of(inner_ay=part))
     frequency, (x, y) = record.spectrum()
     assert record.length == pytest.approx(0.1)
     assert y.max() == pytest.approx(2.0, rel=1e-6) and frequency[np.argmax(y)] == pytest.approx(380.0, rel=0.03)
     assert x.max() == 0.0 and np.all(np.diff(frequency) > 0.0)
-    far = (frequency < 300.0) | (frequency > 500.0)
-    assert y[far].max() < 1e-3
+    assert y[(frequency < 300.0) | (frequency > 500.0)].max() < 1e-3
+    record = Record(1e-5)
+    record.add(samples_of(inner_x=np.arange(1700.0)))
+    x, _ = record.orbit()
+    assert 0.5 * MOST_PLACES < x.size <= MOST_PLACES and x[0] == 0.0 and x[-1] > 1690.0
+    assert record.orbit().shape == (2, 0)
 
 
-def test_an_envelope_shows_the_depth_of_a_swell_at_its_line():
-    """Of a carrier of 5 m/s² that swells by 0.4 at BPFO the envelope has a line of 2 m/s² there, and none elsewhere."""
+def test_envelopes_show_the_depth_of_a_swell_at_its_line_and_all_lines_of_a_bearing():
+    """Of a carrier of 5 m/s² that swells by 0.4 at BPFO the envelope has a line of 2 m/s² there, and none elsewhere.
+
+    Of five small rollers 2×BSF lies far above BPFI.
+    """
     time, lines = 1e-5 * np.arange(20_000), {"BPFO": 238.0, "BPFI": 350.0, "2×BSF": 215.0}
     record = Record(1e-5)
     record.add(samples_of(inner_ay=np.cos(2.0 * np.pi * 8e3 * time[:3000])))
@@ -234,18 +212,6 @@ def test_an_envelope_shows_the_depth_of_a_swell_at_its_line():
     assert max(found["BPFI"], found["2×BSF"]) < 0.02
     assert step * np.argmax(amplitude) == pytest.approx(235.0, abs=0.1)
     assert record.envelope(dict.fromkeys(lines, 0.0))[1].size == 0  # the bearing stands
-
-
-def test_an_orbit_is_given_once_and_not_too_finely():
-    record = Record(1e-5)
-    record.add(samples_of(inner_x=np.arange(1700.0)))
-    x, _ = record.orbit()
-    assert 0.5 * MOST_PLACES < x.size <= MOST_PLACES and x[0] == 0.0 and x[-1] > 1690.0
-    assert record.orbit().shape == (2, 0)
-
-
-def test_a_bearing_of_few_small_rollers_has_all_its_lines_in_the_envelope():
-    """Of five small rollers 2×BSF lies far above BPFI."""
     player = Player(scene_of("bearing.rollers=5", "bearing.roller_diameter_mm=3", "bearing.clearance_um=5"))
     player.advance(5000)
     lines, envelope = player.fault_lines(), player.frame()["envelope"]
@@ -266,7 +232,6 @@ def test_a_scene_that_can_not_be_played_is_refused_by_name(setting, words, capsy
 
 
 # How many frames a second a page gets, on a clock that only work and waiting move
-
 
 WORK = 0.56  # s of steps for a second in real time, as measured for the paper's bearing
 MAKING, DRAWING = 0.005, 0.015  # s of a frame, here and in the browser with the way there and back
@@ -290,16 +255,14 @@ class Clock(asyncio.SelectorEventLoop):
 
 
 class Bearing:
-    """A player whose steps and frames take time on the clock."""
+    """A player whose steps, in blocks of at most a tenth of a millisecond, and frames take time on the clock."""
 
-    plan = SimpleNamespace(interval=1e-5)
-    given = None
+    plan, given, facts = SimpleNamespace(interval=1e-5), None, dict
 
     def __init__(self, clock: Clock, work: float):
         self._clock, self._work, self.simulated = clock, work, 0.0
 
     def advance(self, count: int, is_late) -> int:
-        """Steps, in blocks of at most a tenth of a millisecond."""
         done = 0
         while done < count and not is_late():
             block = min(10, count - done)
@@ -312,27 +275,24 @@ class Bearing:
         self._clock.now += MAKING
         return {}
 
-    facts = dict
 
-
-def played(monkeypatch, work: float, slowness: float) -> tuple[int, float]:
-    """Frames that a page gets which asks for the next once it has drawn the last, and the time simulated, s."""
-    clock = Clock()
-    bearing, frames = Bearing(clock, work), 0
-    monkeypatch.setattr(server_module, "time", clock)
-    server, page = LiveServer(bearing), object()
+@pytest.mark.parametrize(("work", "slowness"), [(WORK, 1.0), (WORK, 50.0), (10.0 * WORK, 50.0), (10.0 * WORK, 1.0)])
+def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, slowness, monkeypatch):
+    """A page that asks for the next frame once it has drawn the last."""
+    clock, page, frames = Clock(), object(), []
+    bearing = Bearing(clock, work)
+    server = LiveServer(bearing)
 
     def hear(viewers, text: str) -> None:
-        nonlocal frames
         if "frame" in json.loads(text):
-            frames += 1
+            frames.append(text)
             clock.call_later(DRAWING, server._hear, page, '{"frame": true}')
-
-    monkeypatch.setattr(server_module, "broadcast", hear)
 
     async def now(work, *arguments):
         return work(*arguments)
 
+    monkeypatch.setattr(server_module, "time", clock)
+    monkeypatch.setattr(server_module, "broadcast", hear)
     server._in_thread, server._pace, server._viewers = now, Pace(slowness=slowness), {page: True}
 
     async def watch() -> None:
@@ -348,30 +308,57 @@ def played(monkeypatch, work: float, slowness: float) -> tuple[int, float]:
 
     with ThreadPoolExecutor(1) as thread:
         thread.submit(run).result()  # a browser of other tests has a loop in this one
-    return frames, bearing.simulated
-
-
-@pytest.mark.parametrize(("work", "slowness"), [(WORK, 1.0), (WORK, 50.0), (10.0 * WORK, 50.0), (10.0 * WORK, 1.0)])
-def test_a_page_gets_20_frames_a_second_at_the_pace_asked_for_or_slower(work, slowness, monkeypatch):
-    frames, simulated = played(monkeypatch, work, slowness)
     if work > slowness:
-        assert frames >= 17.0 * PASSED and simulated < 0.2 * PASSED
+        assert len(frames) >= 17.0 * PASSED and bearing.simulated < 0.2 * PASSED
     else:
-        assert frames >= 20.0 * PASSED and simulated * slowness == pytest.approx(PASSED, rel=0.03)
+        assert len(frames) >= 20.0 * PASSED and bearing.simulated * slowness == pytest.approx(PASSED, rel=0.03)
 
 
 # The server
 
 
+class Served:
+    """A server that runs; its address is http://127.0.0.1:port/token/."""
+
+    def __init__(self, address):
+        parts = urlsplit(address)
+        self.port, self.path, self.origin = parts.port, parts.path, f"http://127.0.0.1:{parts.port}"
+
+    def connected(self, origin="", path=None):
+        """A viewer's connection; as a page of this server unless told otherwise."""
+        address = f"ws://127.0.0.1:{self.port}{self.path + 'live' if path is None else path}"
+        return connect(address, origin=self.origin if origin == "" else origin, open_timeout=GIVE_UP, proxy=None)
+
+
 @pytest.fixture(scope="module")
 def live():
-    with served() as running:
-        yield running
+    """A server of the built-in scene, in a thread."""
+    server, addresses = LiveServer(Player(scene_of())), Queue()
+    thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)), daemon=True)
+    thread.start()
+    try:
+        yield Served(addresses.get(timeout=GIVE_UP))
+    finally:
+        server.end()
+        thread.join(GIVE_UP)
+        assert not thread.is_alive()
 
 
-def answer(live, method: str = "GET", path: str | None = None, body: str | None = None, **headers: str | None):
+def told(viewer, kind):
+    """The next message of a kind."""
+    while True:
+        message = json.loads(viewer.recv(timeout=GIVE_UP))
+        if kind in message:
+            return message[kind]
+
+
+def ask(viewer, **wish):
+    viewer.send(json.dumps(wish))
+
+
+def answer(live, method="GET", path=None, body=None, **headers):
     """Status, headers and text that a request gets; a header that is None is left out."""
-    connection = http.client.HTTPConnection("127.0.0.1", live.port, timeout=SECONDS)
+    connection = http.client.HTTPConnection("127.0.0.1", live.port, timeout=GIVE_UP)
     connection.putrequest(method, live.path if path is None else path, skip_host=True)
     sent = {"Host": f"127.0.0.1:{live.port}"} | headers | ({} if body is None else {"Content-Length": str(len(body))})
     for name, value in sent.items():
@@ -395,7 +382,7 @@ def test_the_page_is_whole_and_may_load_nothing(live):
     assert answer(live, Host=f"localhost:{live.port}")[0] == 200  # this machine's other name
 
 
-def test_without_the_token_or_by_another_name_or_method_everything_is_forbidden(live):
+def test_without_the_token_or_by_another_name_method_or_origin_everything_is_forbidden(live):
     """Of a site whose name was made to resolve to this machine, too."""
     token = live.path.strip("/")
     for path in ("/", "/live", "/wrong/", "/wrong/live", "//", f"/{token}", f"/{token}/?a", f"/{token}x/",
@@ -406,9 +393,6 @@ def test_without_the_token_or_by_another_name_or_method_everything_is_forbidden(
         assert answer(live, Host=host)[0] == 403, host
     for method in ("POST", "PUT", "DELETE", "HEAD", "OPTIONS", "PATCH", "TRACE"):
         assert answer(live, method)[0] == 405, method
-
-
-def test_pages_of_another_origin_and_connections_without_one_or_the_token_are_forbidden(live):
     wrong = ["http://evil.example", "null", f"https://127.0.0.1:{live.port}", "http://127.0.0.1"]
     assert all(answer(live, Origin=origin)[0] == 403 for origin in wrong)
     for origin, path in (*((origin, None) for origin in (*wrong, None)), ("", "/live"), ("", "/wrong/live")):
@@ -417,19 +401,16 @@ def test_pages_of_another_origin_and_connections_without_one_or_the_token_are_fo
         assert refused.value.response.status_code == 403
 
 
-def test_what_has_a_body_or_is_no_request_gets_no_page(live):
+def test_what_has_a_body_or_is_no_request_gets_no_page_and_it_listens_on_one_loopback_address_alone(live):
+    """127.0.0.2 is this machine as well: who listens everywhere answers there."""
     with pytest.raises((http.client.BadStatusLine, ConnectionError)):
         answer(live, "POST", body="speed=1")
-    with socket.create_connection(("127.0.0.1", live.port), timeout=SECONDS) as door:
+    with socket.create_connection(("127.0.0.1", live.port), timeout=GIVE_UP) as door:
         door.sendall(b"\x16\x03\x01\x02\x00\r\n\r\n")
         assert b"200" not in door.recv(1000)
     assert answer(live)[0] == 200
-
-
-def test_it_listens_on_one_loopback_address_alone(live):
-    """127.0.0.2 is this machine as well: who listens everywhere answers there."""
     with pytest.raises(OSError):
-        socket.create_connection(("127.0.0.2", live.port), timeout=SECONDS)
+        socket.create_connection(("127.0.0.2", live.port), timeout=GIVE_UP)
 
 
 def test_nonsense_is_told_so_and_ends_nothing(live):
@@ -444,7 +425,7 @@ def test_nonsense_is_told_so_and_ends_nothing(live):
     with live.connected() as viewer, pytest.raises(ConnectionClosed):
         viewer.send("x" * 100_000)
         while True:
-            viewer.recv(timeout=SECONDS)
+            viewer.recv(timeout=GIVE_UP)
     assert answer(live)[0] == 200
 
 
@@ -484,24 +465,214 @@ def test_a_paused_run_goes_on_by_steps_and_stands_while_nobody_asks(live):
         assert told(late, "frame")["time"] > last
 
 
+def start_live(*arguments):
+    """A `run-live` in a process of its own, and its address."""
+    program, pipe = [*started_as("run-live"), *arguments], subprocess.PIPE
+    process = subprocess.Popen(program, env=environment(), stdout=pipe, stderr=pipe, text=True)
+    return process, process.stdout.readline().split()[1]
+
+
 def test_ctrl_c_ends_it_with_viewers_watching():
-    process = subprocess.Popen(
-        started_as("run-live"), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    """One of them answers nothing."""
+    process, address = start_live()
+    served = Served(address)
     try:
-        address = process.stdout.readline().split()[1]
-        port, token = int(address.split(":")[2].split("/")[0]), address.split("/")[3]
-        with socket.create_connection(("127.0.0.1", port), timeout=SECONDS) as viewer:
+        with socket.create_connection(("127.0.0.1", served.port), timeout=GIVE_UP) as viewer:
             request = (
-                f"GET /{token}/live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+                f"GET {served.path}live HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nOrigin: {served.origin}\r\n"
                 "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
             )
             viewer.sendall(request.encode())
             assert viewer.recv(12) == b"HTTP/1.1 101"
             process.send_signal(signal.SIGINT)
-            _, error = process.communicate(timeout=SECONDS)
+            _, error = process.communicate(timeout=GIVE_UP)
     finally:
         process.kill()
     assert process.returncode == 130 and error == "interrupted\n"
-    assert len(token) > 20
+    assert len(served.path.strip("/")) > 20
+
+
+# The live page as a student meets it, in a real browser, on a desk and on a phone
+
+
+@contextmanager
+def command_served(*arguments):
+    """The address of a `run-live` which tests leave alone."""
+    process, address = start_live(*arguments)
+    try:
+        yield address
+        assert process.poll() is None, process.communicate()[1]
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=GIVE_UP)
+
+
+@pytest.fixture(scope="module")
+def address():
+    with command_served() as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def page(browser, address, request):
+    """The page of a width; what it asked for and complained of is kept. Tests leave it as they found it."""
+    context = browser.new_context(viewport={"width": request.param, "height": 800})
+    context.set_default_timeout(1e3 * GIVE_UP)
+    page = context.new_page()
+    page.asked, page.complaints = [], []
+    page.on("request", lambda asked: page.asked.append(asked.url))
+    page.on("console", lambda message: page.complaints.append(message.text))
+    page.on("pageerror", lambda error: page.complaints.append(str(error)))
+    page.goto(address)
+    wait_for_frames(page)
+    yield page
+    assert page.complaints == []
+    context.close()
+
+
+everywhere = pytest.mark.parametrize("page", [390, 1280], indirect=True)
+on_a_desk = pytest.mark.parametrize("page", [1280], indirect=True)
+
+
+def wait_for_frames(page, count: int = 3) -> None:
+    seen = page.evaluate("() => window.live ? window.live.frames : 0")
+    page.wait_for_function("least => window.live && window.live.frames >= least", arg=seen + count)
+
+
+def type_value(page, key: str, value: str) -> None:
+    page.locator(f"#{key}-typed").fill(value)
+    page.locator(f"#{key}-typed").press("Tab")
+
+
+def wait_for_value(page, key: str, value: float) -> None:
+    page.wait_for_function("([key, value]) => window.live.bearing().values[key] === value", arg=[key, value])
+
+
+def coloured(page, canvas: str) -> int:
+    """Pixels of a canvas that are orange or brown, as loads are."""
+    return page.locator(canvas).evaluate(
+        """canvas => { const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+        let found = 0;
+        for (let i = 0; i < pixels.length; i += 4)
+          if (pixels[i] > 120 && pixels[i] > 1.4 * pixels[i + 2] && pixels[i + 3] > 100) found++;
+        return found; }"""
+    )
+
+
+@everywhere
+def test_all_is_drawn_and_read_and_nothing_comes_from_elsewhere(page, address):
+    assert [url for url in page.asked if not url.startswith(("data:", "blob:"))] == [address]
+    wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide <= screen
+    sizes = page.locator("p, label, dt, dd, button, small, figcaption").evaluate_all(
+        "all => all.map(e => parseFloat(getComputedStyle(e).fontSize))"
+    )
+    assert min(sizes) > 12.0
+    assert coloured(page, "#bearing") > 2000 and coloured(page, "#zone canvas") > 50
+    for name in ("bearing", "zone .plot", "orbit .plot", "spectrum .plot", "envelope .plot"):
+        box = page.locator(f"#{name}").bounding_box()
+        assert box["width"] > 250 and box["height"] > 150
+    page.wait_for_function("() => document.querySelector('#record').textContent.includes('Hz')")
+    assert page.locator("#factor").inner_text().startswith("1/")
+    assert page.locator("#loaded").inner_text().endswith("of 13")
+    assert page.locator("#cautions").is_hidden() and page.locator("#refused").is_hidden()
+
+
+@on_a_desk
+def test_sliders_and_boxes_change_the_bearing(page):
+    page.locator("#speed_rpm").fill("3000")
+    wait_for_value(page, "speed_rpm", 3000)
+    assert page.locator("#speed_rpm-typed").input_value() == "3000"
+    type_value(page, "clearance_um", "12.5")
+    wait_for_value(page, "clearance_um", 12.5)
+    with page.expect_download() as saved:
+        page.get_by_text("Save this scene").click()
+    scene = read_scene(saved.value.path())
+    assert scene.operation.speed_rpm == 3000.0 and scene.bearing.outer_raceway_diameter_mm == 56.0125
+    assert scene.model == "reduced" and scene.numerics.duration_ms == 60.0
+    page.get_by_role("button", name="Reset").click()
+    wait_for_value(page, "speed_rpm", 4500)
+    assert page.evaluate("window.live.bearing().values.clearance_um") == 0
+
+
+@on_a_desk
+def test_a_value_that_is_refused_is_explained_and_shocks_of_a_spall_are_warned_of(page):
+    type_value(page, "radial_load_N", "-5")
+    refused = page.locator("#refused")
+    refused.wait_for()
+    assert "operation.radial_load_N = -5.0: must be greater than or equal to 0" in refused.inner_text()
+    assert page.locator("#radial_load_N-typed").input_value() == "2000"
+    wait_for_frames(page)
+    type_value(page, "radial_load_N", "2500")
+    wait_for_value(page, "radial_load_N", 2500)
+    refused.wait_for(state="hidden")
+    type_value(page, "outer_ring_spall_mm", "0.8")
+    wait_for_value(page, "outer_ring_spall_mm", 0.8)
+    page.locator("#cautions").wait_for()
+    page.wait_for_function("() => document.querySelector('#cautions').textContent.includes('elastic waves')")
+    page.get_by_role("button", name="Reset").click()
+    wait_for_value(page, "outer_ring_spall_mm", 0)
+    wait_for_value(page, "radial_load_N", 2000)
+    page.locator("#cautions").wait_for(state="hidden")
+
+
+@on_a_desk
+def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Play").wait_for()
+    page.locator("#slowness").fill("6")
+    page.wait_for_function("() => document.querySelector('#factor').textContent === '1/100'")
+    assert page.locator("#pace").inner_text().endswith("a twentieth of a second at 1/100.")
+    page.get_by_role("button", name="Reset").click()
+    page.wait_for_function("() => window.live.frame().time === 0")  # a paused run shows where it stands
+    for wanted in (0.5, 1.0):  # ms
+        page.get_by_role("button", name="Step").click()
+        page.wait_for_function("wanted => window.live.frame().time > wanted - 0.1", arg=wanted)
+        assert page.evaluate("window.live.frame().time") == pytest.approx(wanted)
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("() => window.live.frame().time > 2")
+    assert page.locator("#pace").inner_text().startswith("One second here is")
+    page.locator("#slowness").fill("5")
+
+
+@on_a_desk
+def test_numbers_of_an_axis_differ_however_small_its_steps(page):
+    """An envelope of thousandths of g had the ticks 0, 0, 0."""
+    shown = page.evaluate(
+        "[[0, 2e-4, 4e-4], [-2.5, 0, 2.5], [0, 500, 1000]].map(v => charts.plain(null, v, 0, 0, v[1] - v[0]))"
+    )
+    assert shown == [["0.0000", "0.0002", "0.0004"], ["−2.5", "0.0", "2.5"], ["0", "500", "1000"]]
+
+
+def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is(browser):
+    """Of a housing and spalls of all three bodies; on a phone it stays while the controls are moved."""
+    spalls = ("spall.0.width_mm=0.5", "spall.1.body=inner_ring", "spall.2.body=roller", "spall.2.roller=1")
+    with command_served("--set", "support.kind=housing", *sets(*spalls)) as address:
+        for width, controls_at in ((1280, "0"), (390, "document.querySelector('#mass_kg').offsetTop - 500")):
+            page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme="dark")
+            page.set_default_timeout(1e3 * GIVE_UP)
+            page.goto(address)
+            wait_for_frames(page)
+            page.evaluate(f"window.scrollTo(0, {controls_at})")
+            box = page.locator("#bearing").bounding_box()
+            assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0
+            assert coloured(page, "#bearing") > 500
+            colours = "[document.body, document.querySelector('.card')].map(e => getComputedStyle(e).backgroundColor)"
+            light = [[int(part) for part in re.findall(r"\d+", colour)] for colour in page.evaluate(colours)]
+            assert max(max(colour) for colour in light) < 60
+            bodies = page.evaluate("live.bearing().spalls.map(spall => spall.body)")
+            assert bodies == ["outer_ring", "inner_ring", "roller"]
+            page.close()
+
+
+@pytest.mark.slow  # another server and page
+def test_the_page_says_when_the_program_has_ended(browser):
+    with command_served() as address:
+        page = browser.new_page()
+        page.set_default_timeout(1e3 * GIVE_UP)
+        page.goto(address)
+        wait_for_frames(page, 1)
+    page.locator("#ended").wait_for()
+    assert "The program or the connection has ended" in page.locator("#ended").inner_text()
+    page.close()

@@ -7,11 +7,11 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.live import player as controls
 from fem.pictures.recover import StoredRun
-from fem.runner import RunOptions, run_scene
 from lagrange.errors import InputError, UsageError
 from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.surface.deviation import Turns, profiles
 from residual.sources import read_result
+from tests.reference.kit import sets
 
 HEADER = "angle_deg,height_um\n"
 N = 8800  # points 20 µm apart on a raceway of 56 mm
@@ -71,19 +71,16 @@ def test_a_roller_sinks_into_a_measured_gap_as_into_a_sharp_one(where, deepest, 
     radius, from_load = {"outer ring": (28.0, True), "inner ring": (18.0, True)}.get(where, (5.0, False))
     count = round(2000 * np.pi * radius / 20.0)  # points 20 µm apart
     gap = table(lambda a: -35.0 if abs(a * count / 360 - 100) < 24.5 else 0.0, count=count)
-    scene = read_scene(scene_with(tmp_path, gap, body))
     middle, half = 2 * np.pi * 100 / count - 0.5 * np.pi * from_load, 0.5 / radius
     around = middle + half * np.linspace(-1.5, 1.5, 3001)
-    found = sinkage(scene, raceway, around)
+    found = sinkage(read_scene(scene_with(tmp_path, gap, body)), raceway, around)
     assert found.max() == pytest.approx(deepest, rel=0.01)
-    assert abs(around[found.argmax()] - middle) < 0.01 * half
-    assert np.abs(found[[0, -1]]).max() < 1e-9
+    assert abs(around[found.argmax()] - middle) < 0.01 * half and np.abs(found[[0, -1]]).max() < 1e-9
 
 
 def test_what_stands_out_lifts_a_roller_before_it_is_there(tmp_path):
     """A crest 5 µm high, 0.2 mm wide: a circle of radius r in a bore R touches its edge from √(2h/(1/r − 1/R)) on."""
-    crest = table(lambda a: 5.0 if abs(a) < 0.205 or a > 359.795 else 0.0)
-    scene = read_scene(scene_with(tmp_path, crest))
+    scene = read_scene(scene_with(tmp_path, table(lambda a: 5.0 if abs(a) < 0.205 or a > 359.795 else 0.0)))
     beside = np.array([0.0, 0.05e-3, 0.2e-3, 0.5e-3]) / 28e-3
     x = np.maximum(beside * 28e-3 - 0.1e-3, 0.0)
     expected = -np.maximum(5e-6 - 0.5 * x**2 * (1 / 5e-3 - 1 / 28e-3), 0.0)
@@ -146,33 +143,27 @@ def test_tables_that_are_no_surface_are_refused(why, tmp_path, capsys):
     assert "profile.0" in told and '"race.csv"' in told and reason in told and "Traceback" not in told
 
 
-@pytest.mark.parametrize(
-    ("lines", "reason"),
-    [
-        ('[[profile]]\nfile = "none.csv"', "No such file"),
-        ("[[profile]]", "file"),
-        ('[[profile]]\nfile = "race.csv"\nbody = "roller"', "roller = 0"),
-        ('[[profile]]\nfile = "race.csv"\nbody = "roller"\nroller = 13', "counted from 0 to 12"),
-        ('[[profile]]\nfile = "race.csv"\n[[profile]]\nfile = "race.csv"', "of the same surface"),
-        ('[[profile]]\nfile = "race.csv"\ncontent = "x"', "profile.0.content: unknown key"),
-        ('[[profile]]\nfile = "race.csv"\nheigt = 1', "known here: body, roller, file, sha256, angle_deg, decimal"),
-        ('[[profile]]\nfile = "race.csv"\nsha256 = "' + 64 * "0" + '"', "another than the scene gives"),
-    ],
-)
+@pytest.mark.parametrize(("lines", "reason"), [
+    ('[[profile]]\nfile = "none.csv"', "No such file"), ("[[profile]]", "file"),
+    ('[[profile]]\nfile = "race.csv"\nbody = "roller"', "roller = 0"),
+    ('[[profile]]\nfile = "race.csv"\nbody = "roller"\nroller = 13', "counted from 0 to 12"),
+    ('[[profile]]\nfile = "race.csv"\n[[profile]]\nfile = "race.csv"', "of the same surface"),
+    ('[[profile]]\nfile = "race.csv"\ncontent = "x"', "profile.0.content: unknown key"),
+    ('[[profile]]\nfile = "race.csv"\nheigt = 1', "known here: body, roller, file, sha256, angle_deg, decimal"),
+    ('[[profile]]\nfile = "race.csv"\nsha256 = "' + 64 * "0" + '"', "another than the scene gives"),
+])  # fmt: skip
 def test_scenes_that_name_no_table_are_refused(lines, reason, tmp_path):
     (tmp_path / "race.csv").write_text(HEADER + "\n".join(ROUND), encoding="utf-8")
     (tmp_path / "scene.toml").write_text(lines, encoding="utf-8")
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SceneError, match=reason):
         read_scene(tmp_path / "scene.toml")
-    assert reason in str(caught.value)
 
 
 def test_the_table_travels_with_the_run_and_another_one_is_not_resumed(tmp_path, capsys):
     wave = table(lambda a: 0.5 * np.cos(np.radians(12 * a)), count=720)
-    path, result = scene_with(tmp_path, wave), tmp_path / "run.nc"
-    options = [str(path), "--model", "lagrange", "--quiet", "--output", str(result)]
-    options += ["--set", "numerics.output_interval_us=2", "--duration"]
-    assert run_main([*options, "0.1"]) == 0
+    path, result, whole = scene_with(tmp_path, wave), tmp_path / "run.nc", tmp_path / "whole.nc"
+    options = [str(path), "--model", "lagrange", "--quiet", *sets("numerics.output_interval_us=2"), "--output"]
+    assert run_main([*options, str(result), "--duration", "0.1"]) == 0
     scene = read_scene(path, ("model=lagrange", "numerics.duration_ms=0.1", "numerics.output_interval_us=2"))
     (tmp_path / "race.csv").unlink()
     for found in (read_result(result).scene, StoredRun(result).scene):
@@ -181,22 +172,14 @@ def test_the_table_travels_with_the_run_and_another_one_is_not_resumed(tmp_path,
         assert file["outer_sinkage"][:].min() == pytest.approx(-0.5e-6, rel=0.01)
         assert '"kind": "profile"' in file.attrs["faults"] and "events" not in file
     scene_with(tmp_path, wave.replace("0,0.5", "0,0.499", 1))
-    assert run_main([*options, "0.1", "--resume"]) == 2
+    assert run_main([*options, str(result), "--duration", "0.1", "--resume"]) == 2
     assert "the scene has changed (profile was" in capsys.readouterr().err
     scene_with(tmp_path, wave)
-    assert run_main([*options, "0.12", "--resume"]) == 0
-    whole = tmp_path / "whole.nc"
-    run_scene(
-        read_scene(path, ("model=lagrange", "numerics.duration_ms=0.12", "numerics.output_interval_us=2")),
-        whole,
-        RunOptions(quiet=True),
-    )
+    for target, more in ((result, ["--resume"]), (whole, [])):
+        assert run_main([*options, str(target), "--duration", "0.12", *more]) == 0
     with h5py.File(result) as a, h5py.File(whole) as b:
         np.testing.assert_array_equal(a["outer_sinkage"][:], b["outer_sinkage"][:])
-
-
-def test_a_live_scene_keeps_its_table(tmp_path):
-    scene = read_scene(scene_with(tmp_path, table(lambda a: 0.0, count=720)))
+    scene = read_scene(path)  # a live scene keeps its table
     changed = controls.changed(scene, controls.values_of(scene) | {"speed_rpm": 3000.0})
     assert changed.profile == scene.profile and changed.operation.speed_rpm == 3000.0
     assert profiles(changed.ideal_bearing()) is not None
@@ -210,39 +193,29 @@ def stored(tmp_path_factory):
     return result
 
 
-def in_place(make):
-    """Take the table's text out of a result and make something else of its name."""
-
-    def forge(file):
-        del file["scene_file_0"]
-        make(file)
-
-    return forge
+def put(value):
+    return lambda file: file.__setitem__("scene_file_0", value)
 
 
-def write(file, value):
-    file["scene_file_0"] = value
+FORGED = {  # in the place of the table's text in a result; None: its text is changed
+    "another text": (None, "its text is not here"),
+    "nothing": (lambda file: None, "its text is not here"),
+    "numbers": (put(np.zeros(10)), "not an array of bytes"),
+    "zeros": (lambda file: file.create_dataset("scene_file_0", (2**40,), "u1", chunks=(1024,)), "4194304 bytes"),
+    "a link": (put(h5py.ExternalLink("/etc/passwd", "/")), "not followed"),
+}
 
 
-def change(file):
-    file["scene_file_0"][-2] = ord("7")
-
-
-@pytest.mark.parametrize(
-    ("forge", "reason"),
-    [
-        (change, "its text is not here"),
-        (in_place(lambda file: None), "its text is not here"),
-        (in_place(lambda file: write(file, np.zeros(10))), "not an array of bytes"),
-        (in_place(lambda file: file.create_dataset("scene_file_0", (2**40,), "u1", chunks=(1024,))), "4194304 bytes"),
-        (in_place(lambda file: write(file, h5py.ExternalLink("/etc/passwd", "/"))), "not followed"),
-    ],
-)
-def test_a_forged_table_in_a_result_is_noticed(stored, forge, reason, tmp_path):
-    path = tmp_path / "run.nc"
+@pytest.mark.parametrize("what", FORGED)
+def test_a_forged_table_in_a_result_is_noticed(stored, what, tmp_path):
+    path, (forge, reason) = tmp_path / "run.nc", FORGED[what]
     path.write_bytes(stored.read_bytes())
     with h5py.File(path, "r+") as file:
-        forge(file)
+        if forge is None:
+            file["scene_file_0"][-2] = ord("7")
+        else:
+            del file["scene_file_0"]
+            forge(file)
     for read, refusal in ((read_result, InputError), (StoredRun, (UsageError, SceneError))):
         with pytest.raises(refusal, match=reason):
             read(path)

@@ -5,6 +5,7 @@ import gc
 import itertools
 import math
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -18,21 +19,26 @@ import pytest
 import scipy.signal  # noqa: F401 (as residual.report below)
 
 import residual.report  # noqa: F401 (loaded before the right to do so is given up)
+from fem.commands.rate_bearing import rate_main
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import result_name, run_main
-from fem.pictures.output import refuse_foreign
+from fem.commands.run_study import study_main
+from fem.pictures.output import refuse_foreign, write_film
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
+from fem.solver import compiling
 from fem.solver.simulate import make_plan
 from lagrange.columns import PER_TIME, columns_of
 from lagrange.files.hdf5 import HeldBack, read_numbers
 from lagrange.files.output import new_part, remove_left, replaced
 from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
-from tests.reference.kit import EARLIER, OPTIONS, SHORT, environment, names_in, same_data, started_as
+from residual.report import TEMPLATE
+from residual.store import Page, write_folder
+from tests.reference import kit
+from tests.reference.kit import EARLIER, OPTIONS, SHORT, environment, names_in, same_data
 from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.synthetic_run import make_run, write_result
-from tests.stability import forked
 from tests.waiting import GIVE_UP, no_endless_wait, wait_until
 
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
@@ -58,9 +64,8 @@ def samples():
 def write(path, plan, samples):
     """All blocks, each committed; fewer samples than there is room for."""
     with ResultFile(path, plan, 0.0) as store:
-        for block, start in zip(BLOCKS, itertools.accumulate((0, *BLOCKS)), strict=False):
-            part = {name: values[start : start + block] for name, values in samples.items()}
-            store.append(part)
+        for start, end in itertools.pairwise(itertools.accumulate((0, *BLOCKS))):
+            store.append({name: values[start:end] for name, values in samples.items()})
             store.commit()
         store.finish("interrupted", steps=7, wall_seconds=1.5)
 
@@ -77,39 +82,26 @@ def found(path, samples):
         return count, file.attrs["status"]
 
 
-def test_a_run_that_is_killed_after_any_write_leaves_the_samples_of_its_last_commit(
-    plan, samples, tmp_path, monkeypatch
-):
+def test_kills_and_power_cuts_leave_the_samples_of_the_last_commit(plan, samples, tmp_path, monkeypatch):
+    """After any write, and whichever sectors had reached the disk. The counter, eight aligned bytes, is not torn."""
     path, probe = tmp_path / "run.nc", tmp_path / "probe.nc"
-    disk = RecordedDisk(monkeypatch)
-    write(path, plan, samples)
-    ends = []
-    for content in dict.fromkeys(disk.after_kills(path)):
-        probe.write_bytes(content)
-        ends.append(found(probe, samples))
-    assert len(ends) > 3 * 2 * len(columns_of(""))
-    assert list(dict.fromkeys(ends)) == ENDS
-
-
-def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(plan, samples, tmp_path, monkeypatch):
-    path, probe = tmp_path / "run.nc", tmp_path / "probe.nc"
-    disk = RecordedDisk(monkeypatch)
-    write(path, plan, samples)
-    ends = []
-    for content in dict.fromkeys(disk.after_power_cuts(path, np.random.default_rng(5), tries=2)):
-        probe.write_bytes(content)
-        ends.append(ENDS.index(found(probe, samples)))
-    assert len(ends) > 200
-    assert set(ends) == set(range(len(ENDS)))
-    assert all(later >= sooner - 1 for sooner, later in itertools.pairwise(ends))  # the commit in work is on it or not
-
-
-def test_the_counter_is_not_torn(plan, tmp_path):
-    """Eight aligned bytes: within one sector, and one page."""
-    with ResultFile(tmp_path / "run.nc", plan, 0.0) as store:
+    with ResultFile(path, plan, 0.0) as store:
         assert store._places.committed % 8 == 0
-    with h5py.File(tmp_path / "run.nc") as file:
+    with h5py.File(path) as file:
         assert file.attrs["committed_samples"] == 0 and np.all(np.isnan(file["time"]))
+    disk = RecordedDisk(monkeypatch)
+    write(path, plan, samples)
+
+    def ends(contents):
+        for content in dict.fromkeys(contents):
+            probe.write_bytes(content)
+            yield found(probe, samples)
+
+    killed = list(ends(disk.after_kills(path)))
+    assert len(killed) > 3 * 2 * len(columns_of("")) and list(dict.fromkeys(killed)) == ENDS
+    cut = [ENDS.index(end) for end in ends(disk.after_power_cuts(path, np.random.default_rng(5), tries=2))]
+    assert len(cut) > 200 and set(cut) == set(range(len(ENDS)))
+    assert all(later >= sooner - 1 for sooner, later in itertools.pairwise(cut))  # the commit in work is on it or not
 
 
 @pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
@@ -132,8 +124,7 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
                 assert error.filename == str(path) and error.strerror == "No space left on device"
         assert names_in(tmp_path) == ["run.nc"]
         left.append(earlier if path.read_bytes() == earlier else found(path, samples))
-    if every == 1:
-        # once all samples are there and only a second file can't be written, the first one takes the outcome
+    if every == 1:  # once all samples are there and only a second file can't be written, the first takes the outcome
         assert list(dict.fromkeys(left)) == [earlier, *ENDS[:-1], "ended", ENDS[-1]]
     assert set(left) <= {earlier, *ENDS, "ended"} and len(set(left)) > 4
 
@@ -157,50 +148,38 @@ def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(
 
 
 STAGES = {  # of a run in the order they come: function, how many calls go well before it fails
-    "claiming room": ("os.posix_fallocate", 0),
-    "syncing the new file": ("os.fsync", 0),
-    "moving it into place": ("os.replace", 0),
-    "the first commit": ("os.fsync", 2),  # the second sync is of the folder
-    "its counter": ("os.fsync", 3),
+    "claiming room": ("posix_fallocate", 0),
+    "syncing the new file": ("fsync", 0),
+    "moving it into place": ("replace", 0),
+    "the first commit": ("fsync", 2),  # the second sync is of the folder
+    "its counter": ("fsync", 3),
 }
 
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_a_result_that_can_not_be_written_is_said_and_what_was_there_stays(stage, whole, tmp_path, monkeypatch, capsys):
-    path = Path(shutil.copy(whole, tmp_path / "run.nc"))
+    path, calls = Path(shutil.copy(whole, tmp_path / "run.nc")), itertools.count()
     function, good = STAGES[stage]
-    fail_after(monkeypatch, function, good)
-    assert run_main([*SHORT, "--output", str(path)]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"error: {path}: Input/output error") and "Traceback" not in error
-    assert names_in(tmp_path) == ["run.nc"]
-    if good:
-        with h5py.File(path) as file:
-            assert file.attrs["status"] == "running"
-    else:
-        assert path.read_bytes() == whole.read_bytes()
-
-
-def fail_after(monkeypatch, function, good):
-    """Every call of a function of `os` after the first `good` ones fails."""
-    name = function.removeprefix("os.")
-    real, calls = getattr(os, name), itertools.count()
+    real = getattr(os, function)
 
     def failing(*arguments):
         if next(calls) >= good:
             raise OSError(errno.EIO, os.strerror(errno.EIO))
         return real(*arguments)
 
-    monkeypatch.setattr(f"os.{name}", failing)
+    monkeypatch.setattr(os, function, failing)
+    assert run_main([*SHORT, "--output", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {path}: Input/output error") and "Traceback" not in error
+    assert names_in(tmp_path) == ["run.nc"] and (good or path.read_bytes() == whole.read_bytes())
+    if good:
+        with h5py.File(path) as file:
+            assert file.attrs["status"] == "running"
 
 
-@pytest.mark.parametrize(
-    "function",
-    ["fem.result.checkpoint.open", "fem.result.checkpoint.np.savez", "lagrange.files.output.move_into_place"],
-)
-def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_goes_on(
-    function, whole, tmp_path, monkeypatch, capsys
-):
+@pytest.mark.parametrize("function", ["result.checkpoint.open", "result.checkpoint.np.savez", "move_into_place"])
+def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one(function, whole, tmp_path, monkeypatch, capsys):
+    """And the run goes on."""
     path = tmp_path / "run.nc"
     assert run_main([*SHORT[:-1], "1", "--output", str(path)]) == 0
     kept = checkpoint_path(path).read_bytes()
@@ -208,7 +187,8 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     def fail(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(function, fail, raising=False)
+    inside = "lagrange.files.output" if function == "move_into_place" else "fem"
+    monkeypatch.setattr(f"{inside}.{function}", fail, raising=False)
     assert run_main([*SHORT, "--output", str(path), "--resume"]) == 0
     error = capsys.readouterr().err
     assert f"warning: {checkpoint_path(path)}: No space left" in error and "Traceback" not in error
@@ -217,58 +197,34 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
 
 
-def test_a_full_disk_at_a_page_names_the_page(tmp_path, monkeypatch, capsys):
+def test_a_full_disk_at_a_page_names_the_page(here, monkeypatch, capsys):
     """A write's own error names no file."""
-    from fem.commands.rate_bearing import rate_main
-    from fem.commands.run_study import study_main
-    from residual.report import TEMPLATE
-    from residual.store import Page, write_folder
-    from tests.reference.kit import TWO_SPEEDS
 
     def full(path, data, real=Path.write_bytes):
         if data.startswith(b"<!DOCTYPE html>"):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return real(path, data)
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fem.study.figures.study_figures", lambda *_: [])
     monkeypatch.setattr("fem.rating.figures.rating_figures", lambda *_: [])
     monkeypatch.setattr(Path, "write_bytes", full)
     assert rate_main(["--bearing", "NU206", "--output", "rated", "--quiet"]) == 2
     assert capsys.readouterr().err == "error: rated/rating.html: No space left on device\n"
-    Path("study.toml").write_text(TWO_SPEEDS, encoding="utf-8")
+    Path("study.toml").write_text(kit.TWO_SPEEDS, encoding="utf-8")
     assert study_main(["study.toml", "--quiet", "--workers", "1"]) == 2
     assert capsys.readouterr().err == "error: studies/study/study.html: No space left on device\n"
+    page, fill = Page("report.html", TEMPLATE, {}), lambda fresh: full(fresh / "report.html", b"<!DOCTYPE html>")
     with pytest.raises(OSError) as raised:
-        page = Page("report.html", TEMPLATE, {})
-        write_folder(
-            tmp_path / "report", "check-residual", {}, page,
-            more=lambda fresh: full(fresh / "report.html", b"<!DOCTYPE html>"),
-        )  # fmt: skip
-    assert raised.value.filename == str(tmp_path / "report")
+        write_folder(here / "report", "check-residual", {}, page, more=fill)
+    assert raised.value.filename == str(here / "report")
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
-def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
-    import resource
-
-    path = tmp_path / "run.nc"
-    path.write_bytes(EARLIER)
-    small = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (10**6, 10**6))
-    done = forked.run(["run-fem", *OPTIONS, "--duration", "60", "--output", str(path)], tmp_path, 60.0, before=small)
-    assert done.code == 2
-    assert f"error: {path}: File too large" in done.said and "Traceback" not in done.said
-    assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == EARLIER
-
-
-@pytest.mark.skipif(not hasattr(os, "posix_fallocate") or sys.platform != "linux", reason="Linux")
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux")
 def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
     """The limit on file sizes is lowered while the run goes; it hits the variables that lie beyond it."""
-    import resource
-
     path, other = tmp_path / "run.nc", tmp_path / "other.nc"
     arguments = [*OPTIONS, "--duration", "15", "--output"]
-    run_fem = [*started_as("run-fem"), *arguments, str(path)]
+    run_fem = [*kit.started_as("run-fem"), *arguments, str(path)]
     process = subprocess.Popen(run_fem, env=environment(), stderr=subprocess.PIPE, text=True)
     wait_until(checkpoint_path(path).exists, process)
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
@@ -276,8 +232,7 @@ def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
     assert process.returncode == 2
     assert f"error: {path}: File too large" in error and "--resume" in error and "Traceback" not in error
     assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
-    assert run_main([*arguments, str(path), "--resume"]) == 0
-    assert run_main([*arguments, str(other)]) == 0
+    assert run_main([*arguments, str(path), "--resume"]) == run_main([*arguments, str(other)]) == 0
     assert same_data(path, other)
 
 
@@ -290,7 +245,7 @@ def mounts_tmpfs():
 @pytest.mark.skipif(not mounts_tmpfs(), reason="needs user name spaces")
 def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does_not_is_refused(tmp_path):
     """1.02 MB of result leave no room for a checkpoint of 84 kB and for a second file to finish in."""
-    disk, log = tmp_path / "disk", tmp_path / "log"
+    disk, other = tmp_path / "disk", tmp_path / "other.nc"
     disk.mkdir()
     run = f'"{sys.executable}" -m fem.commands.run_fem {" ".join(OPTIONS)} --output "{disk}/run.nc"'
     script = f"""
@@ -299,14 +254,11 @@ def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does
         {run} --duration 12 --force; echo "exit $?"; cmp "{disk}/run.nc" "{tmp_path}/run.nc" && ls -A "{disk}"
     """
     alone = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script]
-    with open(log, "w", encoding="utf-8") as out:
-        subprocess.run(alone, env=environment(), stdout=out, stderr=subprocess.STDOUT)
-    lines = [line for line in log.read_text().splitlines() if not line.startswith("warning:")]
-    assert f"warning: {disk}/run.nc.checkpoint: No space left on device" in log.read_text()
-    assert lines[:2] == ["exit 0", "run.nc"]
+    log = subprocess.run(alone, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).stdout
+    lines = [line for line in log.splitlines() if not line.startswith("warning:")]
+    assert f"warning: {disk}/run.nc.checkpoint: No space left on device" in log
+    assert lines[:2] + lines[3:] == ["exit 0", "run.nc", "exit 2", "run.nc"]
     assert lines[2].startswith(f"error: {disk}/run.nc: No space left on device")
-    assert lines[3:] == ["exit 2", "run.nc"]
-    other = tmp_path / "other.nc"
     assert run_main([*OPTIONS, "--duration", "8.8", "--output", str(other)]) == 0
     assert same_data(tmp_path / "run.nc", other)
 
@@ -317,60 +269,47 @@ QUICK = ["--model", "reduced", "--duration", "0.5", "--quiet"]
 
 
 @pytest.fixture
-def kept(tmp_path, monkeypatch):
+def kept(here):
     """A complete run in runs/paper.nc."""
-    monkeypatch.chdir(tmp_path)
     assert run_main(QUICK) == 0
-    return tmp_path / "runs" / "paper.nc"
+    return here / "runs" / "paper.nc"
 
 
-def test_a_complete_run_of_another_scene_is_replaced_by_force_only(kept, capsys):
+def test_a_complete_run_is_replaced_by_its_own_scene_or_by_force_and_what_is_incomplete_by_any(kept, capsys):
+    """A longer run may extend it, a shorter one not."""
     before = kept.read_bytes()
     faster = ["--output", str(kept), "--set", "operation.speed_rpm=5000"]
     assert run_main([*QUICK, *faster]) == 2
     told = capsys.readouterr().err
     assert "operation.speed_rpm was 4500.0, now 5000.0" in told and "--force" in told and "--output" in told
-    assert kept.read_bytes() == before
+    for duration, resume in (("0.7", True), ("0.3", False)):
+        kept.write_bytes(before)
+        other = ["--model", "reduced", "--duration", duration, "--quiet"]
+        assert run_main(other) == 2
+        assert ("--resume extends it" in capsys.readouterr().err) is resume
+        assert kept.read_bytes() == before
+        assert run_main([*other, "--resume" if resume else "--force"]) == 0
     assert run_main([*QUICK, *faster, "--force"]) == 0
     with h5py.File(kept) as file:
         assert "speed_rpm = 5000.0" in file.attrs["scene"]
-
-
-@pytest.mark.parametrize(("duration", "extends"), [("0.7", True), ("0.3", False)])
-def test_a_longer_run_may_extend_what_is_there(kept, capsys, duration, extends):
-    longer = ["--model", "reduced", "--duration", duration, "--quiet"]
-    assert run_main(longer) == 2
-    assert ("--resume extends it" in capsys.readouterr().err) is extends
-    assert run_main([*longer, "--resume" if extends else "--force"]) == 0
-
-
-def test_the_same_scene_runs_again_and_what_is_incomplete_or_damaged_may_be_replaced(kept):
-    assert run_main(QUICK) == 0
-    other = [*QUICK, "--set", "numerics.output_interval_us=20", "--output", str(kept)]
+    assert run_main([*QUICK, *faster]) == 0
     with h5py.File(kept, "r+") as file:
         file.attrs.modify("status", "interrupted")
-    assert run_main(other) == 0
+    assert run_main([*QUICK, *kit.sets("numerics.output_interval_us=20"), "--output", str(kept)]) == 0
     kept.write_bytes(kept.read_bytes()[:3000])
     assert run_main(QUICK) == 0
 
 
-@pytest.mark.parametrize(
-    ("settings", "name"),
-    [
-        ([], "a"),
-        (["operation.speed_rpm=3000", "contact.friction_coefficient = 0"], "a-speed_rpm-3000-friction_coefficient-0"),
-        (["spall.0.width_mm=2"], "a-spall.0.width_mm-2"),
-        (["numerics.duration_ms=90", "name=a"], "a"),
-        (['profile.0.file="../x y.csv"'], "a-profile.0.file-_.._x_y.csv_"),
-    ],
-)
-def test_names_say_what_was_set_and_stay_names_of_files(settings, name):
-    assert result_name("a", settings) == name
-
-
-def test_a_setting_changes_the_default_name_and_long_ones_are_cut_and_stay_apart(kept):
-    assert run_main([*QUICK, "--set", "operation.speed_rpm=5000"]) == 0
-    assert {path.name for path in kept.parent.glob("*.nc")} == {"paper.nc", "paper-speed_rpm-5000.nc"}
+def test_names_say_what_was_set_and_stay_names_of_files_and_long_ones_are_cut_and_stay_apart(kept):
+    speed, friction = "operation.speed_rpm=3000", "contact.friction_coefficient = 0"
+    for settings, name in {
+        (): "a", (speed, friction): "a-speed_rpm-3000-friction_coefficient-0",
+        ("spall.0.width_mm=2",): "a-spall.0.width_mm-2", ("numerics.duration_ms=90", "name=a"): "a",
+        ('profile.0.file="../x y.csv"',): "a-profile.0.file-_.._x_y.csv_",
+    }.items():  # fmt: skip
+        assert result_name("a", list(settings)) == name
+    assert run_main([*QUICK, "--set", speed]) == 0
+    assert {path.name for path in kept.parent.glob("*.nc")} == {"paper.nc", "paper-speed_rpm-3000.nc"}
     names = {result_name("a", ["lagrange.law=" + 200 * "x" + end]) for end in "pq"}
     assert len(names) == 2 and all(len(name) < 140 for name in names)
 
@@ -382,35 +321,26 @@ def put(kind, place):
     """Put a file, a link to one or a pipe there; gives the function that says whether it has stayed as it was."""
     precious = place.parents[1] / f"precious{place.suffix}"
     precious.write_text(PRECIOUS)
-    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
-     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    make = {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious)}
+    make.get(kind, lambda: os.mkfifo(place))()
     return lambda: (
         precious.read_text() == PRECIOUS and (place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS)
     )
 
 
-@pytest.mark.parametrize("name", ["paper.nc.part", "paper.nc.checkpoint.part"])
+@pytest.mark.parametrize("name", ["paper.nc.part", "paper.nc.checkpoint.part", "paper.nc.checkpoint"])
 @pytest.mark.parametrize("kind", ["file", "link", "pipe"])
-def test_what_stands_under_a_name_that_a_run_may_need_stays(name, kind, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "runs").mkdir()
-    place = tmp_path / "runs" / name
-    stays = put(kind, place)
+def test_what_stands_under_a_name_that_a_run_may_need_stays(name, kind, here, capsys):
+    """A checkpoint that is none is neither removed nor replaced; names of parts are taken around."""
+    (here / "runs").mkdir()
+    stays = put(kind, here / "runs" / name)
     with no_endless_wait():
-        assert run_main(QUICK) == 0
+        assert run_main(QUICK) == (0 if name.endswith(".part") else 2)
     assert stays()
-    assert {path.name for path in place.parent.iterdir()} >= {name, "paper.nc"}
-
-
-@pytest.mark.parametrize("kind", ["file", "link", "pipe"])
-def test_a_checkpoint_that_is_none_is_neither_removed_nor_replaced(kind, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "runs").mkdir()
-    stays = put(kind, tmp_path / "runs" / "paper.nc.checkpoint")
-    with no_endless_wait():
-        assert run_main(QUICK) == 2
-    assert "paper.nc.checkpoint: is no" in capsys.readouterr().err
-    assert stays()
+    if name.endswith(".part"):
+        assert {path.name for path in Path("runs").iterdir()} >= {name, "paper.nc"}
+    else:
+        assert "paper.nc.checkpoint: is no" in capsys.readouterr().err
 
 
 def test_files_left_on_their_way_are_removed_those_of_others_stay_and_the_longest_name_has_parts(tmp_path):
@@ -448,13 +378,10 @@ def test_an_export_is_replaced_by_the_next_and_any_file_by_force(ending, kept, c
     assert place.read_bytes() != PRECIOUS.encode()
 
 
-@pytest.mark.parametrize("ending", [".gif", ".mp4"])
-def test_films_are_known_as_such(ending, tmp_path):
-    from fem.pictures.output import write_film
-
-    place, palette = tmp_path / f"a{ending}", np.zeros((1, 3), dtype=np.uint8)
-    write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, palette)
-    refuse_foreign(place, force=False)
+def test_films_are_known_as_such(tmp_path):
+    for place in (tmp_path / "a.gif", tmp_path / "a.mp4"):
+        write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, np.zeros((1, 3), dtype=np.uint8))
+        refuse_foreign(place, force=False)
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -473,8 +400,6 @@ def test_a_report_replaces_the_files_it_has_listed_and_no_others(kept, capsys):
 
 
 def test_a_pipe_in_the_place_of_what_is_remembered_is_not_waited_for(tmp_path, monkeypatch):
-    from fem.solver import compiling
-
     os.mkfifo(place := tmp_path / "pace.json")
     monkeypatch.setattr(compiling, "pace_file", lambda: place)
     with no_endless_wait():
@@ -495,7 +420,7 @@ def closed_folder():
         write_result(path, make_run(n_times=40))
         path.chmod(0o444)
     folder.chmod(0o555)
-    as_root = hasattr(os, "geteuid") and os.geteuid() == 0
+    as_root = os.geteuid() == 0
     if as_root:
         os.seteuid(65534)
     try:
@@ -537,30 +462,24 @@ def test_a_result_that_is_open_elsewhere_is_left_alone(command, whole, tmp_path,
     assert path.read_bytes() == before and names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
 
 
-@pytest.mark.parametrize("what", ["a folder", "a pipe", "a link to itself"])
-def test_what_is_no_plain_file_is_not_replaced(what, tmp_path, capsys):
-    path = tmp_path / "run.nc"
-    {"a folder": path.mkdir, "a pipe": lambda: os.mkfifo(path)}.get(what, lambda: path.symlink_to(path))()
-    assert run_main([*SHORT, "--output", str(path)]) == 2
-    assert str(path) in capsys.readouterr().err
-    assert names_in(tmp_path) == ["run.nc"] and not path.is_file()
-
-
-@pytest.mark.parametrize("model", ["fem", "lagrange"])
-def test_a_scene_is_not_replaced_by_its_result(model, tmp_path, capsys):
-    path = tmp_path / "scene.toml"
-    path.write_text('name = "mine"\n')
-    assert run_main([str(path), "--model", model, "--mesh-size", "2", "--duration", "2", "--output", str(path)]) == 2
-    assert f"{path}: is no result file (HDF5) and is not replaced" in capsys.readouterr().err
-    assert names_in(tmp_path) == ["scene.toml"] and path.read_text() == 'name = "mine"\n'
+@pytest.mark.parametrize("what", ["a folder", "a pipe", "a link to itself", "a scene"])
+def test_what_is_no_result_is_not_replaced(what, tmp_path, capsys):
+    path, scene = tmp_path / "run.toml", 'name = "mine"\n'
+    make = {"a folder": path.mkdir, "a pipe": partial(os.mkfifo, path), "a scene": partial(path.write_text, scene)}
+    make.get(what, partial(path.symlink_to, path))()
+    for arguments in (SHORT, [path, "--model", "lagrange"], [path, *SHORT]) if what == "a scene" else (SHORT,):
+        assert run_main([*map(str, arguments), "--output", str(path)]) == 2
+        error = capsys.readouterr().err
+        assert str(path) in error and (what != "a scene" or "is no result file (HDF5) and is not replaced" in error)
+    assert names_in(tmp_path) == ["run.toml"]
+    assert path.read_text() == scene if what == "a scene" else not path.is_file()
 
 
 @pytest.mark.parametrize("what", ["a folder in its place", "a name too long for it"])
 def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anything(what, whole, tmp_path, capsys):
-    folder = what == "a folder in its place"
-    path = tmp_path / ("run.nc" if folder else "x" * 243 + ".nc")
+    path = tmp_path / ("run.nc" if what == "a folder in its place" else "x" * 243 + ".nc")
     shutil.copy(whole, path)
-    if folder:
+    if what == "a folder in its place":
         checkpoint_path(path).mkdir()
     assert run_main([*SHORT, "--output", str(path)]) == 2
     error = capsys.readouterr().err

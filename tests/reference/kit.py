@@ -1,5 +1,6 @@
 """Scenes, short runs, commands and files that tests share."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -271,6 +272,10 @@ OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
 SHORT = [*OPTIONS, "--duration", "2"]
 
 
+def read_json(path):
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
 def same_data(left, right):
     """Whether two result files hold the same numbers."""
     with h5py.File(left) as a, h5py.File(right) as b:
@@ -344,6 +349,11 @@ ENTRIES = {
        for name in ("run-fem", "render-fem", "run-live", "run-study", "rate-bearing")},
     "check-residual": "from residual.entry import check_residual as main",
 }  # fmt: skip
+
+
+def sets(*settings: str) -> list[str]:
+    """Words of a command line for settings of the scene."""
+    return [word for setting in settings for word in ("--set", setting)]
 
 
 def started_as(name: str) -> list[str]:

@@ -9,8 +9,6 @@ quadratic           the bearing at rest on refined quadratic meshes
 resolved            a squeezed disc, and a roller that crosses a spall, with contacts resolved
 
 synthetic_run, synthetic_record   trajectories and records with known errors, as files and tables
-bad_scenes, bad_files             what must be refused
 recorded_disk       a disk that fails or is cut off at any write
 bare_system         a process as on another system than Linux
-live_server         servers that tests share
 """

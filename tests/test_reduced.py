@@ -158,6 +158,9 @@ def test_rollers_that_nothing_loads_press_outwards_with_their_centrifugal_force_
     plan = plan_of(*kit.CLEARANCE, *PRELOAD[1:], "operation.speed_rpm=20000", "numerics.duration_ms=1")
     pull = plan.model.bearing.roller_mass * plan.start.kinematics.cage**2 * plan.start.rho.mean()
     assert_allclose(samples_of(plan)["outer_force"], pull, rtol=1e-3)
+    # and the other way round is the mirror image
+    one, other = (samples_of(plan_of(f"operation.speed_rpm={n}", "numerics.duration_ms=3")) for n in (4500, -4500))
+    within([other["inner_y"], other["inner_x"]], [one["inner_y"], -one["inner_x"]], 1e-12)
 
 
 def hub_misses(found, operation) -> np.ndarray:
@@ -209,12 +212,6 @@ def test_places_of_the_samples_are_those_that_their_forces_belong_to():
         felt = coupling.across * other + sum(along * np.roll(Q, -distance, axis=1) for along, distance in neighbours)
         missed = overlap - felt - law.A * Q * (law.B - 0.5 * np.log(Q))
         assert np.abs(missed).max() < 3e-4 * np.ptp(overlap)  # a hundredth by places of leapfrog's own
-
-
-def test_the_other_way_round_is_the_mirror_image():
-    one, other = (samples_of(plan_of(f"operation.speed_rpm={n}", "numerics.duration_ms=3")) for n in (4500, -4500))
-    within(other["inner_y"], one["inner_y"], 1e-12)
-    within(other["inner_x"], -one["inner_x"], 1e-12)
 
 
 def test_rollers_that_meet_exchange_their_momentum():

@@ -1,9 +1,10 @@
-"""Steps of two lengths on spalled bearings of rigid bodies, against short ones throughout."""
+"""Steps of two lengths on spalled bearings of rigid bodies, against short ones; energy errors of long runs."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.commands.run_fem import run_main
 from fem.kernels.rigid.paces import FAR, NEAR
@@ -14,33 +15,19 @@ from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene.scene import parse_scene
 
-DAMPED = {"contact_time_us": 12.5}
 SPALL = {"body": "outer_ring", "width_mm": 1.2}
 NU206 = {
-    "model": "reduced",
-    "bearing": {"designation": "NU206", "clearance_um": 15.0},
+    "model": "reduced", "bearing": {"designation": "NU206", "clearance_um": 15.0}, "cage": {"kind": "none"},
     "operation": {"speed_rpm": 2900.0, "radial_load_N": 3000.0, "inner_ring_and_shaft_kg": 3.0},
-    "damping": DAMPED,
-    "cage": {"kind": "none"},
-    "spall": [SPALL],
+    "damping": {"contact_time_us": 12.5}, "spall": [SPALL],
     "numerics": {"duration_ms": 30.0, "output_interval_us": 5.0},
-}
-AROUND = {
-    "cage": {"mass_kg": 0.02, "guidance": "inner_ring", "guidance_clearance_mm": 0.3, "drag_torque_N_m": 0.001},
-    "support": {"kind": "housing", "mass_kg": 12.0, "stiffness_N_per_m": 1.5e7, "damping_N_s_m": 2200.0},
-    "sensor": {"frequency_Hz": 15000.0, "damping_ratio": 0.05},
-    "operation": NU206["operation"]
-    | {"shaft": "springs", "shaft_stiffness_N_per_m": 1e7, "shaft_damping_N_s_m": 50.0, "unbalance_g_mm": 50.0},
-    "waviness": [{"body": "inner_ring", "order": 12, "amplitude_um": 0.2}],
-}
+}  # fmt: skip
+RIGID = pytest.mark.parametrize("model", ["reduced", "lagrange"])
 
 
-def plan_of(**tables):
-    return make_plan(parse_scene(NU206 | tables, "test"))
-
-
-def short_throughout(plan):
-    return replace(plan, sections=None)
+def plan_of(duration=30.0, **tables):
+    numerics = NU206["numerics"] | {"duration_ms": duration}
+    return make_plan(parse_scene(NU206 | {"numerics": numerics} | tables, "test"))
 
 
 def ran(plan):
@@ -50,14 +37,20 @@ def ran(plan):
     return state, Samples.joined(blocks)
 
 
+def beside_short_steps(plan):
+    """States and samples of a plan and of one with short steps throughout."""
+    return *ran(plan), *ran(replace(plan, sections=None))
+
+
 def error(state):
     """The largest energy error over the energy exchanged."""
     return state.missed[0] / state.passed_on[0]
 
 
-def off(found, wanted):
+def assert_near(found, wanted, limit, *names):
     """Root mean square of a difference, over that of what is wanted about its mean."""
-    return np.sqrt(np.mean((found - wanted) ** 2) / np.mean((wanted - wanted.mean(axis=0)) ** 2))
+    for a, b in ((found[name], wanted[name]) for name in names):
+        assert np.sqrt(np.mean((a - b) ** 2) / np.mean((b - b.mean(axis=0)) ** 2)) < limit, names
 
 
 @pytest.mark.parametrize(("model", "body"), [
@@ -67,88 +60,83 @@ def off(found, wanted):
 def test_strikes_are_those_of_short_steps_throughout(model, body):
     """Differences are those of short steps from half as long ones, 1e-3, or less; energy errs no more."""
     plan = plan_of(model=model, spall=[SPALL | {"body": body}])
-    (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
+    state, found, other, wanted = beside_short_steps(plan)
     assert state.paces.made[FAR] * plan.long_step > 0.6 * found["time"][-1]
     assert state.progress.steps < 0.45 * other.progress.steps
     assert error(state) < 2.0 * error(other) < 1e-4
-    for name in ("inner_force", "outer_force", "inner_y", "inner_vy"):
-        assert off(found[name], wanted[name]) < 2e-3
-    np.testing.assert_array_equal(found["outer_force"].argmax(axis=0), wanted["outer_force"].argmax(axis=0))
-    assert found["work_damping_contact"][-1] == pytest.approx(wanted["work_damping_contact"][-1], rel=1e-4)
-    assert found["work_external"][-1] == pytest.approx(wanted["work_external"][-1], rel=1e-4)
+    assert_near(found, wanted, 2e-3, "inner_force", "outer_force", "inner_y", "inner_vy")
+    assert_array_equal(found["outer_force"].argmax(axis=0), wanted["outer_force"].argmax(axis=0))
+    for name in ("work_damping_contact", "work_external"):
+        assert found[name][-1] == pytest.approx(wanted[name][-1], rel=1e-4)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+@RIGID
 def test_all_around_a_bearing_changes_its_steps_with_it(model):
     """Cage, shaft, housing, sensor, unbalance, waves between the spalls; later the cage's hits part the paths."""
-    free = {"angles": "free"} if model == "lagrange" else {}
-    plan = plan_of(model=model, lagrange=free, **AROUND, numerics=NU206["numerics"] | {"duration_ms": 8.0})
-    (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
-    assert state.paces.made.min() > 0
-    assert not state.paces.smooth
+    state, found, other, wanted = beside_short_steps(plan_of(
+        8.0, model=model, lagrange={"angles": "free"} if model == "lagrange" else {},
+        cage={"mass_kg": 0.02, "guidance": "inner_ring", "guidance_clearance_mm": 0.3, "drag_torque_N_m": 0.001},
+        support={"kind": "housing", "mass_kg": 12.0, "stiffness_N_per_m": 1.5e7, "damping_N_s_m": 2200.0},
+        sensor={"frequency_Hz": 15000.0, "damping_ratio": 0.05}, operation=NU206["operation"] | {
+            "shaft": "springs", "shaft_stiffness_N_per_m": 1e7, "shaft_damping_N_s_m": 50.0, "unbalance_g_mm": 50.0,
+        }, waviness=[{"body": "inner_ring", "order": 12, "amplitude_um": 0.2}],
+    ))  # fmt: skip
+    assert state.paces.made.min() > 0 and not state.paces.smooth
     assert error(state) < 1e-4 and error(other) < 1e-4
-    for name in ("inner_force", "outer_force", "inner_y", "housing_y", "sensor_ay"):
-        assert off(found[name], wanted[name]) < 1e-2
+    assert_near(found, wanted, 1e-2, "inner_force", "outer_force", "inner_y", "housing_y", "sensor_ay")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+@RIGID
 def test_rollers_that_tilt_change_their_steps_alike(model):
     """Over a spall of half the length, the hub's slope free."""
     axial = {"slices": 12, "roller_profile": "logarithmic", "hub_tilt_inertia_kg_m2": 1e-3}
     axial["shaft_tilt_stiffness_N_m_rad"] = 2e4
-    plan = plan_of(
-        model=model, axial=axial, operation=NU206["operation"] | {"misalignment_mrad": 1.0},
-        spall=[SPALL | {"length_mm": 4.5, "z_mm": 2.25}], numerics=NU206["numerics"] | {"duration_ms": 20.0},
-    )  # fmt: skip
-    (state, found), (other, wanted) = ran(plan), ran(short_throughout(plan))
+    state, found, other, wanted = beside_short_steps(plan_of(
+        20.0, model=model, axial=axial, operation=NU206["operation"] | {"misalignment_mrad": 1.0},
+        spall=[SPALL | {"length_mm": 4.5, "z_mm": 2.25}],
+    ))  # fmt: skip
     assert state.progress.steps < 0.45 * other.progress.steps
     assert error(state) < 1e-4 and error(other) < 1e-4
-    for name in ("inner_force", "inner_vy", "inner_moment", "roller_tilt", "inner_slope_y"):
-        assert off(found[name], wanted[name]) < 2e-3, name
+    assert_near(found, wanted, 2e-3, "inner_force", "inner_vy", "inner_moment", "roller_tilt", "inner_slope_y")
 
 
-@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+@RIGID
 def test_a_run_cut_anywhere_makes_the_same_bits(model):
     """Within a strike too, and where steps have just become longer."""
-    plan = plan_of(model=model, numerics=NU206["numerics"] | {"duration_ms": 6.0})
+    plan = plan_of(6.0, model=model)
     whole, cut = plan.first_state(), plan.first_state()
     wanted, found, paces = whole.advance(plan.n_samples).samples, [], []
     while cut.done < plan.n_samples:
         found.append(cut.advance(min(17 + cut.done % 5, plan.n_samples - cut.done)).samples)
         paces.append(int(cut.paces.now[0]))
-        kept, done = cut.to_keep(), cut.done
-        kept = {name: array.copy() for name, array in kept[0].items()}, kept[1]
-        cut = plan.first_state()
+        (arrays, numbers), done = cut.to_keep(), cut.done
+        arrays, cut = {name: array.copy() for name, array in arrays.items()}, plan.first_state()
         cut.done = done
-        cut.take_back(*kept)
+        cut.take_back(arrays, numbers)
     assert NEAR in paces and FAR in paces
     for name in wanted.keys():
-        np.testing.assert_array_equal(np.concatenate([samples[name] for samples in found]), wanted[name])
+        assert_array_equal(np.concatenate([samples[name] for samples in found]), wanted[name])
     assert cut.progress.steps == whole.progress.steps
 
 
 @pytest.mark.slow
 def test_a_roller_that_rolls_over_its_own_spall_and_many_at_once():
     spalls = [SPALL, {"body": "roller", "roller": 3, "width_mm": 0.8}, {"body": "inner_ring", "width_mm": 1.0}]
-    plan = plan_of(spall=spalls, numerics=NU206["numerics"] | {"duration_ms": 10.0})
-    (state, found), (_, wanted) = ran(plan), ran(short_throughout(plan))
-    assert state.paces.made.min() > 0
-    assert error(state) < 2e-4
-    assert off(found["inner_force"], wanted["inner_force"]) < 1e-2
+    state, found, _, wanted = beside_short_steps(plan_of(10.0, spall=spalls))
+    assert state.paces.made.min() > 0 and error(state) < 2e-4
+    assert_near(found, wanted, 1e-2, "inner_force")
 
 
 def test_where_nothing_would_be_won_steps_are_of_one_length():
     """Undamped contacts vibrate on; where spalls are everywhere, so are short steps."""
     plan = plan_of()
-    assert 4.0 < plan.long_step / plan.time_step < 5.0
-    assert plan.steps < 0.5 * plan.stride * (plan.n_samples - 1)
+    assert 4.0 < plan.long_step / plan.time_step < 5.0 and plan.steps < 0.5 * plan.stride * (plan.n_samples - 1)
     assert "near edges" in plan.rows()["time step"] and "about" in plan.rows()["steps"]
-    assert plan_of(damping={}).sections is None
-    assert plan_of(spall=[]).sections is None
     many = [SPALL | {"angle_deg": 360.0 / 50.0 * k} for k in range(50)]
-    assert plan_of(spall=many).sections is None
+    for tables in ({"damping": {}}, {"spall": []}, {"spall": many}):
+        assert plan_of(**tables).sections is None
 
 
 def test_a_run_that_restarts_halves_both_lengths():
@@ -157,16 +145,13 @@ def test_a_run_that_restarts_halves_both_lengths():
     state.restarts["halvings"] = 5
     state.begin()
     assert state.plan.time_step == pytest.approx(plan.time_step / 32)
-    assert state.plan.long_step == pytest.approx(plan.long_step / 32)
-    assert state.drives[FAR].dt == pytest.approx(plan.long_step / 32)
-    found = state.advance(3).samples
-    np.testing.assert_allclose(np.diff(found["time"]), 5e-6)
+    assert (state.plan.long_step, state.drives[FAR].dt) == pytest.approx((plan.long_step / 32, plan.long_step / 32))
+    assert_allclose(np.diff(state.advance(3).samples["time"]), 5e-6)
     more = replace(plan.sections, count=3, near=34)  # than a hundred steps between two looks at the energy
     assert replace(plan, sections=more, stride=102 * plan.looks).halved(0).sections == more
 
 
 # Energy errors of long runs: what accumulates is judged by what accumulates, and a late fault as an early one.
-
 
 EXCHANGED = 0.02  # J
 PER_SAMPLE = 0.01  # of it, dissipated
@@ -175,12 +160,8 @@ PER_SAMPLE = 0.01  # of it, dissipated
 def samples(imbalance: np.ndarray, account: EnergyAccount | None = None, first: int = 0, per_sample=PER_SAMPLE):
     """Samples of a steady run that dissipates so much of the exchanged energy in each."""
     n = len(imbalance)
-    values = {
-        "work_dissipated": EXCHANGED * per_sample * np.arange(first, first + n),
-        "energy_kinetic": np.full(n, 1.0),
-        "energy_elastic": np.full(n, EXCHANGED),
-        "energy_contact": np.zeros(n),
-    }
+    values = {"energy_kinetic": np.full(n, 1.0), "energy_elastic": np.full(n, EXCHANGED), "energy_contact": np.zeros(n)}
+    values["work_dissipated"] = EXCHANGED * per_sample * np.arange(first, first + n)
     return (account or EnergyAccount()).samples(values, imbalance, np.full(n, EXCHANGED))
 
 
@@ -193,30 +174,22 @@ def test_a_steady_error_is_the_share_of_the_dissipated_energy_however_long_the_r
     """1.9e-5 of 2000 times the exchanged energy: 3.8 % of that, and 1.9e-5 of what it is all the while."""
     found = samples(missed(1.9e-5))
     assert found.imbalance[-1] > 0.03 * EXCHANGED
-    np.testing.assert_allclose(found.error[1000:], 1.9e-5 * EXCHANGED, rtol=0.006)  # half of PER_SAMPLE
+    assert_allclose(found.error[1000:], 1.9e-5 * EXCHANGED, rtol=0.006)  # half of PER_SAMPLE
     assert n_balanced(samples(missed(1e-4))) == 200_000  # the imbalance is 20 % of the exchanged energy
-
-
-def test_a_run_that_misses_much_of_what_it_dissipates_is_stopped_early_or_late():
-    wrong = 2.0 * IMBALANCE_LIMIT
-    early = n_balanced(samples(missed(wrong)))
-    late = missed(1e-4)
-    late[150_000:] += missed(wrong, 50_000)
-    assert early == pytest.approx(np.log(2.0) / PER_SAMPLE, abs=2.0)  # 1 − exp(−D/E) of the share: half
-    assert n_balanced(samples(late)) - 150_000 == pytest.approx(early, abs=2.0)
-
-
-def test_energy_that_comes_from_nowhere_late_in_a_run_stops_it_at_once():
-    imbalance = missed(1e-5)
-    imbalance[150_000:] += 1.1 * IMBALANCE_LIMIT * EXCHANGED  # 4e-5 of all that was dissipated
-    assert n_balanced(samples(imbalance)) == 150_000
-
-
-def test_without_dissipation_an_error_is_the_imbalance():
-    imbalance = np.linspace(0.0, 0.1, 1001) * EXCHANGED
+    imbalance = np.linspace(0.0, 0.1, 1001) * EXCHANGED  # without dissipation it is the imbalance
     found = samples(imbalance, per_sample=0.0)
-    np.testing.assert_allclose(found.error, imbalance, rtol=1e-12)
+    assert_allclose(found.error, imbalance, rtol=1e-12)
     assert n_balanced(found) == pytest.approx(501, abs=1)
+
+
+def test_a_run_that_misses_much_or_gains_energy_from_nowhere_is_stopped_early_or_late():
+    wrong, late, sudden = 2.0 * IMBALANCE_LIMIT, missed(1e-4), missed(1e-5)
+    early = n_balanced(samples(missed(wrong)))
+    assert early == pytest.approx(np.log(2.0) / PER_SAMPLE, abs=2.0)  # 1 − exp(−D/E) of the share: half
+    late[150_000:] += missed(wrong, 50_000)
+    assert n_balanced(samples(late)) - 150_000 == pytest.approx(early, abs=2.0)
+    sudden[150_000:] += 1.1 * IMBALANCE_LIMIT * EXCHANGED  # 4e-5 of all that was dissipated
+    assert n_balanced(samples(sudden)) == 150_000
 
 
 def test_the_cut_into_blocks_changes_no_bit():
@@ -226,7 +199,7 @@ def test_the_cut_into_blocks_changes_no_bit():
         parts.append(samples(imbalance[first:last], account, first).error)
         account, kept = EnergyAccount(), account.sums  # as of a checkpoint
         account.sums[:] = kept
-    np.testing.assert_array_equal(np.concatenate(parts), whole.error)
+    assert_array_equal(np.concatenate(parts), whole.error)
 
 
 @pytest.mark.parametrize(("share", "is_lost"), [(0.5 * LIMIT, False), (2.0 * LIMIT, True)])

@@ -27,7 +27,7 @@ from residual.figures.run import tilt as tilt_figure
 from residual.load_zone import largest_pressures
 from residual.sources import read_result
 from tests.reference.forward_motion import simulate
-from tests.reference.kit import assert_same_bits, defects, missed, moved, moved_by, rest_of_run, scene
+from tests.reference.kit import assert_same_bits, defects, missed, moved, rest_of_run, scene
 
 ALONE = {"coupling": False}
 STRAIGHT = {"roller_profile": "none", "coupling": False}
@@ -210,10 +210,10 @@ STRUCK = {"spall": [{"width_mm": 2.0, "angle_deg": 4.0}], "operation__radial_loa
 def test_a_run_whose_contacts_leave_their_tables_restarts_with_tables_that_go_further(model, monkeypatch):
     found, said = scene(model, {"slices": 11}, **STRUCK, numerics__duration_ms=2.0), []
     plan = make_plan(found)
-    samples = moved_by(plan, said)
+    samples = moved(plan, said)
     assert said and all("µm; the run restarts with tables up to twice the force" in why for why in said)
     assert samples["outer_force"].max() > 10.0 * samples["outer_force"][0].max()
-    wider = moved_by(plan.reaching(2 ** len(said)), none := [])
+    wider = moved(plan.reaching(2 ** len(said)), none := [])
     assert not none
     for name, values in wider.items():
         np.testing.assert_array_equal(samples[name], values, err_msg=name)

@@ -9,7 +9,7 @@ import numpy as np
 from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.kernels import columns, law, profiles
 from fem.kernels.elements import contacts as of_patches
-from fem.kernels.elements import discs, friction, loop, rings, samples, surfaces
+from fem.kernels.elements import discs, friction, loop, rings, samples
 from fem.kernels.elements.rings import HALO
 from fem.kernels.jit import kernel
 from fem.kernels.lanes import splat
@@ -24,28 +24,22 @@ from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene
 from lagrange.step_size import longest_step
 from tests.reference.forward_motion import simulate
-from tests.reference.kit import arrays, copies, model, operation, paper, resolved_model, soft
+from tests.reference.kit import arrays, copies, model, operation, paper, resolved_model, soft, within
 
-# ---- ReportOptions of the time loop as kernels that Python can call, kept compiled as the time loop is.
+# ---- Parts of the time loop as kernels that Python can call, kept compiled as the time loop is.
 
-kick_disc, drift_disc = kernel(discs.kick), kernel(discs.drift)
-slow_disc, calm_ring = kernel(discs.slow_waves), kernel(rings.calm)
-kick_ring, kick_ring_and_add = kernel(rings.kick), kernel(rings.kick_and_add)
-drift_ring, drift_slowed_ring = kernel(rings.drift), kernel(rings.drift_slowed)
-find_velocities = kernel(rings.find_velocities)
-row_force, resultant = kernel(rings.row_force), kernel(rings.resultant)
-wrap, set_rigid = kernel(rings.wrap), kernel(rings.set_rigid)
-wrap_all = kernel(rings.wrap_all)
-kick_force, stored_energy = kernel(law.kick_force), kernel(law.contact_energy)
-next_force = kernel(law.next_force)
-weight_slopes, place = kernel(surfaces.weight_slopes), kernel(profiles.place)
-creep_traction = kernel(law.creep_traction)
+kick_disc, drift_disc, slow_disc = map(kernel, (discs.kick, discs.drift, discs.slow_waves))
+calm_ring, kick_ring, drift_slowed_ring = map(kernel, (rings.calm, rings.kick, rings.drift_slowed))
+find_velocities, wrap_all, spring_energy = map(kernel, (rings.find_velocities, rings.wrap_all, friction.spring_energy))
+kick_force, stored_energy, next_force = map(kernel, (law.kick_force, law.contact_energy, law.next_force))
+place, creep_traction = kernel(profiles.place), kernel(law.creep_traction)
+kick, remember, _press, _push = map(kernel, (loop.kick, samples.remember, loop.press_contacts, loop.push_surfaces))
+kinetic_energy, elastic_energy = kernel(samples.kinetic_energy), kernel(samples.elastic_energy)
 
 
 @kernel
-def kick(bodies, groups, contacts, drive, time, scratch):
-    """`fem.kernels.elements.loop.kick`."""
-    return loop.kick(bodies, groups, contacts, drive, time, scratch)
+def _energy(groups, contacts, n, out):
+    samples.add_contact_energy(groups, contacts, n, out)
 
 
 @kernel
@@ -54,34 +48,6 @@ def drift(bodies, groups, contacts, drive, scratch):
     taken = loop.slide(bodies, groups, contacts, drive, scratch)
     loop.drift(bodies, drive, scratch)
     return taken
-
-
-@kernel
-def remember(bodies, drive, scratch):
-    """`fem.kernels.elements.samples.remember`."""
-    samples.remember(bodies, drive, scratch)
-
-
-@kernel
-def kinetic_energy(bodies, drive, scratch):
-    """`fem.kernels.elements.samples.kinetic_energy`, J."""
-    return samples.kinetic_energy(bodies, drive, scratch)
-
-
-@kernel
-def elastic_energy(bodies, drive, scratch):
-    """`fem.kernels.elements.samples.elastic_energy`, J."""
-    return samples.elastic_energy(bodies, drive, scratch)
-
-
-@kernel
-def _press(groups, bodies, contacts, drive):
-    loop.press_contacts(groups, bodies, contacts, drive)
-
-
-@kernel
-def _push(groups, bodies, contacts, drive):
-    loop.push_surfaces(groups, bodies, contacts, drive)
 
 
 @kernel
@@ -105,11 +71,6 @@ def _rub(groups, rollers, surface, contacts, drive, later):
 
 
 @kernel
-def _energy(groups, contacts, n, out):
-    samples.add_contact_energy(groups, contacts, n, out)
-
-
-@kernel
 def pull_spring(shear, contacts, pair, dt, limit, full_slip):
     """Pull with the first eight springs; see `fem.kernels.elements.friction.pull`."""
     friction.pull(shear, contacts, pair, 0, dt, splat(limit), splat(full_slip))
@@ -122,21 +83,7 @@ def follow_slips(shear, forces, of_contacts, dt, n):
     friction.follow_slips_before(shear, of_contacts, n)
 
 
-@kernel
-def spring_energy(shear, n):
-    """`fem.kernels.elements.friction.spring_energy`, J."""
-    return friction.spring_energy(shear, n)
-
-
-def move_slowed_ring(
-    table: np.ndarray,
-    u: np.ndarray,
-    w: np.ndarray,
-    mass: ReciprocalMass,
-    dt: float,
-    rows: tuple[int, int],
-    raceway: int,
-) -> None:
+def move_slowed_ring(table: np.ndarray, u: np.ndarray, w: np.ndarray, mass: ReciprocalMass, dt: float, rows, raceway):
     """Move a ring that does not turn in a long step; `table` : −dt·M⁻¹K. Halos of w must repeat its ends."""
     slowing, v, calmed = mass.at(dt), np.zeros_like(w), w
     if mass.calming:
@@ -171,8 +118,7 @@ def rub_contacts(state: Arrays, later: bool = False) -> float:
 
     `later`: the normal forces' impulses are still to be given, see `fem.kernels.elements.loop.kick`.
     """
-    bodies = state.bodies
-    return _rub(state.groups, bodies.rollers, bodies.surface, state.contacts, state.drive, later)
+    return _rub(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive, later)
 
 
 def contact_energy(state: Arrays) -> float:
@@ -186,8 +132,6 @@ def contact_energy(state: Arrays) -> float:
 
 COMPARED = ("inner_x", "inner_y", "roller_rho", "inner_vy", "inner_ay", "roller_theta", "inner_force", "outer_force",
             "work_external", "work_dissipated", "housing_y", "housing_ay", "sensor_ay")  # fmt: skip
-
-
 # m/s, m/s² and J, for motions of nanometres: 2e-5 of what a load of 2 kN makes of the hub; the reference's tolerance
 FLOORS = {"inner_vy": 1e-7, "inner_ay": 0.5, "housing_ay": 0.5, "sensor_ay": 0.5, "work_external": 1e-11}
 
@@ -196,28 +140,18 @@ class Motion:
     """A problem's motion under way."""
 
     def __init__(self, problem: Problem, interval: float = 1e-5, time_step: float | None = None):
-        stride = ceil(interval / (longest_step(problem) if time_step is None else time_step) * (1.0 - 1e-12))
-        kind = "ball" if isinstance(problem.bearing, BallBearing) else "roller"
+        step = longest_step(problem) if time_step is None else time_step
         tilted = () if problem.axial is None else ("axial", *(("damping of tilt",) if problem.damping.acts else ()))
         scene = SimpleNamespace(
-            cage=problem.cage,
-            ideal_cage=lambda: problem.cage,
-            model="lagrange",
-            bearing=SimpleNamespace(type=kind),
-            axial=problem.axial,
+            cage=problem.cage, ideal_cage=lambda: problem.cage, model="lagrange", axial=problem.axial,
+            bearing=SimpleNamespace(type="ball" if isinstance(problem.bearing, BallBearing) else "roller"),
             parts=(*problem.operation.mounting.parts, *(() if problem.cage is None else ("cage",)), *tilted),
             numerics=SimpleNamespace(output_interval_us=1e6 * interval),
-        )
-        plan = LagrangianPlan(
-            scene=scene,
-            problem=problem,
-            n_samples=10**6,
-            stride=stride,
-            sections=None,
-            law_warning=None,
-        )
-        self.problem, self.state = problem, LagrangianState(plan)
-        self.trouble: str | None = None
+        )  # fmt: skip
+        stride = ceil(interval / step * (1.0 - 1e-12))
+        facts = {"sections": None, "law_warning": None, "n_samples": 10**6, "stride": stride}
+        self.problem, self.trouble = problem, None
+        self.state = LagrangianState(LagrangianPlan(scene=scene, problem=problem, **facts))
 
     @property
     def time_step(self) -> float:
@@ -235,16 +169,11 @@ class Motion:
         values = found.values
         cage = {name.removeprefix("cage_"): value for name, value in values.items() if name.startswith("cage_")}
         return SimpleNamespace(
-            **values,
-            energy_error=found.imbalance,
+            **values, energy_error=found.imbalance, cage=SimpleNamespace(**cage), time_step=self.time_step,
             energy_moved=values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values),
-            cage=SimpleNamespace(**cage),
-            inner_damper=values["inner_damping_force"],
-            outer_damper=values["outer_damping_force"],
-            work_damping=values["work_damping_contact"],
-            time_step=self.time_step,
-            steps=round(values["time"][-1] / self.time_step),
-        )
+            inner_damper=values["inner_damping_force"], outer_damper=values["outer_damping_force"],
+            work_damping=values["work_damping_contact"], steps=round(values["time"][-1] / self.time_step),
+        )  # fmt: skip
 
     def gone_on(self) -> "Motion":
         """Another one that goes on from what a checkpoint would keep of this."""
@@ -268,18 +197,14 @@ def solved(problem: Problem, duration: float, interval: float) -> SimpleNamespac
     return compiled(problem, int(duration / interval + 1e-9) + 1, interval)
 
 
-def assert_right(
-    problem: Problem, count: int = 31, interval: float = 1e-5, share: float = 2e-3, finer: float = 2.0
-) -> None:
+def assert_right(problem: Problem, count=31, interval=1e-5, share=2e-3, finer=2.0) -> None:
     """The usual step, so many times shorter, makes the reference's motion to this share of every quantity."""
-    usual = Motion(problem, interval).time_step
-    found = compiled(problem, count, interval, usual / finer)
+    found = compiled(problem, count, interval, Motion(problem, interval).time_step / finer)
     exact = simulate(problem, (count - 1) * interval, interval)
     assert np.count_nonzero(np.ptp(exact.inner_force, axis=0) > 1.0) > 1  # something happens
     for name in (name for name in COMPARED if hasattr(found, name)):
         ours, right = (np.asarray(getattr(run, name)) for run in (found, exact))
-        allowed = share * np.abs(right).max() + FLOORS.get(name, 0.0)
-        np.testing.assert_allclose(ours, right, rtol=0.0, atol=allowed, err_msg=name)
+        within(ours, right, share * np.abs(right).max() + FLOORS.get(name, 0.0), name)
 
 
 # ---- States of a bearing whose contacts are pressed at random, and what contacts do to their bodies.
@@ -320,28 +245,28 @@ def random_state(seed, resolved=False, mesh_size=1e-3):
     rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
     state.drive.hub[:] = PRESSED * rng.uniform(-1.0, 1.0, 2)
     set_turns(state, rng.uniform(-np.pi, np.pi, n), rng.uniform(-np.pi, np.pi))
-    roller_field(state, state.bodies.disc.u)[:] = WAVY * rng.standard_normal((state.bodies.disc.mass.size, 2, n))
-    for ring in (state.bodies.inner, state.bodies.outer):
-        fill_ring(ring.u, WAVY * rng.standard_normal((ring.radii.size, 2, ring.n_sectors)))
+    shake(state, rng, "u", WAVY)
     return state
+
+
+def shake(state, rng, name, size):
+    """Give every node a random displacement, u, or velocity, w."""
+    bodies = state.bodies
+    at = roller_field(state, getattr(bodies.disc, name))
+    at[:] = size * rng.standard_normal(at.shape)
+    for ring in (bodies.inner, bodies.outer):
+        fill_ring(getattr(ring, name), size * rng.standard_normal((ring.radii.size, 2, ring.n_sectors)))
 
 
 def press(state):
     """Normal forces at a copy of a state with all velocities and impulses cleared."""
     state = copies(state)
-    rollers, drive = state.bodies.rollers, state.drive
+    bodies, rollers, drive = state.bodies, state.bodies.rollers, state.drive
     for entry in (
-        state.bodies.disc.w,
-        rollers.node_impulse,
-        rollers.body_impulse,
-        rollers.turn_kick,
-        drive.impulse,
-        state.bodies.inner.w,
-        state.bodies.outer.w,
-    ):
+        bodies.disc.w, bodies.inner.w, bodies.outer.w, rollers.node_impulse, rollers.body_impulse, rollers.turn_kick,
+        drive.impulse, drive.moment, state.contacts.forces.force,
+    ):  # fmt: skip
         entry[:] = 0.0
-    drive.moment[:] = 0.0
-    state.contacts.forces.force[:] = 0.0
     press_contacts(state)
     push_surfaces(state)
     return state
@@ -363,27 +288,7 @@ def roller_resultants(state):
     return np.column_stack([c * x - s * y, s * x + c * y])
 
 
-def with_random_velocities(state, seed):
-    rng = np.random.default_rng(seed)
-    n = state.bodies.rollers.n
-    roller_field(state, state.bodies.disc.w)[:] = rng.standard_normal((state.bodies.disc.mass.size, 2, n))
-    fill_ring(
-        state.bodies.inner.w, rng.standard_normal((state.bodies.inner.radii.size, 2, state.bodies.inner.n_sectors))
-    )
-    fill_ring(
-        state.bodies.outer.w, rng.standard_normal((state.bodies.outer.radii.size, 2, state.bodies.outer.n_sectors))
-    )
-    state.bodies.rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
-    state.bodies.rollers.spin[:n] = 500.0 * rng.standard_normal(n)
-    return state
-
-
 # ---- States of random contacts that rub, with tangential springs and without.
-
-
-def by_contact(normal):
-    """(kind, 2, columns) as (kind, 13, 2)."""
-    return np.moveaxis(normal[:, :, :13], 1, 2)
 
 
 def rubbing_state(seed=1, mesh_size=1e-3):
@@ -394,12 +299,16 @@ def rubbing_state(seed=1, mesh_size=1e-3):
 
 
 def pressed_state(seed, mesh_size):
-    state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
+    state, rng = random_state(seed, mesh_size=mesh_size), np.random.default_rng(7)
+    rollers, n = state.bodies.rollers, state.bodies.rollers.n
+    shake(state, rng, "w", 1.0)
+    rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
+    rollers.spin[:n] = 500.0 * rng.standard_normal(n)
     state = with_friction(state, coefficient=0.1)
     state.contacts.forces.force[:] = 0.0
     state.drive.impulse[:] = 0.0
     press_contacts(state)
-    for entry in (state.bodies.rollers.node_impulse, state.bodies.rollers.body_impulse, state.bodies.rollers.turn_kick):
+    for entry in (rollers.node_impulse, rollers.body_impulse, rollers.turn_kick):
         entry[:] = 0.0
     return state
 
@@ -418,8 +327,7 @@ def rub(state):
     state = copies(state)
     find_slips(state, state.bodies.rollers.turn_kick, state.contacts.friction.slip)
     before = state.contacts.friction.slip.copy()
-    taken = rub_contacts(state)
-    after = np.zeros_like(before)
+    taken, after = rub_contacts(state), np.zeros_like(before)
     find_slips(state, state.bodies.rollers.turn_kick, after)
     return state, before, after, taken
 
@@ -473,12 +381,11 @@ class ToyState(RunState):
         self.phase = np.array([1.0, 0.0])
 
     def advance(self, most):
-        rows = []
+        rows, n = [], self.plan.scene.bearing.rollers
         c, s = np.cos(TURN), np.sin(TURN)
         for _ in range(most):
             rows.append(self.phase)
-            self.phase = np.array([c * self.phase[0] - s * self.phase[1], s * self.phase[0] + c * self.phase[1]])
-        n = self.plan.scene.bearing.rollers
+            self.phase = np.array([[c, -s], [s, c]]) @ self.phase
         values = {
             name: np.zeros(most if dimensions == PER_TIME else (most, n))
             for name, (dimensions, *_) in columns_of("").items()

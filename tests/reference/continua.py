@@ -1,9 +1,9 @@
 """Contacts and rings of elasticity theory: half-planes, half-spaces, rings in polar coordinates."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from math import exp, gamma, log, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -26,23 +26,16 @@ def mcewen(x, z, half_width, peak):
     common = np.sqrt((b2 - x**2 + z**2) ** 2 + 4.0 * x**2 * z**2)
     m = np.sqrt(0.5 * (common + (b2 - x**2 + z**2)))
     n = np.sign(x) * np.sqrt(np.maximum(0.5 * (common - (b2 - x**2 + z**2)), 0.0))
-    ratio = (z**2 + n**2) / (m**2 + n**2)
-    sigma_x = -peak / half_width * (m * (1.0 + ratio) - 2.0 * z)
-    sigma_z = -peak / half_width * m * (1.0 - ratio)
-    tau = -peak / half_width * n * (m**2 - z**2) / (m**2 + n**2)
-    return sigma_x, sigma_z, tau
+    ratio, unit = (z**2 + n**2) / (m**2 + n**2), -peak / half_width
+    return unit * (m * (1.0 + ratio) - 2.0 * z), unit * m * (1.0 - ratio), unit * n * (m**2 - z**2) / (m**2 + n**2)
 
 
 def flamant(points, sources, forces):
     """Sum of simple radial distributions σ_r = −(2/π) F·r/r², (n_points, 3): xx, yy, xy."""
     away = points[:, None, :] - sources[None, :, :]
-    squared = np.sum(away**2, axis=-1)
-    radial = -2.0 / np.pi * np.sum(away * forces, axis=-1) / squared**2
-    return np.stack([
-        np.sum(radial * away[..., 0] ** 2, axis=1),
-        np.sum(radial * away[..., 1] ** 2, axis=1),
-        np.sum(radial * away[..., 0] * away[..., 1], axis=1),
-    ], axis=-1)  # fmt: skip
+    radial = -2.0 / np.pi * np.sum(away * forces, axis=-1) / np.sum(away**2, axis=-1) ** 2
+    x, y = away[..., 0], away[..., 1]
+    return np.stack([np.sum(radial * product, axis=1) for product in (x * x, y * y, x * y)], axis=-1)
 
 
 def cubic_bspline_patch(n, half_width, radius):
@@ -65,8 +58,7 @@ SETTLED = 1e-7  # of pressures, from one step to the next
 STEPS = 600
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pressed:
+class Pressed(NamedTuple):
     """Of two half-spaces in contact. SI."""
 
     pressure: np.ndarray  # (n_across, n_along), Pa
@@ -78,8 +70,7 @@ class Pressed:
     def peak(self) -> tuple[float, float]:
         """Largest pressure, Pa, and where along the roller, m."""
         along = self.pressure.max(axis=0)
-        at = int(along.argmax())
-        return float(along[at]), float(self.place[at])
+        return float(along.max()), float(self.place[along.argmax()])
 
 
 def pressed(
@@ -94,32 +85,26 @@ def pressed(
     wide : m, half of the width that is meshed
     """
     across, along = cells
-    dx, dy = 2.0 * wide / across, length / along
-    x = (np.arange(across) + 0.5 - 0.5 * across) * dx
-    y = (np.arange(along) + 0.5 - 0.5 * along) * dy
-    gap = x[:, None] ** 2 / (2.0 * radius) + drop(y) + slope * y
-    kernel = fft.rfft2(_love(dx, dy, 2 * across, 2 * along)) / (pi * modulus)
+    dx, dy, twice = 2.0 * wide / across, length / along, (2 * across, 2 * along)
+    x, y = (np.arange(across) + 0.5 - 0.5 * across) * dx, (np.arange(along) + 0.5 - 0.5 * along) * dy
+    gap, area = x[:, None] ** 2 / (2.0 * radius) + drop(y) + slope * y, dx * dy
+    kernel = fft.rfft2(_love(dx, dy, *twice)) / (pi * modulus)
 
     def displaced(pressure):
-        return fft.irfft2(kernel * fft.rfft2(pressure, s=(2 * across, 2 * along)), s=(2 * across, 2 * along))[
-            :across, :along
-        ]
+        return fft.irfft2(kernel * fft.rfft2(pressure, s=twice), s=twice)[:across, :along]
 
-    area = dx * dy
     pressure = np.maximum(1.0 - gap / np.quantile(gap, 0.3), 0.0)
     pressure *= load / (pressure.sum() * area)
     direction, before, restart = np.zeros_like(gap), 1.0, 0.0
     for _ in range(STEPS):
-        residual = displaced(pressure) + gap
-        loaded = pressure > 0.0
+        residual, loaded = displaced(pressure) + gap, pressure > 0.0
         residual -= residual[loaded].mean()
         now = float(np.sum(residual[loaded] ** 2))
         direction = np.where(loaded, residual + restart * now / before * direction, 0.0)
         answer = displaced(direction)
         answer -= answer[loaded].mean()
         size = np.sum(residual[loaded] * direction[loaded]) / np.sum(answer[loaded] * direction[loaded])
-        last = pressure
-        pressure = np.maximum(pressure - size * direction, 0.0)
+        last, pressure = pressure, np.maximum(pressure - size * direction, 0.0)
         joined = (pressure <= 0.0) & (residual < 0.0)
         pressure[joined] -= size * residual[joined]
         restart, before = float(not joined.any()), now
@@ -128,13 +113,8 @@ def pressed(
             break
     else:
         raise RuntimeError("pressures do not settle")
-    total = displaced(pressure) + gap
-    return Pressed(
-        pressure=pressure,
-        place=y,
-        approach=float(total[pressure > 0.0].mean()),
-        moment=-float(pressure.sum(axis=0) @ y) * area,
-    )
+    approach = float((displaced(pressure) + gap)[pressure > 0.0].mean())
+    return Pressed(pressure=pressure, place=y, approach=approach, moment=-float(pressure.sum(axis=0) @ y) * area)
 
 
 def _love(dx: float, dy: float, across: int, along: int) -> np.ndarray:
@@ -157,17 +137,17 @@ def _love(dx: float, dy: float, across: int, along: int) -> np.ndarray:
 FINE, COARSE, GROWTH = 0.3e-6, 2e-6, 1.1  # m, cells at the edges and far from them
 
 
-@dataclass(frozen=True, kw_only=True)
 class EdgeContact:
-    """A disc in a bore, or on a disc, with a deep spall whose edges are rounded."""
+    """A disc in a bore, or on a disc, with a deep spall whose edges are rounded.
 
-    radius: float  # m, of the raceway, negative of a bore
-    roller_radius: float
-    compliance: float  # A, m/N: of two surfaces, 2/(π E* L)
-    level: float  # B of the sound contact, δ = A Q (B − ½ ln Q)
-    half_opening: float  # m, from the middle to where the surface leaves its circle
-    edge_radius: float
-    beside: float  # m, of the sound surface
+    radius, m, of the raceway, negative of a bore; compliance: A, m/N, of two surfaces, 2/(π E* L); level: B of the
+    sound contact, δ = A Q (B − ½ ln Q); half_opening, m, from the middle to where the surface leaves its circle;
+    beside: m, of the sound surface
+    """
+
+    def __init__(self, *, radius, roller_radius, compliance, level, half_opening, edge_radius, beside):
+        self.radius, self.roller_radius, self.compliance, self.level = radius, roller_radius, compliance, level
+        self.half_opening, self.edge_radius, self.beside = half_opening, edge_radius, beside
 
     @cached_property
     def bounds(self) -> np.ndarray:
@@ -192,8 +172,7 @@ class EdgeContact:
         unit = 0.5 * exp(self.level - 0.5 + 0.5 * log(factor))  # δ = A Q (½ + ln(2 unit/b)), b² = factor·Q
 
         def twice(z):  # ∫∫ ln|z|
-            size = np.where(z == 0.0, 1.0, np.abs(z))
-            return 0.5 * z * z * np.log(size / unit) - 0.75 * z * z
+            return 0.5 * z * z * np.log(np.where(z == 0.0, 1.0, np.abs(z)) / unit) - 0.75 * z * z
 
         h, l_ = high[:, None], low[:, None]
         whole = twice(h - low) - twice(h - high) - twice(l_ - low) + twice(l_ - high)
@@ -205,8 +184,7 @@ class EdgeContact:
         inside, e = np.clip(self.half_opening - np.abs(middle), 0.0, None), self.edge_radius
         depth = e - np.sqrt(np.maximum(e * e - np.minimum(inside, e) ** 2, 0.0))
         R, r = abs(self.radius), self.roller_radius
-        surface = R + depth if self.radius < 0.0 else R - depth
-        turned = np.arcsin(middle / R) - np.arcsin(place / R)
+        surface, turned = R - np.sign(self.radius) * depth, np.arcsin(middle / R) - np.arcsin(place / R)
         along, across = surface * np.cos(turned), surface * np.sin(turned)
         reach = np.sqrt(r * r - across**2)
         return along - reach - (R - r) if self.radius < 0.0 else R + r - along - reach
@@ -219,8 +197,7 @@ class EdgeContact:
             return 0.0, 0.0
         lower = cholesky(self._influence[np.ix_(near, near)], lower=True)
         force, _ = nnls(lower.T, solve_triangular(lower, room[near] / self.compliance, lower=True))
-        cells = np.diff(self.bounds)[self._solid][near]
-        return float(force.sum()), float((force / cells).max())
+        return float(force.sum()), float((force / np.diff(self.bounds)[self._solid][near]).max())
 
 
 # ---- Two circular bodies pressed together without Hertz's theory: pressures on strips, the gap closed at each.
@@ -228,7 +205,6 @@ class EdgeContact:
 # shape of the pressure and of the bodies' own displacement across the contact. The gap is a parabola.
 
 Compliance = Callable[[np.ndarray], np.ndarray]  # of n waves around, m/Pa
-
 PER_STRIP = 40  # harmonics, of the waves that a strip's width has
 
 
@@ -239,12 +215,14 @@ def approach(
 
     `reach`, m: half of what strips cover, more than the contact. Errors: of second order in a strip's width.
     """
-    width = 2.0 * reach / strips
-    x = (np.arange(strips) + 0.5) * width - reach
-    near = sum(_influence(radius, compliance, width, strips) for radius, compliance in sides)
-    i = np.arange(strips)
+    width, i, near = 2.0 * reach / strips, np.arange(strips), 0.0
+    for radius, compliance in sides:  # mean displacement of strips, so many away, under a unit line load over one
+        n = np.arange(int(PER_STRIP * radius / width) + 1)
+        amplitude = compliance(n) * np.sinc(n * width / (2.0 * np.pi * radius)) ** 2
+        amplitude[0] *= 0.5
+        near = near + np.cos(np.outer(i * width / radius, n)) @ amplitude / (np.pi * radius)
     influence = near[np.abs(i[:, None] - i)]
-    gap = (x**2 + width**2 / 12.0) / (2.0 * relative_radius)  # means over strips
+    gap = (((i + 0.5) * width - reach) ** 2 + width**2 / 12.0) / (2.0 * relative_radius)  # means over strips
     closed = np.ones(strips, dtype=bool)
     while True:
         n = int(closed.sum())
@@ -255,14 +233,6 @@ def approach(
         if not pulling.size:
             return float(found)
         closed[pulling] = False
-
-
-def _influence(radius: float, compliance: Compliance, width: float, strips: int) -> np.ndarray:
-    """Mean displacement of strips, so many away, under a unit line load spread over one, m per N/m."""
-    n = np.arange(int(PER_STRIP * radius / width) + 1)
-    amplitude = compliance(n) * np.sinc(n * width / (2.0 * np.pi * radius)) ** 2
-    amplitude[0] *= 0.5
-    return np.cos(np.outer(np.arange(strips) * width / radius, n)) @ amplitude / (np.pi * radius)
 
 
 # ---- Line contact of elastic cylinders: textbook formulas and the quasi-static impact they give. Source: Johnson,
@@ -288,13 +258,11 @@ def carter_creep(traction_ratio: float, friction: float, half_width: float, rela
 def impact_on_rigid_flat(speed: float, radius: float, length: float, mass: float, modulus: float):
     """Quasi-static impact of a cylinder: largest approach, m, largest force, N, contact time, s."""
 
-    def approach(force):
-        q = force / length
-        return squeezed_disc_approach(q, radius, half_width(q, radius, modulus), modulus)
+    def width(force):
+        return half_width(force / length, radius, modulus)
 
     def slope(force):  # dδ/dQ: b grows as sqrt(Q), which takes 1 off the bracket
-        q = force / length
-        return (2.0 * log(4.0 * radius / half_width(q, radius, modulus)) - 2.0) / (pi * modulus * length)
+        return (2.0 * log(4.0 * radius / width(force)) - 2.0) / (pi * modulus * length)
 
     def energy(force):
         return quad(lambda x: x * slope(x), 0.0, force, epsrel=1e-10)[0]
@@ -308,7 +276,7 @@ def impact_on_rigid_flat(speed: float, radius: float, length: float, mass: float
         return slope(force) * 2.0 * s * top / sqrt(2.0 * (kinetic - energy(force)) / mass)
 
     time = 2.0 * quad(integrand, 1e-4, 1.0 - 1e-12, epsrel=1e-6, limit=200)[0]
-    return approach(top), top, time
+    return squeezed_disc_approach(top / length, radius, width(top), modulus), top, time
 
 
 # ---- Navier's equations of one angular harmonic in plane strain, collocated: independent of any series of
@@ -323,25 +291,20 @@ class PolarNavier:
         self.lam, self.mu = material.lame_lambda / material.lame_mu, 1.0
 
     def series(self, r, derivative):
-        x = (2.0 * r - self.inner - self.outer) / (self.outer - self.inner)
-        basis = (
-            chebyshev.chebder(np.eye(self.degree + 1), derivative, axis=0) if derivative else np.eye(self.degree + 1)
-        )
+        x, basis = (2.0 * r - self.inner - self.outer) / (self.outer - self.inner), np.eye(self.degree + 1)
+        basis = chebyshev.chebder(basis, derivative, axis=0) if derivative else basis
         return chebyshev.chebval(x, basis).T * (2.0 / (self.outer - self.inner)) ** derivative
 
     def blocks(self, r):
         """Rows (..., 2 (degree+1)) of U, V, σ_rr, σ_rθ and of Navier's equations times r², at radii r."""
         n, lam, mu = self.n, self.lam, self.mu
         r = np.atleast_1d(np.asarray(r, dtype=float))
-        f, df, ddf = (self.series(r, k) for k in range(3))
-        c = r[:, None]
-        zero = np.zeros_like(f)
-        U, V = np.hstack((f, zero)), np.hstack((zero, f))
-        dU, dV = np.hstack((df, zero)), np.hstack((zero, df))
-        ddU, ddV = np.hstack((ddf, zero)), np.hstack((zero, ddf))
-        div = dU + (U + n * V) / c
+        c, fields = r[:, None], [self.series(r, k) for k in range(3)]
+        (U, V), (dU, dV), (ddU, ddV) = (
+            (np.hstack((f, 0.0 * fields[0])), np.hstack((0.0 * fields[0], f))) for f in fields
+        )
+        div, curl = dU + (U + n * V) / c, dV + (V + n * U) / c
         ddiv = ddU + (dU + n * dV) / c - (U + n * V) / c**2
-        curl = dV + (V + n * U) / c
         dcurl = ddV + (dV + n * dU) / c - (V + n * U) / c**2
         navier_r = (lam + 2 * mu) * ddiv - mu * n / c * curl
         navier_t = -(lam + 2 * mu) * n / c * div + mu * dcurl
@@ -350,9 +313,8 @@ class PolarNavier:
 
     def solve(self, conditions, force=(0.0, 0.0)):
         """Coefficients of div σ + force = 0, collocated, with row @ coefficients = value per condition."""
-        points = (
-            0.5 * (self.inner + self.outer) + 0.5 * (self.outer - self.inner) * legendre.leggauss(self.degree + 1)[0]
-        )
+        nodes = legendre.leggauss(self.degree + 1)[0]
+        points = 0.5 * (self.inner + self.outer) + 0.5 * (self.outer - self.inner) * nodes
         *_, navier_r, navier_t = self.blocks(points)
         rows = np.vstack((navier_r, navier_t, *(row.reshape(1, -1) for row, _ in conditions)))
         values = np.concatenate((-force[0] * points**2, -force[1] * points**2, [value for _, value in conditions]))
@@ -366,8 +328,7 @@ class PolarNavier:
 # ---- Pressures of contacts of many points at rest, and what a stiff layer adds to an approach.
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pressures:
+class Pressures(NamedTuple):
     """Pressures of one contact, along the tangent."""
 
     across: np.ndarray  # (n_points,), m, from the line of centres
@@ -379,37 +340,26 @@ def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[
     points, _, forces, _ = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
     found = []
     for contact in range(2 * model.bearing.n_rollers):
-        law = model.laws[contact // model.bearing.n_rollers]
-        mine = points.contact == contact
+        law, mine = model.laws[contact // model.bearing.n_rollers], points.contact == contact
         found.append(Pressures(across=points.across[mine], pressure=forces[mine] / (law.spacing * law.pair.length)))
     return found
 
 
 def layer_approach(law, force: float) -> float:
     """What the layer of a resolved contact adds to the approach, m: its mean deflection weighted with the pressure."""
-    pair = law.pair
-    return 8.0 / (3.0 * pi) * 2.0 * force / (pi * pair.half_width(force) * pair.length) / law.layer
+    return 8.0 / (3.0 * pi) * 2.0 * force / (pi * law.pair.half_width(force) * law.pair.length) / law.layer
 
 
 # ---- Load distribution of radially loaded bearings: published numbers and the integral behind them. Source: Stribeck
 # 1901, Sjövall 1933, as tabulated in Harris, Rolling Bearing Analysis, and in bearing makers' catalogues (NSK E728g,
 # 5.1), second hand: Q_max = F/(Z J_r), ε = ½ (1 − clearance/deflection), exponents 1.5 (point) and 1.1 (line).
 
-
 # ε: (J_r point contact, J_r line contact)
 SJOVALL = {
-    0.2: (0.1590, 0.1737),
-    0.3: (0.1892, 0.2055),
-    0.4: (0.2117, 0.2286),
-    0.5: (0.2288, 0.2453),
-    0.6: (0.2416, 0.2568),
-    0.7: (0.2505, 0.2636),
-    0.8: (0.2559, 0.2658),
-    0.9: (0.2576, 0.2628),
-    1.0: (0.2546, 0.2523),
-    1.25: (0.2289, 0.2078),
-    2.5: (0.1339, 0.1075),
-}
+    0.2: (0.1590, 0.1737), 0.3: (0.1892, 0.2055), 0.4: (0.2117, 0.2286), 0.5: (0.2288, 0.2453), 0.6: (0.2416, 0.2568),
+    0.7: (0.2505, 0.2636), 0.8: (0.2559, 0.2658), 0.9: (0.2576, 0.2628), 1.0: (0.2546, 0.2523),
+    1.25: (0.2289, 0.2078), 2.5: (0.1339, 0.1075),
+}  # fmt: skip
 
 
 def stribeck_number(exponent: float) -> float:

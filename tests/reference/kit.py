@@ -91,14 +91,7 @@ def fair_load(bearing: Bearing) -> float:
     return LOAD * bearing.roller_radius * bearing.roller_length / (0.005 * LENGTH)
 
 
-@cache
-def model(bearing: Bearing, mesh_size: float) -> Model:
-    return SubgridModel.build(bearing, mesh_size)
-
-
-@cache
-def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
-    return ResolvedModel.build(bearing, mesh_size)
+model, resolved_model = cache(SubgridModel.build), cache(ResolvedModel.build)  # of a bearing and a mesh size, m
 
 
 @cache
@@ -137,9 +130,7 @@ def arrays(
     return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, mass)
 
 
-def copies(state: Arrays) -> Arrays:
-    """An independent copy; what arrays its parts share they share in the copy."""
-    return deepcopy(state)
+copies = deepcopy  # of arrays; what these share they share in the copy
 
 
 def loop_arguments(state: Arrays) -> tuple:
@@ -434,13 +425,8 @@ def scene(model, axial=(), **changes):
 
 
 def moved(found, said=None):
-    """Columns of a run by name; `said` : a list that gets why it restarted."""
-    return moved_by(make_plan(found), said)
-
-
-def moved_by(plan, said):
-    """The same of a plan."""
-    return whole_run(plan, said=said).values
+    """Columns by name of a run of a scene or a plan; `said` : a list that gets why it restarted."""
+    return whole_run(make_plan(found) if isinstance(found, Scene) else found, said=said).values
 
 
 def missed(samples):

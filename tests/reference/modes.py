@@ -1,8 +1,8 @@
 """Elastic bodies by their modes: free vibration, impact, rocking."""
 
-from dataclasses import dataclass
 from functools import cache
 from math import log, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -12,16 +12,8 @@ from scipy.special import jv, jvp, yv, yvp
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, MeshTri
 from skfem.helpers import dot
 
-from fem.elastic import vibration
-from fem.elastic.continuum import (
-    Section,
-    annulus_modes,
-    kolosov,
-    ring_sections,
-    roller_section,
-    shear_compliance,
-    stick_approach,
-)
+from fem.elastic import continuum, vibration
+from fem.elastic.continuum import Section, annulus_modes, kolosov, stick_approach
 from fem.elastic.vibration import Modes
 from lagrange import Bearing, Material
 from tests.reference.continua import cubic_bspline_patch
@@ -33,21 +25,17 @@ from tests.reference.quadratic import plane_strain_stiffness
 # Source: Love, A Treatise on the Mathematical Theory of Elasticity (4th ed. 1927), vibrations of a circular cylinder;
 # Graff, Wave Motion in Elastic Solids (1975), section 8.2 with the axial wavenumber 0.
 
+BESSEL = {"j": (jv, jvp), "y": (yv, yvp)}
+
 
 def disc_frequency(n: int, low: float, high: float, material: Material) -> float:
     """The root ω R/c_T between two bounds of the free solid disc, n waves around."""
-    return brentq(lambda x: np.linalg.det(surface_tractions(n, 1.0, x, material, ("j",))), low, high, xtol=1e-12)
+    return brentq(lambda x: np.linalg.det(surface_tractions(n, 1.0, x, material, "j")), low, high, xtol=1e-12)
 
 
 def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, material: Material) -> float:
     """The root ω, rad/s, between two bounds of a ring free on both circles."""
-    speed = np.sqrt(material.lame_mu / material.density)
-
-    def determinant(omega):
-        x = omega * outer / speed
-        return _determinant(surface_tractions, n, inner / outer, x, material)
-
-    return brentq(determinant, low, high, rtol=1e-12)
+    return brentq(_determinant(surface_tractions, n, inner, outer, material), low, high, rtol=1e-12)
 
 
 def held_ring_frequencies(n: int, held: float, free: float, high: float, material: Material) -> list[float]:
@@ -55,30 +43,35 @@ def held_ring_frequencies(n: int, held: float, free: float, high: float, materia
 
     Found as changes of sign on a grid of high/1000: two roots closer than that would be missed.
     """
+    determinant = _determinant(surface_displacements, n, held, free, material)
+    return [root for *_, root in _roots(determinant, np.linspace(0.0, high, 1001)[10:], rtol=1e-12)]
+
+
+def _roots(function, grid: np.ndarray, **error):
+    """Where a function changes its sign on a grid: bounds and roots."""
+    values = np.array([function(at) for at in grid])
+    for i in np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:])):
+        yield grid[i], grid[i + 1], brentq(function, grid[i], grid[i + 1], **error)
+
+
+def _determinant(condition, n: int, other: float, free: float, material: Material):
+    """By ω, rad/s, of an annulus with a condition on one circle, free on the other; columns are scaled to 1."""
     speed = np.sqrt(material.lame_mu / material.density)
 
     def determinant(omega):
-        x = omega * free / speed
-        return _determinant(surface_displacements, n, held / free, x, material)
+        x, rows = omega * free / speed, []
+        for of, r in ((condition, other / free), (surface_tractions, 1.0)):
+            rows.append(of(n, r, x, material, "jy"))
+        matrix = np.concatenate(rows)
+        return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
-    grid = np.linspace(0.0, high, 1001)[10:]
-    signs = np.sign([determinant(omega) for omega in grid])
-    return [brentq(determinant, *grid[i : i + 2], rtol=1e-12) for i in np.flatnonzero(signs[:-1] != signs[1:])]
-
-
-def _determinant(condition, n: int, r: float, x: float, material: Material) -> float:
-    """Determinant for an annulus with a condition at radius r, free at radius 1, columns scaled to 1."""
-    kinds = ("j", "y")
-    matrix = np.concatenate([condition(n, r, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)])
-    return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
+    return determinant
 
 
 def surface_displacements(n, r, x, material, kinds):
     """u_r and u_θ at radius r of each potential; x = ω/c_T for unit radius."""
-    k_l, k_t = x / np.sqrt(material.lame_lambda / material.lame_mu + 2.0), x
-    columns = []
-    for kind in kinds:
-        f, df = (jv, jvp) if kind == "j" else (yv, yvp)
+    k_l, k_t, columns = x / np.sqrt(material.lame_lambda / material.lame_mu + 2.0), x, []
+    for f, df in (BESSEL[kind] for kind in kinds):
         columns.append([k_l * df(n, k_l * r), -n * f(n, k_l * r) / r])
         columns.append([n * f(n, k_t * r) / r, -k_t * df(n, k_t * r)])
     return np.array(columns).T
@@ -86,11 +79,9 @@ def surface_displacements(n, r, x, material, kinds):
 
 def surface_tractions(n, r, x, material, kinds):
     """σ_rr and σ_rθ (over μ) at radius r of each potential; x = ω/c_T for unit radius."""
-    ratio = material.lame_lambda / material.lame_mu
-    k_l, k_t = x / np.sqrt(ratio + 2.0), x
-    columns = []
-    for kind in kinds:
-        f, df = (jv, jvp) if kind == "j" else (yv, yvp)
+    ratio, k_t, columns = material.lame_lambda / material.lame_mu, x, []
+    k_l = x / np.sqrt(ratio + 2.0)
+    for f, df in (BESSEL[kind] for kind in kinds):
         p, dp, ddp = f(n, k_l * r), k_l * df(n, k_l * r), k_l**2 * df(n, k_l * r, 2)
         # u_r = φ', u_θ = −n φ/r (times cos, sin); div u = −k_l² φ
         columns.append([-ratio * k_l**2 * p + 2.0 * ddp, -2.0 * n * (dp / r - p / r**2)])
@@ -113,8 +104,7 @@ def vibrations(section: Section, thickness: float, highest: float, hub: float | 
         # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
         if n > 2 and frequency[0] > highest:
             break
-    table = np.array(found).reshape(-1, 4)
-    order, frequency, shape, carried = table.T
+    order, frequency, shape, carried = np.array(found).reshape(-1, 4).T
     return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
 
 
@@ -140,21 +130,28 @@ def free_modes(body, order: int) -> np.ndarray:
 
 def thin_ring(order: int) -> float:
     """Bending frequency, Hz, of a thin ring in plane strain. Source: Love (1927), article 293, E/(1 − ν²) for E."""
-    R, t = 0.5 * (INNER + OUTER), OUTER - INNER
-    modulus = STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2)
-    n2 = order**2
-    return order * (n2 - 1.0) / np.sqrt(n2 + 1.0) * t / R**2 * np.sqrt(modulus / (12.0 * STEEL.density)) / (2.0 * np.pi)
+    R, t, n2 = 0.5 * (INNER + OUTER), OUTER - INNER, order**2
+    speed = np.sqrt(STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2) / (12.0 * STEEL.density))
+    return order * (n2 - 1.0) / np.sqrt(n2 + 1.0) * t / R**2 * speed / (2.0 * np.pi)
+
+
+def _of_pressures(orders: np.ndarray, inner: float, outer: float, material: Material, row: int) -> np.ndarray:
+    """Outward motion of a free ring's outside by pressure cos nθ on it, row 0, or inside, row 2, m/Pa; n from 2 on.
+
+    σ_rr, σ_rθ of both circles by four solutions.
+    """
+    outside, inside = (annulus_modes(orders, r, inner / outer, kolosov(material)) for r in (1.0, inner / outer))
+    right = np.zeros((len(orders), 4, 1))
+    right[:, row] = -1.0
+    weights = np.linalg.solve(np.concatenate([outside[:, 2:], inside[:, 2:]], axis=1), right)
+    return (outside[:, :1] @ weights)[:, 0, 0] * outer / (2.0 * material.lame_mu)
 
 
 def pinched(orders: np.ndarray, half_width: float) -> np.ndarray:
     """Fourier coefficients cos nθ of the outward motion of the outer circle of a free ring, m per N/m, pinched at 0 and
     π by forces inward spread as a cubic B-spline; n even, from 2 on: Michell's series."""
     shape = 2.0 * cubic_bspline_patch(orders, half_width, OUTER) / (np.pi * OUTER)  # of both; odd orders cancel
-    inner = INNER / OUTER
-    outside, inside = (annulus_modes(orders, r, inner, kolosov(STEEL)) for r in (1.0, inner))
-    tractions = np.concatenate([outside[:, 2:], inside[:, 2:]], axis=1)  # σ_rr, σ_rθ of both circles by four solutions
-    coefficients = np.linalg.solve(tractions, np.broadcast_to([[-1.0], [0.0], [0.0], [0.0]], (len(orders), 4, 1)))
-    return (outside[:, :1] @ coefficients)[:, 0, 0] * OUTER / (2.0 * STEEL.lame_mu) * shape
+    return _of_pressures(orders, INNER, OUTER, STEEL, 0) * shape
 
 
 # ---- An elastic ring in a bore by exact series: a thick ring pressed in, and one with play under given forces.
@@ -162,17 +159,22 @@ def pinched(orders: np.ndarray, half_width: float) -> np.ndarray:
 FORCE_COUNTS = 1e4  # how much more the sum of forces must be right than any gap
 
 
+def _lame(inner: float, outer: float, material: Material) -> tuple[float, float]:
+    """Inward motion of a ring's outside by pressure on it, and of its raceway, m/Pa: Timoshenko and Goodier (1970),
+    section 28 (Lamé), plane strain; outward motion of the outside by pressure inside is inner/outer of the latter."""
+    modulus, area = material.youngs_modulus / (1.0 - material.poisson_ratio**2), outer**2 - inner**2
+    ratio = material.poisson_ratio / (1.0 - material.poisson_ratio)
+    return outer / modulus * ((outer**2 + inner**2) / area - ratio), 2.0 * inner * outer**2 / (modulus * area)
+
+
 def pressed_ring(inner: float, outer: float, material: Material, bed: float, interference: float) -> tuple:
     """Pressure, Pa, and how far raceway and outside of a ring move, m, that is larger than its bore by so much, m.
 
-    `bed` : of the bore, Pa/m. Source: Timoshenko and Goodier (1970), section 28 (Lamé), plane strain.
+    `bed` : of the bore, Pa/m.
     """
-    modulus = material.youngs_modulus / (1.0 - material.poisson_ratio**2)
-    ratio = material.poisson_ratio / (1.0 - material.poisson_ratio)
-    area = outer**2 - inner**2
-    outside = outer / modulus * ((outer**2 + inner**2) / area - ratio)
+    outside, raceway = _lame(inner, outer, material)
     pressure = interference / (outside + 1.0 / bed)
-    return pressure, -2.0 * inner * outer**2 / (modulus * area) * pressure, -outside * pressure
+    return pressure, -raceway * pressure, -outside * pressure
 
 
 def ring_with_play(
@@ -185,20 +187,21 @@ def ring_with_play(
     pressures and gaps is solved as a least-squares problem without negative unknowns (Lawson and Hanson).
     """
     inner, outer = radii
-    orders = np.arange(n_points // 2)
-    angle = 2.0 * pi * np.arange(n_points) / n_points
-    by_outside, by_inside = _influences(orders, inner, outer, material)
+    orders, angle = np.arange(n_points // 2), 2.0 * pi * np.arange(n_points) / n_points
+    # of n = 1 it is 0: such pressures must balance, and what they do to radii is that of a rigid motion
+    by_outside, by_inside = np.zeros((2, len(orders)))
+    by_outside[0], raceway = _lame(inner, outer, material)
+    by_inside[0] = raceway * inner / outer
+    by_outside[2:], by_inside[2:] = (s * _of_pressures(orders[2:], inner, outer, material, row)
+                                     for s, row in ((-1.0, 0), (1.0, 2)))  # fmt: skip
     spread = cubic_bspline_patch(orders, half_width, inner)
-    weights = np.where(orders == 0, 1.0, 2.0) / (2.0 * pi)
-    moved = np.zeros(n_points)
+    weights, moved = np.where(orders == 0, 1.0, 2.0) / (2.0 * pi), np.zeros(n_points)
     for place, force in forces:
         moved += np.cos(np.multiply.outer(angle - place, orders)) @ (weights * by_inside * spread) * (force / inner)
     apart = angle[:, None] - angle[None, :]
     influence = np.cos(np.multiply.outer(apart, orders)) @ (weights * by_outside) * (2.0 * pi / n_points)
-    compliance = influence + np.eye(n_points) / bed
-    lower = np.linalg.cholesky(compliance)
-    area = outer * 2.0 * pi / n_points
-    directions = np.stack([np.cos(angle), np.sin(angle)])
+    compliance, area = influence + np.eye(n_points) / bed, outer * 2.0 * pi / n_points
+    lower, directions = np.linalg.cholesky(compliance), np.stack([np.cos(angle), np.sin(angle)])
     wanted = sum(force * np.array([np.cos(place), np.sin(place)]) for place, force in forces)
     scale = FORCE_COUNTS * np.linalg.norm(lower.T, 2)
     rows = np.vstack([lower.T, scale * directions])
@@ -208,26 +211,6 @@ def ring_with_play(
     left = (compliance @ pressure - (moved - play))[pressure > 0.0]
     rigid, *_ = np.linalg.lstsq(directions[:, pressure > 0.0].T, left, rcond=None)
     return pressure, moved - influence @ pressure + rigid @ directions
-
-
-def _influences(orders: np.ndarray, inner: float, outer: float, material: Material) -> tuple[np.ndarray, np.ndarray]:
-    """Inward motion of the outside by pressure cos nθ on it, and outward motion by such pressure inside, m/Pa.
-
-    Of n = 1 it is 0: such pressures must balance, and what they do to radii is that of a rigid motion.
-    """
-    modulus, found = material.youngs_modulus / (1.0 - material.poisson_ratio**2), np.zeros((2, len(orders)))
-    ratio, area = material.poisson_ratio / (1.0 - material.poisson_ratio), outer**2 - inner**2
-    found[:, 0] = outer / modulus * ((outer**2 + inner**2) / area - ratio), 2.0 * outer * inner**2 / (modulus * area)
-    shape = orders[2:]
-    t = inner / outer
-    on_both = [annulus_modes(shape, r, t, kolosov(material)) for r in (1.0, t)]
-    tractions = np.concatenate([modes[:, 2:] for modes in on_both], axis=1)
-    for kind, row, sign in ((0, 0, -1.0), (1, 2, 1.0)):
-        right = np.zeros((len(shape), 4, 1))
-        right[:, row] = -1.0
-        weights = np.linalg.solve(tractions, right)
-        found[kind, 2:] = sign * (on_both[0][:, :1] @ weights)[:, 0, 0] * outer / (2.0 * material.lame_mu)
-    return found[0], found[1]
 
 
 # ---- Elastic bodies of quadratic triangles that touch without friction, node by node, in motion. A body moves by its
@@ -242,8 +225,7 @@ AT_ONCE = 32  # unit forces solved for
 MOST_TURNS = 40  # of the active set; 2 to 6 are usual
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
+class Body(NamedTuple):
     """A body as its contact nodes feel it."""
 
     points: np.ndarray  # (n_contact, 2), m, contact nodes as meshed
@@ -254,25 +236,17 @@ class Body:
     mass: float  # kg
 
 
-def body(
-    mesh: MeshTri, material: Material, length: float, cutoff: float, touched, held=None, mass: float | None = None
-) -> Body:
+def body(mesh: MeshTri, material: Material, length: float, cutoff: float, touched, held=None, mass=None) -> Body:
     """Assemble a body and find its modes up to `cutoff`, Hz; `touched`, `held`: which of points, (2, n), may be, are.
 
     `mass` : kg, of the circle that the polygon stands for; None: as meshed
     """
     basis = Basis(mesh, ElementVector(ElementTriP2()))
-
-    @BilinearForm
-    def inertia(u, v, w):
-        return dot(u, v)
-
-    K, M = length * plane_strain_stiffness(basis, material), material.density * length * inertia.assemble(basis)
-    x, along_x = basis.doflocs, np.zeros(basis.N, dtype=bool)
+    K = length * plane_strain_stiffness(basis, material)
+    M = material.density * length * BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis)
+    x, (along_x, rim) = basis.doflocs, np.zeros((2, basis.N), dtype=bool)
     along_x[basis.get_dofs(elements=np.arange(mesh.nelements)).all("u^1")] = True
-    free, rim = np.ones(basis.N, dtype=bool), np.zeros(basis.N, dtype=bool)
-    if held is not None:
-        free[held(x)] = False
+    free = np.ones(basis.N, dtype=bool) if held is None else ~held(x)
     rim[basis.get_dofs(mesh.boundary_facets()).all()] = True
     at = rim & touched(x)
     first, second = (k[np.lexsort(np.round(x[:, k], 12))] for k in map(np.flatnonzero, (at & along_x, at & ~along_x)))
@@ -281,26 +255,21 @@ def body(
     unit = np.stack([along_x, ~along_x], axis=1).astype(float)[free]
     if mass is not None:
         M = M * (mass / float(unit[:, 0] @ (M @ unit[:, 0])))
-    factor = splu(
-        (K + SHIFT * M).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    how = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    factor = splu((K + SHIFT * M).tocsc(), **how)
     omega, modes = _modes(K, M, factor, 2.0 * pi * cutoff, float(basis.dx.sum()), material)
     return Body(
-        points=x[:, first].T.copy(),
-        omega=omega,
-        shapes=modes[contact],
-        residual=_residual(factor, contact, omega, modes),
-        translation=modes.T @ (M @ unit),
+        points=x[:, first].T.copy(), omega=omega, shapes=modes[contact],
+        residual=_residual(factor, contact, omega, modes), translation=modes.T @ (M @ unit),
         mass=float(unit[:, 0] @ (M @ unit[:, 0])),
-    )
+    )  # fmt: skip
 
 
 def _modes(K, M, factor, cutoff: float, area: float, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """Angular frequencies up to `cutoff`, rad/s, and modes of unit mass."""
     speeds = material.dilatational_wave_speed, np.sqrt(material.lame_mu / material.density)
     expected = area * cutoff**2 / (4.0 * pi) * sum(speed**-2 for speed in speeds)  # Weyl's law
-    count = round(1.1 * expected) + 20
-    inverse = LinearOperator(K.shape, matvec=factor.solve)
+    inverse, count = LinearOperator(K.shape, matvec=factor.solve), round(1.1 * expected) + 20
     start = np.random.default_rng(0).standard_normal(K.shape[0])  # ARPACK's own would differ from call to call
     squares, modes = eigsh(K, count, M, sigma=-SHIFT, OPinv=inverse, v0=start)
     if squares.max() < cutoff**2:
@@ -312,13 +281,12 @@ def _modes(K, M, factor, cutoff: float, area: float, material: Material) -> tupl
 
 def _residual(factor, contact: np.ndarray, omega: np.ndarray, modes: np.ndarray) -> np.ndarray:
     """Displacement of contact nodes by forces on them, without what the modes have of it."""
-    found = []
+    found, shapes = [], modes[contact]
     for first in range(0, contact.size, AT_ONCE):
         some = contact[first : first + AT_ONCE]
         force = np.zeros((modes.shape[0], some.size))
         force[some, np.arange(some.size)] = 1.0
         found.append(factor.solve(force)[contact])
-    shapes = modes[contact]
     whole = np.concatenate(found, axis=1) - (shapes / (omega**2 + SHIFT)) @ shapes.T
     return 0.5 * (whole + whole.T)
 
@@ -328,12 +296,10 @@ class Motion:
 
     def __init__(self, of: Body, step: float, still: bool = False):
         self.body, self.step, self.still = of, step, still
-        inertia = 1.0 / step**2 if still else 4.0 / step**2
-        self.answer = 1.0 / (inertia + of.omega**2)
-        self.inertia = inertia
+        self.inertia = (1.0 if still else 4.0) / step**2
+        self.answer = 1.0 / (self.inertia + of.omega**2)
         self.compliance = of.residual + (of.shapes * self.answer) @ of.shapes.T
-        n = of.omega.size
-        self.q, self.v, self.a, self.load = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+        self.q, self.v, self.a, self.load = np.zeros((4, of.omega.size))
         self.stored = 0.0  # J, beside the modes
 
     def expect(self) -> None:
@@ -348,8 +314,7 @@ class Motion:
 
     def advance(self, force: np.ndarray) -> None:
         """Take the step with forces on the contact nodes, (2 n_contact,), N."""
-        self.q = self.expected + self.answer * (force @ self.body.shapes)
-        k = np.flatnonzero(force)
+        self.q, k = self.expected + self.answer * (force @ self.body.shapes), np.flatnonzero(force)
         self.stored = 0.5 * float(force[k] @ self.body.residual[np.ix_(k, k)] @ force[k])
         if not self.still:
             new = (self.q - self.drifted) * self.inertia
@@ -368,12 +333,10 @@ class Motion:
 def separated(gap: np.ndarray, compliance: np.ndarray, active: np.ndarray) -> np.ndarray:
     """Forces, (n,), N, >= 0, under which no gap, (n,), m, is negative; `active`: where to expect them."""
     for _ in range(MOST_TURNS):
-        force = np.zeros(gap.size)
-        k = np.flatnonzero(active)
+        force, k = np.zeros(gap.size), np.flatnonzero(active)
         if k.size:
             force[k] = np.linalg.solve(compliance[np.ix_(k, k)], -gap[k])
-        left = gap + compliance[:, k] @ force[k]
-        changed = np.where(active, force > 0.0, left < 0.0)
+        changed = np.where(active, force > 0.0, gap + compliance[:, k] @ force[k] < 0.0)
         if np.array_equal(changed, active):
             return force
         active = changed
@@ -385,7 +348,7 @@ def separated(gap: np.ndarray, compliance: np.ndarray, active: np.ndarray) -> np
 # The displacement at the contact is the static one (Johnson's, for two opposite line loads, less what the far load
 # does) with the share of the lowest modes replaced by these modes' motion. Nothing is meshed. Source: Johnson,
 # Contact Mechanics (1985), 5.6; Michell's series for the disc (Timoshenko and Goodier, Theory of Elasticity, chapter
-# 4); modes as in `free_vibration`.
+# 4); modes as above.
 
 LARGEST_N = 16  # waves around
 LARGEST_ROOT = 40.0  # ω R/c_T
@@ -394,8 +357,7 @@ TIME_STEP = 2e-9  # s
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(200)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Impact:
+class Impact(NamedTuple):
     """Numbers that describe an impact."""
 
     force: float  # largest, N
@@ -411,19 +373,20 @@ def disc_modes(n: int, material: Material) -> tuple[np.ndarray, np.ndarray]:
     """
 
     def condition(x):
-        tractions = surface_tractions(n, 1.0, x, material, ("j",))
+        tractions = surface_tractions(n, 1.0, x, material, "j")
         return tractions[0, 0] if n == 0 else np.linalg.det(tractions)  # at n = 0 torsion stands apart
 
-    at = np.arange(max(0.3, 0.5 * n if n > 2 else 0.0), LARGEST_ROOT, ROOT_SPACING)
-    values = np.array([condition(x) for x in at])
-    crossings = np.flatnonzero(values[1:] * values[:-1] < 0.0)
-    roots = np.array([brentq(condition, at[i], at[i + 1], xtol=1e-12) for i in crossings])
+    grid = np.arange(max(0.3, 0.5 * n if n > 2 else 0.0), LARGEST_ROOT, ROOT_SPACING)
+    roots = np.array([root for *_, root in _roots(condition, grid, xtol=1e-12)])
     return roots, np.array([_compliance(n, x, material) for x in roots])
 
 
 def _compliance(n: int, x: float, material: Material) -> float:
-    r = np.append(0.5 * (NODES + 1.0), 1.0)
-    a, b = _mixture(n, x, material)
+    r, a, b = np.append(0.5 * (NODES + 1.0), 1.0), 1.0, 0.0
+    if n:  # shares of the two potentials in a mode: the null vector of the tractions
+        tractions = surface_tractions(n, 1.0, x, material, "j")
+        scale = np.abs(tractions).max(axis=0)
+        a, b = np.linalg.svd(tractions / scale)[2][-1] / scale
     k_l, k_t = x / sqrt(material.lame_lambda / material.lame_mu + 2.0), x
     radial = a * k_l * jvp(n, k_l * r) + b * n * jv(n, k_t * r) / r
     tangential = -a * n * jv(n, k_l * r) / r - b * k_t * jvp(n, k_t * r)
@@ -432,28 +395,17 @@ def _compliance(n: int, x: float, material: Material) -> float:
     return radial[-1] ** 2 / (mass * x**2)
 
 
-def _mixture(n: int, x: float, material: Material) -> tuple[float, float]:
-    """Shares of the two potentials in a mode: the null vector of the tractions."""
-    if n == 0:
-        return 1.0, 0.0
-    tractions = surface_tractions(n, 1.0, x, material, ("j",))
-    scale = np.abs(tractions).max(axis=0)
-    a, b = np.linalg.svd(tractions / scale)[2][-1] / scale
-    return float(a), float(b)
-
-
 def static_compliance(n: int, material: Material) -> float:
     """All modes of n waves together, as `disc_modes` gives them: Michell's series for cos nθ, the mean motion apart."""
-    kappa = 3.0 - 4.0 * material.poisson_ratio
+    kappa = kolosov(material)
     bracket = 0.5 * (kappa - 1.0) if n == 1 else kappa / (n + 1.0) + 1.0 / (n - 1.0)
     return bracket / (4.0 * pi * (2.0 if n == 0 else 1.0))
 
 
 def _far_load(material: Material) -> float:
     """Σ (−1)^n of the static compliances: displacement under one load by the opposite one, times μ and length."""
-    kappa = 3.0 - 4.0 * material.poisson_ratio
     # Σ_{n≥2} (−1)^n/(n+1) = ln 2 − ½ and Σ_{n≥2} (−1)^n/(n−1) = ln 2
-    tail = (kappa * (log(2.0) - 0.5) + log(2.0)) / (4.0 * pi)
+    tail = (kolosov(material) * (log(2.0) - 0.5) + log(2.0)) / (4.0 * pi)
     return static_compliance(0, material) - static_compliance(1, material) + tail
 
 
@@ -464,12 +416,11 @@ def thrown_at_flat(speed: float, radius: float, length: float, material: Materia
     ------
     0.1 % of force and time, by the modes left out and the time step.
     """
-    families = [disc_modes(n, material) for n in range(LARGEST_N + 1)]
-    roots = np.concatenate([family[0] for family in families])
-    compliance = np.concatenate([family[1] for family in families]) / (material.lame_mu * length)
+    roots, compliance = (np.concatenate(of) for of in zip(*(disc_modes(n, material) for n in range(LARGEST_N + 1)),
+                                                          strict=True))  # fmt: skip
+    compliance = compliance / (material.lame_mu * length)
     omega = roots * sqrt(material.lame_mu / material.density) / radius
-    mass = material.density * pi * radius**2 * length
-    modulus = material.plane_strain_modulus
+    mass, modulus = material.density * pi * radius**2 * length, material.plane_strain_modulus
     moving = compliance.sum() + _far_load(material) / (material.lame_mu * length)
 
     def at_rest(force):
@@ -520,7 +471,7 @@ HARMONICS = 30  # what inertia changes of them falls as 1/n³
 def shear_receptance(section: Section, n: int, omega: float) -> float:
     """Tangential displacement of a held ring or a free disc per traction sin nθ at a frequency, rad/s; m/Pa."""
     loaded, held, material, _ = section
-    x, kinds = omega * loaded / np.sqrt(material.lame_mu / material.density), ("j", "y") if held else ("j",)
+    x, kinds = omega * loaded / np.sqrt(material.lame_mu / material.density), "jy" if held else "j"
     conditions, wanted = surface_tractions(n, 1.0, x, material, kinds), [0.0, 1.0]
     if held:
         conditions = np.concatenate([surface_displacements(n, held / loaded, x, material, kinds), conditions])
@@ -535,7 +486,7 @@ def inertial(section: Section, omega: float) -> float:
     """What contacts that stick move more at a frequency, rad/s, than at rest, m per N/m of each."""
     found = 0.0
     for n in range(0, HARMONICS, section.loads):
-        more = shear_receptance(section, n, omega) - float(shear_compliance(section, np.array([n]))[0])
+        more = shear_receptance(section, n, omega) - float(continuum.shear_compliance(section, np.array([n]))[0])
         found += section.loads / (pi * section.loaded) * (0.5 if n == 0 else 1.0) * more
     return found
 
@@ -545,9 +496,8 @@ def sticking_modes(bearing: Bearing, force: float, low: float = 20e3, high: floa
 
     Found as changes of sign on a grid of 500 Hz: two as close as that would be missed.
     """
-    one, two = roller_section(bearing), roller_section(bearing).squeezed
-    rings = [section._replace(loads=bearing.n_rollers) for section in ring_sections(bearing)]
-    static = np.empty((2, 2))
+    one, two, static = continuum.roller_section(bearing), continuum.roller_section(bearing).squeezed, np.empty((2, 2))
+    rings = [section._replace(loads=bearing.n_rollers) for section in continuum.ring_sections(bearing)]
     for i, (section, sign) in enumerate(zip(rings, (1.0, -1.0), strict=True)):
         curvature = 1.0 / bearing.roller_radius + sign / section.loaded
         softness = 1.0 / bearing.roller.plane_strain_modulus + 1.0 / section.material.plane_strain_modulus
@@ -558,12 +508,11 @@ def sticking_modes(bearing: Bearing, force: float, low: float = 20e3, high: floa
     def determinant(frequency: float) -> float:
         omega = 2.0 * pi * frequency
         own, both = inertial(one, omega), inertial(two, omega)
-        on_rings = np.diag([inertial(section, omega) for section in rings])
-        matrix = static + on_rings + np.array([[own, both - own], [both - own, own]])
+        matrix = static + np.diag([inertial(section, omega) for section in rings])
+        matrix = matrix + np.array([[own, both - own], [both - own, own]])
         return np.linalg.det(matrix * bearing.roller.plane_strain_modulus)
 
     grid = np.arange(low, high, 500.0)
-    values = np.array([determinant(frequency) for frequency in grid])
-    crossings = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
-    roots = [brentq(determinant, *grid[i : i + 2], rtol=1e-10) for i in crossings]
-    return [root for root in roots if abs(determinant(root)) < 1e-3 * np.median(np.abs(values))]  # the rest are poles
+    usual = np.median(np.abs([determinant(frequency) for frequency in grid]))
+    roots = [root for *_, root in _roots(determinant, grid, rtol=1e-10)]
+    return [root for root in roots if abs(determinant(root)) < 1e-3 * usual]  # the rest are poles

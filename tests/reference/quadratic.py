@@ -1,16 +1,17 @@
 """Bearings at rest by quadratic triangles: an independent solution."""
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from math import asin, cos, pi, sin
+from typing import NamedTuple
 
 import gmsh
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, MeshTri, MeshTri2
-from skfem.helpers import ddot, dot, eye, sym_grad, trace
+from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity
 
 from fem.contacts.contact_law import NoLaw
@@ -31,8 +32,7 @@ def mesh_of_section() -> MeshTri:
     """Mesh what gmsh holds; nodes that no triangle has are left out."""
     gmsh.model.mesh.generate(2)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, nodes = gmsh.model.mesh.getElementsByType(2)
-    used, cells = np.unique(nodes, return_inverse=True)
+    used, cells = np.unique(gmsh.model.mesh.getElementsByType(2)[1], return_inverse=True)
     order = np.argsort(tags)
     points = coordinates.reshape(-1, 3)[order[np.searchsorted(tags[order], used)], :2]
     return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.reshape(-1, 3).T))
@@ -40,14 +40,7 @@ def mesh_of_section() -> MeshTri:
 
 def plane_strain_stiffness(basis: Basis, material: Material):
     """Stiffness of a section one metre long, N/m, sparse, (basis.N, basis.N)."""
-    lam, mu = material.lame_lambda, material.lame_mu
-
-    @BilinearForm
-    def stiffness(u, v, w):
-        e = sym_grad(u)
-        return ddot(2.0 * mu * e + lam * eye(trace(e), 2), sym_grad(v))
-
-    return stiffness.assemble(basis)
+    return linear_elasticity(material.lame_lambda, material.lame_mu).assemble(basis).tocsr()
 
 
 # ---- Triangles whose boundary is given point by point: fine where bodies touch, coarse far from there.
@@ -60,12 +53,12 @@ def graded_circle(radius: float, zones: list[tuple[float, float, float]], coarse
 
     Zones are in order and apart from each other and from ±π.
     """
-    found: list[np.ndarray] = []
-    bounds = [(-np.pi - (np.pi - zones[-1][1]), zones[-1][2]), *((z[0], z[2]) for z in zones)]
-    for (_, spacing), (first, last, fine) in zip(bounds, zones, strict=False):
-        start = found[-1][-1] if found else zones[-1][1] - 2.0 * np.pi
-        found.append(_between(start, first, spacing / radius, fine / radius, coarse / radius))
+    found, before = [], zones[-1]
+    end = zones[-1][1] - 2.0 * np.pi
+    for first, last, fine in zones:
+        found.append(_between(end, first, before[2] / radius, fine / radius, coarse / radius))
         found.append(np.linspace(first, last, max(2, round((last - first) * radius / fine) + 1)))
+        end, before = last, (first, last, fine)
     return np.unique(np.concatenate(found))[1:]
 
 
@@ -73,12 +66,9 @@ def _between(first: float, last: float, at_first: float, at_last: float, most: f
     """Places from `first` to `last`, whose distances grow from both ends towards the middle."""
     left, right, steps = [first], [last], [at_first, at_last]
     while right[-1] - left[-1] > steps[0] + steps[1]:
-        if steps[0] <= steps[1]:
-            steps[0] = min(most, (1.0 + GROWTH) * steps[0])
-            left.append(left[-1] + steps[0])
-        else:
-            steps[1] = min(most, (1.0 + GROWTH) * steps[1])
-            right.append(right[-1] - steps[1])
+        side = 0 if steps[0] <= steps[1] else 1
+        steps[side] = min(most, (1.0 + GROWTH) * steps[side])
+        (left, right)[side].append((left[-1] + steps[0], right[-1] - steps[1])[side])
     return np.array([*left, *right[::-1]])
 
 
@@ -87,8 +77,7 @@ def meshed(loops: list[np.ndarray]) -> MeshTri:
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        geo = gmsh.model.geo
-        curves = []
+        geo, curves = gmsh.model.geo, []
         for loop in loops:
             sizes = 0.5 * np.hypot(*(np.roll(loop, -1, axis=0) - np.roll(loop, 1, axis=0)).T)
             points = [geo.addPoint(x, y, 0.0, size) for (x, y), size in zip(loop, sizes, strict=True)]
@@ -111,26 +100,17 @@ COARSEST = 1.5  # largest mesh size, over depth / per_half_width
 FRONTAL_DELAUNAY = 6  # gmsh's algorithm with the best triangles
 
 
-@dataclass(frozen=True, kw_only=True)
 class Spot:
-    """Where a contact of about a half-width b presses: elements as long as b/per_half_width at its edge.
+    """Where a contact of about a half-width b, m, presses: elements as long as b/per_half_width at its edge.
 
     They grow in proportion to the distance, so a contact several times narrower or wider has as many elements at its
     own edge, about.
     """
 
-    half_width: float  # b, m
-    per_half_width: float
-
-    @property
-    def finest(self) -> float:
-        """Mesh size in the middle, m."""
-        return FINEST * self.half_width / self.per_half_width
-
-    @property
-    def growth(self) -> float:
-        """Growth of the mesh size per distance."""
-        return (1.0 - FINEST) / self.per_half_width
+    def __init__(self, *, half_width: float, per_half_width: float):
+        self.half_width, self.per_half_width = half_width, per_half_width
+        self.finest = FINEST * half_width / per_half_width  # mesh size in the middle, m
+        self.growth = (1.0 - FINEST) / per_half_width  # of the mesh size per distance
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -141,16 +121,14 @@ class Spot:
         return np.array([-x for x in along[:0:-1]] + along)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RefinedDisc:
+class RefinedDisc(NamedTuple):
     """A disc with spots at the angles 0 and π."""
 
     radius: float  # m
     spot: Spot
 
 
-@dataclass(frozen=True, kw_only=True)
-class RefinedSector:
+class RefinedSector(NamedTuple):
     """One of equal sectors of an annulus, from −π/sectors to π/sectors; its raceway has a spot at the angle 0.
 
     Nodes on its two straight sides lie at the same radii.
@@ -183,21 +161,14 @@ def refined_mesh(shape: RefinedDisc | RefinedSector) -> Mesh:
 
 
 def _draw_disc(model, disc: RefinedDisc) -> None:
-    centre = model.geo.addPoint(0.0, 0.0, 0.0)
-    right, right_ends = _spot(model, disc.spot, disc.radius, 0.0)
-    left, left_ends = _spot(model, disc.spot, disc.radius, pi)
-    loop = [
-        *right,
-        model.geo.addCircleArc(right_ends[1], centre, left_ends[0]),
-        *left,
-        model.geo.addCircleArc(left_ends[1], centre, right_ends[0]),
-    ]
+    centre, arc = model.geo.addPoint(0.0, 0.0, 0.0), model.geo.addCircleArc
+    (right, (a, b)), (left, (c, d)) = (_spot(model, disc.spot, disc.radius, angle) for angle in (0.0, pi))
+    loop = [*right, arc(b, centre, c), *left, arc(d, centre, a)]
     _fill(model, loop, disc.spot, [(disc.radius, 0.0), (-disc.radius, 0.0)], disc.radius)
 
 
 def _draw_sector(model, ring: RefinedSector) -> None:
-    centre = model.geo.addPoint(0.0, 0.0, 0.0)
-    half = pi / ring.sectors
+    centre, arc, half = model.geo.addPoint(0.0, 0.0, 0.0), model.geo.addCircleArc, pi / ring.sectors
     spot, ends = _spot(model, ring.spot, ring.raceway_radius, 0.0)
     if asin(ring.spot.corners[-1] / ring.raceway_radius) >= half:
         raise ValueError(f"spots {2.0 * ring.spot.corners[-1]:.2g} m wide overlap on a ring of {ring.sectors} sectors")
@@ -205,19 +176,13 @@ def _draw_sector(model, ring: RefinedSector) -> None:
     held = [_point(model, ring.held_radius, angle) for angle in (-half, 0.0, half)]
     sides = [model.geo.addLine(held[0], raceway[0]), model.geo.addLine(held[2], raceway[1])]
     loop = [
-        sides[0],
-        model.geo.addCircleArc(raceway[0], centre, ends[0]),
-        *spot,
-        model.geo.addCircleArc(ends[1], centre, raceway[1]),
-        -sides[1],
-        model.geo.addCircleArc(held[2], centre, held[1]),
-        model.geo.addCircleArc(held[1], centre, held[0]),
-    ]
+        sides[0], arc(raceway[0], centre, ends[0]), *spot, arc(ends[1], centre, raceway[1]), -sides[1],
+        arc(held[2], centre, held[1]), arc(held[1], centre, held[0]),
+    ]  # fmt: skip
     model.geo.synchronize()
     c, s = cos(2.0 * half), sin(2.0 * half)
     model.mesh.setPeriodic(1, [sides[1]], [sides[0]], [c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
-    depth = abs(ring.raceway_radius - ring.held_radius)
-    _fill(model, loop, ring.spot, [(ring.raceway_radius, 0.0)], depth)
+    _fill(model, loop, ring.spot, [(ring.raceway_radius, 0.0)], abs(ring.raceway_radius - ring.held_radius))
 
 
 def _point(model, radius: float, angle: float) -> int:
@@ -237,15 +202,14 @@ def _fill(model, loop: list[int], spot: Spot, middles: list[tuple[float, float]]
     """One surface within a loop of curves; its mesh size grows with the distance from the spots."""
     model.geo.addPlaneSurface([model.geo.addCurveLoop(loop)])
     model.geo.synchronize()
-    largest = COARSEST * depth / spot.per_half_width
     sizes = [f"{spot.finest!r}+{spot.growth!r}*sqrt((x-({x!r}))^2+(y-({y!r}))^2)" for x, y in middles]
-    fields = []
-    for size in (*sizes, repr(largest)):
-        fields.append(model.mesh.field.add("MathEval"))
-        model.mesh.field.setString(fields[-1], "F", size)
-    smallest = model.mesh.field.add("Min")
-    model.mesh.field.setNumbers(smallest, "FieldsList", fields)
-    model.mesh.field.setAsBackgroundMesh(smallest)
+    field, fields = model.mesh.field, []
+    for size in (*sizes, repr(COARSEST * depth / spot.per_half_width)):
+        fields.append(field.add("MathEval"))
+        field.setString(fields[-1], "F", size)
+    smallest = field.add("Min")
+    field.setNumbers(smallest, "FieldsList", fields)
+    field.setAsBackgroundMesh(smallest)
 
 
 # ---- Compliance of discs and rings between the nodes of their contacts, from quadratic elements on refined meshes.
@@ -259,10 +223,8 @@ SAME = 1e-6  # of a radius: nodes this close to a circle or a side lie on it
 
 def contact_nodes(spot: Spot) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of one contact along the tangent, (m,), m, and the length each stands for, (m,), m, by Simpson's rule."""
-    along = np.empty(2 * len(spot.corners) - 1)
-    along[::2] = spot.corners
-    along[1::2] = 0.5 * (spot.corners[:-1] + spot.corners[1:])
-    length = np.zeros(along.size)
+    along, length = np.zeros((2, 2 * len(spot.corners) - 1))
+    along[::2], along[1::2] = spot.corners, 0.5 * (spot.corners[:-1] + spot.corners[1:])
     edges = np.diff(spot.corners)
     length[1::2] = edges * (4.0 / 6.0)
     length[:-1:2] += edges / 6.0
@@ -277,10 +239,11 @@ def disc_spot_compliance(disc: RefinedDisc, material: Material, thickness: float
     Either spot counts its nodes counter-clockwise.
     """
     basis = _basis(refined_mesh(disc), (disc.radius,))
-    stiffness = thickness * _stiffness(basis, material)
-    mass = BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis)
-    modes = _rigid_modes(basis)
-    weighted = mass @ modes
+    stiffness, (dofs, (x, y)) = thickness * plane_strain_stiffness(basis, material), _nodes(basis)
+    modes = np.zeros((basis.N, 3))  # two translations and the rotation about the origin
+    modes[dofs[0], 0] = modes[dofs[1], 1] = 1.0
+    modes[dofs[0], 2], modes[dofs[1], 2] = -y, x
+    weighted = BilinearForm(lambda u, v, _: dot(u, v)).assemble(basis) @ modes
     pushed = [_spot_nodes(basis, disc.radius, angle, disc.spot) for angle in (0.0, np.pi)]
     force = np.zeros((basis.N, pushed[0].size))
     force[pushed[0], np.arange(pushed[0].size)] = -1.0
@@ -299,19 +262,16 @@ def ring_spot_compliance(ring: RefinedSector, material: Material, thickness: flo
     one sector whose sides are tied by u₊ = exp(2πi·h/n) R(2π/n) u₋ (Thomas, J. Sound Vib. 66, 585, 1979).
     """
     basis = _basis(refined_mesh(ring), (ring.raceway_radius, ring.held_radius))
-    stiffness = thickness * _stiffness(basis, material)
-    free, tied = _ties(basis, ring)
+    stiffness, (free, tied) = thickness * plane_strain_stiffness(basis, material), _ties(basis, ring)
     pushed = _spot_nodes(basis, ring.raceway_radius, 0.0, ring.spot)
-    force = np.zeros((basis.N, pushed.size))
+    force, found = np.zeros((basis.N, pushed.size)), []
     force[pushed, np.arange(pushed.size)] = 1.0
     force = free.T @ force  # no spot touches a side
-    own = free.T @ stiffness @ free + tied.T @ stiffness @ tied
-    across = free.T @ stiffness @ tied
-    found = []
+    own, across = free.T @ stiffness @ free + tied.T @ stiffness @ tied, free.T @ stiffness @ tied
     for harmonic in range(ring.sectors // 2 + 1):
         phase = np.exp(2j * np.pi * harmonic / ring.sectors)
-        matrix = own + phase * across + np.conj(phase) * across.T
-        factor = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=HERMITIAN)
+        matrix = (own + phase * across + np.conj(phase) * across.T).tocsc()
+        factor = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=HERMITIAN)
         found.append(force.T @ factor.solve(force.astype(complex)))
     return np.fft.irfft(np.array(found), n=ring.sectors, axis=0)
 
@@ -319,35 +279,19 @@ def ring_spot_compliance(ring: RefinedSector, material: Material, thickness: flo
 def _basis(mesh, circles: tuple[float, ...]) -> Basis:
     """Quadratic elements; the middles of edges between corners on a circle lie on it."""
     straight = MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.cells.T))
-    curved = MeshTri2.from_mesh(straight)
-    edges = straight.boundary_facets()
+    curved, edges = MeshTri2.from_mesh(straight), straight.boundary_facets()
     radius = np.hypot(*straight.p[:, straight.facets[:, edges]])
-    middles = curved.dofs.facet_dofs[0, edges]
-    points = curved.doflocs.copy()
+    middles, points = curved.dofs.facet_dofs[0, edges], curved.doflocs.copy()
     for circle in circles:
         on = middles[np.all(np.abs(radius - circle) < SAME * circle, axis=0)]
         points[:, on] *= circle / np.hypot(*points[:, on])
     return Basis(replace(curved, doflocs=points), ElementVector(ElementTriP2()), intorder=QUADRATURE)
 
 
-def _stiffness(basis: Basis, material: Material) -> sparse.csr_matrix:
-    """Plane strain, of unit thickness, Pa."""
-    return linear_elasticity(material.lame_lambda, material.lame_mu).assemble(basis).tocsr()
-
-
 def _nodes(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
     """Degrees of freedom of every node, corners then middles of edges, (2, n_nodes), and where they are."""
     dofs = np.concatenate([basis.nodal_dofs, basis.facet_dofs], axis=1)
     return dofs, basis.doflocs[:, dofs[0]]
-
-
-def _rigid_modes(basis: Basis) -> np.ndarray:
-    """Two translations and the rotation about the origin, (N, 3)."""
-    (x_dofs, y_dofs), (x, y) = _nodes(basis)
-    modes = np.zeros((basis.N, 3))
-    modes[x_dofs, 0] = modes[y_dofs, 1] = 1.0
-    modes[x_dofs, 2], modes[y_dofs, 2] = -y, x
-    return modes
 
 
 def _spot_nodes(basis: Basis, radius: float, angle: float, spot: Spot) -> np.ndarray:
@@ -368,14 +312,15 @@ def _ties(basis: Basis, ring: RefinedSector) -> tuple[sparse.csr_matrix, sparse.
     first, second = (side[np.argsort(radius[side])] for side in sides)
     if first.size != second.size or not np.allclose(radius[first], radius[second], rtol=SAME):
         raise RuntimeError("the nodes on the two sides of a sector differ")
-    unknown = np.ones(x.size, dtype=bool)
-    unknown[held] = unknown[second] = False
+    unknown = ~held
+    unknown[second] = False
     columns = dofs[:, unknown].T.ravel()
     free = sparse.csr_matrix((np.ones(columns.size), (columns, np.arange(columns.size))), (basis.N, columns.size))
     c, s = np.cos(2.0 * half), np.sin(2.0 * half)
     turned = sparse.csr_matrix((basis.N, basis.N), dtype=float).tolil()
-    turned[dofs[0, second], dofs[0, first]], turned[dofs[0, second], dofs[1, first]] = c, -s
-    turned[dofs[1, second], dofs[0, first]], turned[dofs[1, second], dofs[1, first]] = s, c
+    for i, turn in enumerate(((c, -s), (s, c))):
+        for j in range(2):
+            turned[dofs[i, second], dofs[j, first]] = turn[j]
     return free, turned.tocsr() @ free
 
 
@@ -386,8 +331,7 @@ def _ties(basis: Basis, ring: RefinedSector) -> tuple[sparse.csr_matrix, sparse.
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)
 
 
-@dataclass(frozen=True, kw_only=True)
-class QuadraticStatics:
+class QuadraticStatics(NamedTuple):
     """A bearing at rest: hub position, m, contact forces, N, and pressures."""
 
     hub: np.ndarray  # (2,)
@@ -419,61 +363,51 @@ def quadratic_statics(
         raise ValueError(f"radial load {radial_load:g} N: the mesh is made for the contacts of a load > 0")
     if bearing.faults:
         raise ValueError("bearing.faults: the contacts of these meshes lie on perfect circles; leave the faults out")
-    n = bearing.n_rollers
-    angle = roller_angles(bearing, first_roller_angle)
+    n, angle = bearing.n_rollers, roller_angles(bearing, first_roller_angle)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     half_width = contact_pairs(bearing)[0].half_width(STRIBECK * radial_load / n)  # it only scales the mesh
     spot = Spot(half_width=half_width, per_half_width=per_half_width)
     along, length = contact_nodes(spot)
-    area = length * bearing.roller_length
+    # how far circles fall apart beside the line of centres, m
+    roller, inner, outer = (along**2 / (R + np.sqrt(R**2 - along**2)) for R in (
+        bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius))  # fmt: skip
     points = PressurePoints(
-        contact=np.repeat(np.arange(2 * n), along.size),
-        closing=-np.concatenate([np.tile(fall, n) for fall in _falls(bearing, along)]),
-        compliance=_compliance(bearing, spot),
-    )
-    start = _start(
-        bearing, radial, points, area * np.sqrt(np.maximum(0.0, 1.0 - (along / half_width) ** 2)), radial_load
-    )
+        contact=np.repeat(np.arange(2 * n), along.size), compliance=_compliance(bearing, half_width, per_half_width),
+        closing=-np.concatenate([np.tile(fall, n) for fall in (roller + inner, roller - outer)]),
+    )  # fmt: skip
+    # where to begin: in equilibrium under pressures of one shape everywhere
+    area = length * bearing.roller_length
+    shape = area * np.sqrt(np.maximum(0.0, 1.0 - (along / half_width) ** 2))
+    weights, law = np.kron(np.eye(2 * n), shape[:, None] / shape.sum()), NoLaw()
+    contacts = Condensed(
+        bearing=bearing, radial=radial, inner_law=law, outer_law=law,
+        compliance=weights.T @ points.compliance @ weights, closing=weights.T @ points.closing,
+    )  # fmt: skip
+    start = balance(contacts, Loads(radial_load), first_guess(bearing, radial, radial_load))[0]
     place, force = balance_pressures(bearing, radial, points, Loads(radial_load), start)
     overlap, _ = geometry(bearing, radial, place)
     pressed = force.reshape(2, n, -1)
     if (pressed[..., [0, -1]] > 0.0).any():
         raise NotFound(f"contacts are wider than the {along[-1]:.2g} m that the mesh resolves to either side")
+    (inner_force, outer_force), (inner_pressure, outer_pressure) = pressed.sum(axis=2), pressed / area
+    gap = (points.compliance @ force - overlap[points.contact] - points.closing).reshape(pressed.shape)
     return QuadraticStatics(
-        hub=place[:2],
-        rho=place[2:],
-        inner_force=pressed[0].sum(axis=1),
-        outer_force=pressed[1].sum(axis=1),
-        across=along,
-        inner_pressure=pressed[0] / area,
-        outer_pressure=pressed[1] / area,
-        gap=(points.compliance @ force - overlap[points.contact] - points.closing).reshape(pressed.shape),
-    )
-
-
-def _falls(bearing: Bearing, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far inner and outer circles fall apart beside the line of centres, m."""
-
-    def depth(radius):
-        return along**2 / (radius + np.sqrt(radius**2 - along**2))
-
-    roller = depth(bearing.roller_radius)
-    return roller + depth(bearing.inner_raceway_radius), roller - depth(bearing.outer_raceway_radius)
+        hub=place[:2], rho=place[2:], inner_force=inner_force, outer_force=outer_force, across=along,
+        inner_pressure=inner_pressure, outer_pressure=outer_pressure, gap=gap,
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=1)  # wherever the rollers stand
-def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
+def _compliance(bearing: Bearing, half_width: float, per_half_width: float) -> np.ndarray:
     """Between the nodes of all contacts, inner ones first, (2 n m, 2 n m), m/N."""
+    spot = Spot(half_width=half_width, per_half_width=per_half_width)
     n, m, length = bearing.n_rollers, contact_nodes(spot)[0].size, bearing.roller_length
-    found = np.zeros((2, n, m, 2, n, m))
+    found, j = np.zeros((2, n, m, 2, n, m)), np.arange(n)
     for kind, (raceway, held, material, _) in enumerate(ring_sections(bearing)):
-        ring = ring_spot_compliance(
-            RefinedSector(raceway_radius=raceway, held_radius=held, sectors=n, spot=spot), material, length
-        )
-        for j in range(n):
-            found[kind, np.arange(n), :, kind, j] = ring[(np.arange(n) - j) % n]
-    own, other = disc_spot_compliance(RefinedDisc(radius=bearing.roller_radius, spot=spot), bearing.roller, length)
-    j = np.arange(n)
+        ring = ring_spot_compliance(RefinedSector(raceway, held, n, spot), material, length)
+        for k in range(n):
+            found[kind, j, :, kind, k] = ring[(j - k) % n]
+    own, other = disc_spot_compliance(RefinedDisc(bearing.roller_radius, spot), bearing.roller, length)
     # the roller counts its nodes as the outer raceway does, and against the inner one
     found[1, j, :, 1, j] += own
     found[0, j, :, 0, j] += own[::-1, ::-1]
@@ -481,18 +415,3 @@ def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
     found[0, j, :, 1, j] += other[::-1]
     found.flags.writeable = False
     return found.reshape(2 * n * m, 2 * n * m)
-
-
-def _start(bearing: Bearing, radial, points: PressurePoints, shape: np.ndarray, load: float) -> np.ndarray:
-    """Hub and radii in equilibrium under pressures of one shape everywhere, (n_rollers + 2,): where to begin."""
-    n = bearing.n_rollers
-    weights = np.kron(np.eye(2 * n), shape[:, None] / shape.sum())
-    contacts = Condensed(
-        bearing=bearing,
-        radial=radial,
-        inner_law=NoLaw(),
-        outer_law=NoLaw(),
-        compliance=weights.T @ points.compliance @ weights,
-        closing=weights.T @ points.closing,
-    )
-    return balance(contacts, Loads(load), first_guess(bearing, radial, load))[0]

@@ -18,33 +18,23 @@ class RecordedDisk:
     """
 
     def __init__(self, monkeypatch, fail_at: int | None = None):
-        self.calls = 0
+        self.calls, self._fail_at = 0, fail_at
         self._log: list[tuple] = []  # ("write", file, place, bytes), ("sync",), ("move", file, path, content)
-        self._fail_at = fail_at
-        self._write, self._move, self._sync = fem.result.store.write_at, fem.result.store.move_into_place, os.fsync
-        monkeypatch.setattr("fem.result.store.write_at", self._watched_write)
-        monkeypatch.setattr("fem.result.store.move_into_place", self._watched_move)
-        monkeypatch.setattr("os.fsync", self._watched_sync)
+        for name, told in (
+            ("fem.result.store.write_at", lambda handle, data, at: ("write", os.fstat(handle).st_ino, at, bytes(data))),
+            ("fem.result.store.move_into_place", lambda a, b: ("move", os.stat(a).st_ino, str(b), a.read_bytes())),
+            ("os.fsync", lambda handle: ("sync",)),
+        ):
+            module, _, function = name.rpartition(".")
+            real = getattr(os if module == "os" else fem.result.store, function)
+            monkeypatch.setattr(name, lambda *given, real=real, told=told: self._watched(real, told, given))
 
-    def _attempt(self) -> None:
+    def _watched(self, real, told, given) -> None:
         if self._fail_at is not None and self.calls >= self._fail_at:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self.calls += 1
-
-    def _watched_write(self, handle, data, place) -> None:
-        self._attempt()
-        self._log.append(("write", os.fstat(handle).st_ino, place, bytes(data)))
-        self._write(handle, data, place)
-
-    def _watched_sync(self, handle) -> None:
-        self._attempt()
-        self._log.append(("sync",))
-        self._sync(handle)
-
-    def _watched_move(self, old, new) -> None:
-        self._attempt()
-        self._log.append(("move", os.stat(old).st_ino, str(new), old.read_bytes()))
-        self._move(old, new)
+        self._log.append(told(*given))
+        real(*given)
 
     def after_kills(self, path):
         """The content of a file after each write, which a killed process leaves."""

@@ -68,19 +68,13 @@ def _half_disc(radius, half_widths) -> MeshTri:
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        geo = gmsh.model.geo
-        centre = geo.addPoint(0.0, 0.0, 0.0)
-        ends = [geo.addPoint(0.0, sign * radius, 0.0) for sign in (-1.0, 1.0)]
-        side = geo.addPoint(radius, 0.0, 0.0)
-        lines = [
-            geo.addCircleArc(ends[0], centre, side), geo.addCircleArc(side, centre, ends[1]),
-            geo.addLine(ends[1], centre), geo.addLine(centre, ends[0]),
-        ]  # fmt: skip
-        geo.addPlaneSurface([geo.addCurveLoop(lines)])
+        geo, field = gmsh.model.geo, gmsh.model.mesh.field
+        centre, low, high, side = (geo.addPoint(x, y, 0.0) for x, y in ((0, 0), (0, -radius), (0, radius), (radius, 0)))
+        arcs = geo.addCircleArc(low, centre, side), geo.addCircleArc(side, centre, high)
+        geo.addPlaneSurface([geo.addCurveLoop([*arcs, geo.addLine(high, centre), geo.addLine(centre, low)])])
         geo.synchronize()
-        field = gmsh.model.mesh.field
         sizes = []
-        for end, b in zip(ends, half_widths, strict=True):
+        for end, b in zip((low, high), half_widths, strict=True):
             distance = field.add("Distance")
             field.setNumbers(distance, "PointsList", [end])
             sizes.append(field.add("MathEval"))
@@ -117,8 +111,7 @@ class Fineness:
 FINE = Fineness()
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Surface:
+class Surface(NamedTuple):
     """Contact nodes of a body in order along its surface."""
 
     body: Body
@@ -134,9 +127,8 @@ def surface(of: Body, near: float, profile) -> Surface:
     node = node[np.argsort(away[node])]
     angle = away[node] + near
     radius = profile(away[node])
-    return Surface(
-        body=of, position=np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1), node=node, angle=angle
-    )
+    position = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    return Surface(body=of, position=position, node=node, angle=angle)
 
 
 def on_circle(radius: float, angle: np.ndarray) -> np.ndarray:
@@ -206,13 +198,9 @@ def outer_body(bearing: Bearing, spall: Spall | None, half: float, fine: Finenes
         return np.hypot(*x) > outside * np.cos(0.51 * fine.far / outside) - 1e-9
 
     return body(
-        meshed([on_circle(outside, lateral), rim]),
-        bearing.outer_ring,
-        bearing.roller_length,
-        fine.cutoff,
-        touched,
+        meshed([on_circle(outside, lateral), rim]), bearing.outer_ring, bearing.roller_length, fine.cutoff, touched,
         held,
-    )
+    )  # fmt: skip
 
 
 def _spalled_rim(R: float, spall: Spall, opening: float, half: float, fine: Fineness, hollow: bool) -> np.ndarray:
@@ -250,8 +238,7 @@ NEAR = 0.5e-6  # m, of gaps looked at in a step: bodies at 1 m/s come nearer by 
 ROOM = 0.1e-3  # m, of fine mesh beyond where contacts' middles get
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Crossing:
+class Crossing(NamedTuple):
     """A roller between two rings, as they lie at the start."""
 
     roller: Body
@@ -286,16 +273,11 @@ def crossing(
     direction = DOWN - ahead / R
     along = np.array([np.cos(direction), np.sin(direction)])
     return Crossing(
-        roller=roller,
-        lower=surface(roller, DOWN, lambda away: np.full_like(away, r)),
-        upper=surface(roller, -DOWN, lambda away: np.full_like(away, r)),
-        outer=surface(outer, DOWN, profile),
-        inner=surface(inner, DOWN, lambda away: np.full_like(away, Ri)),
-        radius=r,
-        hub=np.asarray(hub, dtype=float),
-        start=0.5 * (R + float(along @ hub) + Ri) * along,
-        swing=swing,
-    )
+        roller=roller, lower=surface(roller, DOWN, lambda away: np.full_like(away, r)),
+        upper=surface(roller, -DOWN, lambda away: np.full_like(away, r)), outer=surface(outer, DOWN, profile),
+        inner=surface(inner, DOWN, lambda away: np.full_like(away, Ri)), radius=r, hub=np.asarray(hub, dtype=float),
+        start=0.5 * (R + float(along @ hub) + Ri) * along, swing=swing,
+    )  # fmt: skip
 
 
 class Gaps(NamedTuple):
@@ -329,12 +311,10 @@ def gaps(ring: Surface, moved: np.ndarray, roller: Surface, strained: np.ndarray
     on_roller = (2 * pair[k, :, None] + axes).ravel()
     weights = -(share[k, :, None] * normal[k, None, :]).ravel()
     return Gaps(
-        node=k,
-        gap=gap[k],
-        normal=normal[k],
+        node=k, gap=gap[k], normal=normal[k],
         by_roller=sparse.csr_matrix((weights, on_roller, 2 * starts), (k.size, strained.size)),
         by_ring=sparse.csr_matrix((normal[k].ravel(), on_ring, starts), (k.size, 2 * len(ring.body.points))),
-    )
+    )  # fmt: skip
 
 
 class Run:

@@ -3,9 +3,7 @@
 Rings, shaft and housing are tubes in plane stress (Lamé); what widens the inner raceway, or narrows the outer one,
 takes clearance. Steps follow one another: fits at 20 °C and at rest, then temperatures, then spin. Each step changes
 the interferences, so that the growth of a raceway by its fit is computed anew, and a fit that has opened presses no
-more.
-
-Equation (1) of docs/clearance.md.
+more. Equation (1) of docs/clearance.md.
 """
 
 from dataclasses import dataclass, replace

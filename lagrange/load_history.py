@@ -1,11 +1,10 @@
 """Speed and load that change while a bearing runs: smooth functions of time, from tables and ramps.
 
 A table's points are joined by polynomials of fifth degree with the slopes of PCHIP and no curvature at the points. That
-is twice continuously differentiable, so that forces never jump in their rate; and
-between two points nothing lies beyond them: slopes are at most 1.25 times those of the straight lines on either side,
-with which the polynomial's Bernstein coefficients rise (or fall) from one point to the next. A cubic spline, as smooth,
-would overshoot; PCHIP alone has jumps of curvature. Points may also be joined by straight lines, or hold until the next
-one: then forces jump in their rate, or themselves.
+is twice continuously differentiable, so that forces never jump in their rate; and between two points nothing lies
+beyond them: slopes are at most 1.25 times those of the straight lines on either side, with which the polynomial's
+Bernstein coefficients rise (or fall) from one point to the next. A cubic spline, as smooth, would overshoot; PCHIP
+alone has jumps of curvature. By straight lines, or steps, forces jump in their rate, or themselves.
 """
 
 from dataclasses import dataclass

@@ -1,10 +1,8 @@
 """Rollers along their axis: profiles, and the forces of slices by their approaches, each by the plane law.
 
 A slice of n carries the n-th part of what the plane law gives the whole length. Coupled, it yields to the others too:
-d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric.
-
-A contact's table is made of the energy of its slices at every knot. Result files hold
-the slices of elastic bodies, from which pressures along rollers follow by forces and moments.
+d = δ_law(n F) + Σ C F, F ≥ 0, C symmetric. A contact's table is made of the energy of its slices at every knot. Result
+files hold the slices of elastic bodies, from which pressures along rollers follow by forces and moments.
 """
 
 from dataclasses import dataclass, replace

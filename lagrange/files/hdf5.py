@@ -5,8 +5,7 @@ learns of a failure: the first one is kept, nothing more is written, and it is r
 Variables with dimension scales, a unit and a meaning make such a file valid NetCDF-4.
 
 A file that is read may be damaged or foreign. `read_numbers` takes nothing but plain arrays of the file at hand: no
-links into other files, no filters that the library would load code for, no chunks or shapes far beyond the data there
-are. Solver and checker both read result files and don't know each other.
+links into other files, no filters that the library would load code for, no chunks or shapes far beyond the data.
 """
 
 import io

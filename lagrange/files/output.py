@@ -1,11 +1,9 @@
 """Files that commands write: whole or not at all, in no foreign file's place, through no foreign link or pipe; pages.
 
-Stands on the ground floor, as `input` does: solver, checker and studies write by `replaced`. A file is made
-under a drawn name of this program's own beside its place, and then moved there. No name is foreseeable, so nothing can
-have been laid in its way; `remove_left` takes away what killed processes have left under such names. Meshes, assembled
-matrices and compiled kernels are sealed by a digest: a file that is cut, zeroed or has a flipped bit is known.
-
-Pages and figures: libraries loaded undisturbed by settings around them, and what the commands' pages share.
+A file is made under a drawn name of this program's own beside its place, and then moved there (`replaced`). No name is
+foreseeable, so nothing can have been laid in its way; `remove_left` takes away what killed processes have left under
+such names. Meshes, assembled matrices and compiled kernels are sealed by a digest: a file that is cut, zeroed or has a
+flipped bit is known. Pages and figures: libraries loaded undisturbed by settings, and what the commands' pages share.
 """
 
 import errno

@@ -1,11 +1,9 @@
-"""Tables of numbers in text: delimiter, header, columns by name, rows at fault in a sentence; the one reader of them.
+"""The one reader of tables of numbers in text: columns by name, rows at fault in a sentence; all sizes are limited.
 
 `TextTable.sniffed` is for records: it finds the first row of numbers, the delimiter, the decimal sign, names and units.
 `TextTable.named` is for tables whose columns are asked for by name: the first line is the header and has the delimiter
 (comma, tab, semicolon or blanks), # begins a comment, and the decimal sign is a key of whoever names the file, since
 1,5 and 1.500 are not the same number everywhere. Numbers have ASCII digits and no marks of thousands.
-
-Time and memory grow with the size of the text, which is limited, as are its lines, columns and numbers.
 """
 
 # fmt: off

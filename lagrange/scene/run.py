@@ -180,9 +180,8 @@ OF_KINDS: dict[str, dict[str, Any]] = {  # keys that each kind needs, with their
 class SupportTable(Table):
     """Support of the outer ring.
 
-    The defaults of a housing are those of a pedestal.
-
-    Source: Sawalhi and Randall, Simulating gear and bearing interactions in the presence of faults, part I (2008).
+    Source of a housing's defaults, a pedestal's: Sawalhi and Randall, Simulating gear and bearing interactions in the
+    presence of faults, part I (2008).
     """
 
     kind: Literal["held", "points", "housing", "bore"] = key("held", "held: by rigid ground all around; points: on "

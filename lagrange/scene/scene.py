@@ -1,7 +1,4 @@
-"""The scene file: TOML in the bearing engineer's units, validated, given out as SI objects.
-
-It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
-"""
+"""The scene file: TOML in the bearing engineer's units, validated, given out as SI objects to solver and checker."""
 
 # fmt: off
 from collections.abc import Iterable, Iterator, Mapping
@@ -168,8 +165,7 @@ class Scene(Table):
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
-        Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
-        of tables are there where they are not empty.
+        Defaults are spelt out, but for [damping] and [table] that hold nothing else; empty arrays are left out.
         """
         tables = self._tables()
         empty = {name for name in SURFACES if not tables[name]}

@@ -91,10 +91,7 @@ class UnequalRollerTable(Table):
 
 
 class ProfileTable(SurfaceTable):
-    """Measured heights around a surface.
-
-    `content` is the file's text, which whoever reads the scene puts in.
-    """
+    """Measured heights around a surface."""
 
     file: FileName = key(..., "CSV file next to the scene with the columns angle_deg, height_um")
     sha256: Digest = None

@@ -61,14 +61,14 @@ class GuidingRing(NamedTuple):
 
 
 class CageContacts(NamedTuple):
-    """Contacts of a cage: in its pockets, or with its guide. Forces are those on the rollers, or on the cage by its
-    guide, along a contact's normal n and across it: there along (n_y, −n_x) of a roller, (−n_y, n_x) of the guide."""
+    """Contacts of a cage: in its pockets, or with its guide. Forces are those on the rollers, or on the guide, along a
+    contact's normal n and across it, along (n_y, −n_x)."""
 
     approach: state("n", np.nan)  # m, at the last kick; negative: apart, NaN: not known
     force: state("n")  # N, of the spring, >= 0
     kick: state("n")  # N, that the last kick gave: see `law.kick_force`
     residual: state("n")  # J, likewise
-    normal: state("2, n")  # unit, from the pocket to the roller's surface, or from the guide to the cage
+    normal: state("2, n")  # unit, from the pocket to the roller's surface, or from the cage to the guide
     arm: state("2, n")  # m, at which forces along and across turn the cage
     closed: state("n")  # 1 or 0
     rates: state("2, n")  # m/s, before the kick, along and across
@@ -147,25 +147,46 @@ def _is_apart(contacts, j, approach):
 
 
 @part
-def _pocket_rates(cage, riders, j):
-    """Of roller j: how fast it closes its contact, and its surface along the wall, m/s."""
-    pockets, velocity, over = cage.pockets, cage.motion[1], 1.0 / riders.mass
-    nx, ny = pockets.normal[0, j], pockets.normal[1, j]
-    x = riders.velocity[0, j] + over * riders.node_impulse[0, j] - velocity[0]
-    y = riders.velocity[1, j] + over * riders.node_impulse[1, j] - velocity[1]
-    along = x * nx + y * ny - velocity[2] * pockets.arm[0, j]
-    turning = (riders.spin[j] + riders.turn_kick[j]) * riders.radius
-    return along, x * ny - y * nx - turning - velocity[2] * pockets.arm[1, j]
+def _rates(pair, contacts, j, riders):
+    """How fast roller j closes its contact, and its surface along the wall, m/s; `riders` None: those of the guide.
+
+    The guide is as a roller with the radius of its circle, negative: it lies around its surface.
+    """
+    cage, ring, velocity, x, y, turning = pair.cage, pair.ring, pair.cage.motion[1], 0.0, 0.0, 0.0
+    if riders is not None:
+        over = 1.0 / riders.mass
+        x = riders.velocity[0, j] + over * riders.node_impulse[0, j]
+        y = riders.velocity[1, j] + over * riders.node_impulse[1, j]
+        turning = (riders.spin[j] + riders.turn_kick[j]) * riders.radius
+    elif ring is not None:
+        x, y, turning = ring.velocity[0], ring.velocity[1], -ring.speed[0] * cage.guide_radius
+    nx, ny, x, y = contacts.normal[0, j], contacts.normal[1, j], x - velocity[0], y - velocity[1]
+    along = x * nx + y * ny - velocity[2] * contacts.arm[0, j]
+    return along, x * ny - y * nx - turning - velocity[2] * contacts.arm[1, j]
 
 
 @part
-def _guide_rates(cage, ring):
-    """How fast the cage moves outward against its guide, and its surface along that's, m/s."""
-    x, y, turning = cage.motion[1, 0], cage.motion[1, 1], cage.motion[1, 2]
-    if ring is not None:
-        x, y, turning = x - ring.velocity[0], y - ring.velocity[1], turning - ring.speed[0]
-    nx, ny = cage.guide.normal[0, 0], cage.guide.normal[1, 0]
-    return x * nx + y * ny, y * nx - x * ny + turning * cage.guide_radius
+def _press(pair, contacts, j, riders, approach, dt):
+    """A spring's impulses at a contact with a normal and arms."""
+    cage, ring = pair.cage, pair.ring
+    contacts.rates[0, j], contacts.rates[1, j] = _rates(pair, contacts, j, riders)
+    given = -dt * _spring_kick(contacts, j, approach, cage.stiffness, dt)
+    for i in range(2):
+        if riders is not None:
+            riders.body_impulse[i, j] += given * contacts.normal[i, j]
+        elif ring is not None:
+            ring.impulse[i] += given * contacts.normal[i, j]
+        cage.impulse[i] -= given * contacts.normal[i, j]
+    cage.impulse[2] -= given * contacts.arm[0, j]
+
+
+@part
+def _end_works(pair, contacts, j, riders, dt):
+    """Works of the step behind, now that the velocities at its end are known."""
+    if contacts.kick[j] != 0.0:
+        rates = _rates(pair, contacts, j, riders)
+        contacts.closing[j] = rates[0]
+        _add_half_works(pair.cage, contacts, j, rates, dt)
 
 
 @part(inlined=False)
@@ -173,16 +194,10 @@ def meet(pair, speed, dt):
     """Begin a step: end the last one's works, find the contacts, give the springs' impulses; `speed` of the shaft."""
     cage, riders, ring = pair.cage, pair.riders, pair.ring
     pockets, guide, motion = cage.pockets, cage.guide, cage.motion
-    for j in range(riders.n):  # works of the step behind, now that the velocities at its end are known
-        if pockets.kick[j] != 0.0:
-            rates = _pocket_rates(cage, riders, j)
-            pockets.closing[j] = rates[0]
-            _add_half_works(cage, pockets, j, rates, dt)
+    for j in range(riders.n):
+        _end_works(pair, pockets, j, riders, dt)
     if guide is not None:
-        if guide.kick[0] != 0.0:
-            rates = _guide_rates(cage, ring)
-            guide.closing[0] = rates[0]
-            _add_half_works(cage, guide, 0, rates, dt)
+        _end_works(pair, guide, 0, None, dt)
     cage.lost[DRAG] -= 0.5 * cage.drag[0] * motion[1, 2]
     if ring is not None:
         if ring.turns:
@@ -190,34 +205,34 @@ def meet(pair, speed, dt):
     for i in range(3):
         motion[2, i] = motion[1, i]
         cage.impulse[i] = 0.0
-    _find_off(cage, riders)
-    for j in range(riders.n):
-        approach = cage.off[j] - cage.half_clearance
-        if not _is_apart(pockets, j, approach):
-            _meet_roller(cage, riders, j, approach, dt)
-    if guide is not None:
-        _meet_guide(cage, ring, dt)
-
-
-@part
-def _find_off(cage, riders):
-    """How far rollers are off their pockets' middles, m, eight at a time: most are there, which costs no more."""
-    c, s = cage.frame[0], cage.frame[1]
-    for group in range(0, riders.n, WIDTH):
+    c, s, middle_x, middle_y = cage.frame[0], cage.frame[1], motion[0, 0], motion[0, 1]
+    for group in range(0, riders.n, WIDTH):  # off their pockets' middles, m: most are there, and eight cost no more
         ex = c * load(cage.cosine, group) - s * load(cage.sine, group)
         ey = s * load(cage.cosine, group) + c * load(cage.sine, group)
         x, y = load_pair(riders.centre, group, riders.centre.shape[1])
-        x, y = x - cage.motion[0, 0], y - cage.motion[0, 1]
-        if cage.guide is None:
+        x, y = x - middle_x, y - middle_y
+        if guide is None:
             x, y = x - cage.pitch_radius * ex, y - cage.pitch_radius * ey
             store(cage.off, group, square_root(x * x + y * y))
         else:
             store(cage.off, group, absolute(y * ex - x * ey))
+    for j in range(riders.n):
+        approach = cage.off[j] - cage.half_clearance
+        if not _is_apart(pockets, j, approach):
+            _meet_roller(pair, riders, j, approach, dt)
+    if guide is not None:
+        out_x, out_y = middle_x, middle_y
+        if ring is not None:
+            out_x, out_y = out_x - ring.place[0], out_y - ring.place[1]
+        off = sqrt(out_x * out_x + out_y * out_y)
+        if not _is_apart(guide, 0, off - cage.play):
+            guide.normal[0, 0], guide.normal[1, 0], guide.arm[1, 0] = -out_x / off, -out_y / off, cage.guide_radius
+            _press(pair, guide, 0, None, off - cage.play, dt)
 
 
 @part
-def _meet_roller(cage, riders, j, approach, dt):
-    pockets, c, s = cage.pockets, cage.frame[0], cage.frame[1]
+def _meet_roller(pair, riders, j, approach, dt):
+    cage, pockets, c, s = pair.cage, pair.cage.pockets, pair.cage.frame[0], pair.cage.frame[1]
     x, y = riders.centre[0, j] - cage.motion[0, 0], riders.centre[1, j] - cage.motion[0, 1]
     ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
     if cage.guide is None:
@@ -228,105 +243,65 @@ def _meet_roller(cage, riders, j, approach, dt):
         nx, ny = -side * ey, side * ex
     pockets.normal[0, j], pockets.normal[1, j] = nx, ny
     pockets.arm[0, j], pockets.arm[1, j] = x * ny - y * nx, -(x * nx + y * ny) - riders.radius
-    pockets.rates[0, j], pockets.rates[1, j] = _pocket_rates(cage, riders, j)
-    given = -dt * _spring_kick(pockets, j, approach, cage.stiffness, dt)
-    riders.body_impulse[0, j] += given * nx
-    riders.body_impulse[1, j] += given * ny
-    cage.impulse[0] -= given * nx
-    cage.impulse[1] -= given * ny
-    cage.impulse[2] -= given * pockets.arm[0, j]
-
-
-@part
-def _meet_guide(cage, ring, dt):
-    guide, x, y = cage.guide, cage.motion[0, 0], cage.motion[0, 1]
-    if ring is not None:
-        x, y = x - ring.place[0], y - ring.place[1]
-    off = sqrt(x * x + y * y)
-    if _is_apart(guide, 0, off - cage.play):
-        return
-    guide.normal[0, 0], guide.normal[1, 0] = x / off, y / off
-    guide.rates[0, 0], guide.rates[1, 0] = _guide_rates(cage, ring)
-    given = -dt * _spring_kick(guide, 0, off - cage.play, cage.stiffness, dt)
-    for i in range(2):
-        cage.impulse[i] += given * guide.normal[i, 0]
-        if ring is not None:
-            ring.impulse[i] -= given * guide.normal[i, 0]
+    _press(pair, pockets, j, riders, approach, dt)
 
 
 @part(inlined=False)
 def rub(pair, dt):
     """End a kick: dashpots and friction, each solved for the velocity it leaves, in turn."""
-    cage, riders, ring = pair.cage, pair.riders, pair.ring
-    pockets, guide = cage.pockets, cage.guide
-    for j in range(riders.n):
-        if pockets.closed[j] != 0.0:
-            inertia = riders.inertia if riders.swelling is None else riders.inertia + riders.swelling[j]
-            light = 1.0 / riders.mass + 1.0 / cage.mass
-            mobility = light + pockets.arm[0, j] ** 2 / cage.inertia
-            damped = _dashpot(cage, _pocket_rates(cage, riders, j)[0], pockets.force[j], mobility * dt)
-            pockets.given[0, j] = -damped
-            _push_roller(cage, riders, j, inertia, -damped * dt, 0.0)
-            mobility = light + riders.radius**2 / inertia + pockets.arm[1, j] ** 2 / cage.inertia
-            slip, limit = _pocket_rates(cage, riders, j)[1], cage.friction * (pockets.force[j] + damped)
-            pockets.given[1, j] = -min(max(slip / (mobility * dt), -limit), limit)
-            _push_roller(cage, riders, j, inertia, 0.0, pockets.given[1, j] * dt)
-            _add_half_works(cage, pockets, j, (pockets.rates[0, j], pockets.rates[1, j]), dt)
+    guide, ring = pair.cage.guide, pair.ring
+    for j in range(pair.riders.n):
+        _rub(pair, pair.cage.pockets, j, pair.riders, dt)
     if guide is not None:
         if ring is not None:
             for i in range(3):
                 ring.rubbed[i] = 0.0
-        if guide.closed[0] != 0.0:
-            light = 1.0 / cage.mass
-            if ring is not None:
-                light += 1.0 / ring.mass
-            damped = _dashpot(cage, _guide_rates(cage, ring)[0], guide.force[0], light * dt)
-            guide.given[0, 0] = -damped
-            _push_by_guide(cage, ring, -damped * dt, 0.0)
-            slip, limit = _guide_rates(cage, ring)[1], cage.friction * (guide.force[0] + damped)
-            mobility = light + cage.guide_radius**2 / cage.inertia
-            guide.given[1, 0] = -min(max(slip / (mobility * dt), -limit), limit)
-            _push_by_guide(cage, ring, 0.0, guide.given[1, 0] * dt)
-            _add_half_works(cage, guide, 0, (guide.rates[0, 0], guide.rates[1, 0]), dt)
+        _rub(pair, guide, 0, None, dt)
 
 
 @part
-def _dashpot(cage, closing, force, mobility_dt):
-    """Force of a dashpot, N, that leaves closing − mobility·dt·force of a speed; with the spring's it never pulls."""
-    return max(cage.damping * closing / (1.0 + cage.damping * mobility_dt), -force)
+def _rub(pair, contacts, j, riders, dt):
+    """Dashpot and friction of a contact; with the spring's force the dashpot's never pulls."""
+    cage, ring, light, turning, inertia = pair.cage, pair.ring, 1.0 / pair.cage.mass, 0.0, 1.0
+    if contacts.closed[j] == 0.0:
+        return
+    if riders is not None:  # of a roller as it is: friction then gives it the angular momentum that the cage loses
+        inertia = riders.inertia if riders.swelling is None else riders.inertia + riders.swelling[j]
+        light, turning = 1.0 / riders.mass + light, riders.radius**2 / inertia
+    elif ring is not None:
+        light += 1.0 / ring.mass
+    mobility = (light + contacts.arm[0, j] ** 2 / cage.inertia) * dt
+    damped = cage.damping * _rates(pair, contacts, j, riders)[0] / (1.0 + cage.damping * mobility)
+    damped = max(damped, -contacts.force[j])
+    contacts.given[0, j] = -damped
+    _push(pair, contacts, j, riders, inertia, -damped * dt, 0.0)
+    mobility = light + turning + contacts.arm[1, j] ** 2 / cage.inertia
+    slip, limit = _rates(pair, contacts, j, riders)[1], cage.friction * (contacts.force[j] + damped)
+    contacts.given[1, j] = -min(max(slip / (mobility * dt), -limit), limit)
+    _push(pair, contacts, j, riders, inertia, 0.0, contacts.given[1, j] * dt)
+    _add_half_works(cage, contacts, j, (contacts.rates[0, j], contacts.rates[1, j]), dt)
 
 
 @part
-def _push_roller(cage, riders, j, inertia, given, rubbed):
-    """Impulses on roller j along its contact's normal and across it, N s, and against them on the cage.
-
-    `inertia` : kg m², of a roller as it is: friction then gives it the angular momentum that it takes from the cage
-    """
-    pockets, velocity = cage.pockets, cage.motion[1]
-    nx, ny = pockets.normal[0, j], pockets.normal[1, j]
+def _push(pair, contacts, j, riders, inertia, given, rubbed):
+    """Impulses on roller j, or on the guide, along its contact's normal and across it, N s, and against them on the
+    cage; `inertia` : kg m², of the roller."""
+    cage, ring, velocity = pair.cage, pair.ring, pair.cage.motion[1]
+    nx, ny = contacts.normal[0, j], contacts.normal[1, j]
     x, y = given * nx + rubbed * ny, given * ny - rubbed * nx
-    riders.velocity[0, j] += x / riders.mass
-    riders.velocity[1, j] += y / riders.mass
-    riders.turn_kick[j] -= rubbed * riders.radius / inertia
+    if riders is not None:
+        riders.velocity[0, j] += x / riders.mass
+        riders.velocity[1, j] += y / riders.mass
+        riders.turn_kick[j] -= rubbed * riders.radius / inertia
+    elif ring is not None:
+        ring.velocity[0] += x / ring.mass
+        ring.velocity[1] += y / ring.mass
+        ring.rubbed[0] += x
+        ring.rubbed[1] += y
+        ring.rubbed[2] += rubbed * cage.guide_radius
     velocity[0] -= x / cage.mass
     velocity[1] -= y / cage.mass
-    velocity[2] -= (given * pockets.arm[0, j] + rubbed * pockets.arm[1, j]) / cage.inertia
-
-
-@part
-def _push_by_guide(cage, ring, given, rubbed):
-    """Impulses on the cage along the guide's normal and across it, N s, and against them on the ring."""
-    nx, ny, velocity = cage.guide.normal[0, 0], cage.guide.normal[1, 0], cage.motion[1]
-    x, y = given * nx - rubbed * ny, given * ny + rubbed * nx
-    velocity[0] += x / cage.mass
-    velocity[1] += y / cage.mass
-    velocity[2] += rubbed * cage.guide_radius / cage.inertia
-    if ring is not None:
-        ring.velocity[0] -= x / ring.mass
-        ring.velocity[1] -= y / ring.mass
-        ring.rubbed[0] -= x
-        ring.rubbed[1] -= y
-        ring.rubbed[2] -= rubbed * cage.guide_radius
+    velocity[2] -= (given * contacts.arm[0, j] + rubbed * contacts.arm[1, j]) / cage.inertia
 
 
 @part
@@ -351,13 +326,12 @@ def drift_cage(cage, drive):
 
 
 @part
-def _force(contacts, j, sense):
-    """Of a contact on the roller (sense 1) or, by its guide, on the cage (−1), N, x and y."""
+def _force(contacts, j):
+    """Of a contact on the roller, or on the guide, N, x and y."""
     if contacts.closed[j] == 0.0:
         return 0.0, 0.0
-    nx, ny, rubbed = contacts.normal[0, j], contacts.normal[1, j], sense * contacts.given[1, j]
-    pushed = contacts.given[0, j] - contacts.force[j]
-    return pushed * nx + rubbed * ny, pushed * ny - rubbed * nx
+    nx, ny, pushed = contacts.normal[0, j], contacts.normal[1, j], contacts.given[0, j] - contacts.force[j]
+    return pushed * nx + contacts.given[1, j] * ny, pushed * ny - contacts.given[1, j] * nx
 
 
 @part
@@ -375,12 +349,13 @@ def write_cage(cage, drive, out):
     out[at + 3] = 0.5 * (before[2] + after[2])
     out[at + 4] = out[at + 5] = 0.0
     if guide is not None:
-        out[at + 4], out[at + 5] = _force(guide, 0, -1.0)
+        x, y = _force(guide, 0)
+        out[at + 4], out[at + 5] = -x, -y
     n, stored, at = pockets.force.size, 0.0, at + N_CAGE_SCALARS
     c, s = cage.frame[0], cage.frame[1]
     for j in range(n):
         ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
-        x, y = _force(pockets, j, 1.0)
+        x, y = _force(pockets, j)
         out[at + j] = y * ex - x * ey
         out[at + n + j] = x * ex + y * ey
         out[at + 2 * n + j] = -pockets.given[1, j] * cage.roller_radius

@@ -54,13 +54,34 @@ class LoadHistory(NamedTuple):
 
 @part
 def follow(drive, time):
-    """Look a time up, s, and how far rings turn in the step from there."""
+    """Look a time up, s, and how far rings turn in the step from there; force and rate are those of
+    `lagrange.load_history.LoadHistory.force`."""
     history = drive.history
     if history is not None:
         _follow_turn(history.now, history.turn_knots, history.turn, time, drive.dt)
         if history.outer is not None:
             _follow_turn(history.outer.now, history.outer.turn_knots, history.outer.turn, time, drive.dt)
-        _find_force(history, time)
+        now, c = history.now, history.load
+        k, t = _piece(history.load_knots, time)
+        speed, gain, heavy = now[SPEED], now[GAIN], now[TURN] + history.unbalance_angle
+        turned, at_speed = now[TURN], now[SPEED]  # of the ring with which a load turns
+        if history.outer is not None:
+            if history.outer.carries_load:
+                turned, at_speed = history.outer.now[TURN], history.outer.now[SPEED]
+        hc, hs, turning = cos(heavy), sin(heavy), turned + history.rotating_load_angle
+        rx, ry = history.rotating_load * cos(turning), history.rotating_load * sin(turning)
+        for axis in range(2):
+            force, rate = 0.0, 0.0
+            for n in range(c.shape[1] - 1, -1, -1):
+                rate = rate * t + force
+                force = force * t + c[k, n, axis]
+            now[FORCE_X + axis], now[RATE_X + axis] = force, rate
+        out, back = history.unbalance * speed * speed, history.unbalance * gain
+        now[FORCE_X] += out * hc + back * hs + rx
+        now[FORCE_Y] += out * hs - back * hc + ry
+        out, ahead = 3.0 * history.unbalance * speed * gain, history.unbalance * (speed * speed * speed - now[JERK])
+        now[RATE_X] += out * hc - ahead * hs - at_speed * ry
+        now[RATE_Y] += out * hs + ahead * hc + at_speed * rx
 
 
 @part
@@ -88,32 +109,6 @@ def _piece(knots, time):
     """
     k = min(max(np.searchsorted(knots, time, side="right") - 1, 0), knots.size - 2)
     return k, time - knots[k]
-
-
-@part
-def _find_force(history, time):
-    """`lagrange.load_history.LoadHistory.force` and its rate."""
-    now, c = history.now, history.load
-    k, t = _piece(history.load_knots, time)
-    speed, gain, heavy = now[SPEED], now[GAIN], now[TURN] + history.unbalance_angle
-    turned, at_speed = now[TURN], now[SPEED]  # of the ring with which a load turns
-    if history.outer is not None:
-        if history.outer.carries_load:
-            turned, at_speed = history.outer.now[TURN], history.outer.now[SPEED]
-    hc, hs, turning = cos(heavy), sin(heavy), turned + history.rotating_load_angle
-    rx, ry = history.rotating_load * cos(turning), history.rotating_load * sin(turning)
-    for axis in range(2):
-        force, rate = 0.0, 0.0
-        for n in range(c.shape[1] - 1, -1, -1):
-            rate = rate * t + force
-            force = force * t + c[k, n, axis]
-        now[FORCE_X + axis], now[RATE_X + axis] = force, rate
-    out, back = history.unbalance * speed * speed, history.unbalance * gain
-    now[FORCE_X] += out * hc + back * hs + rx
-    now[FORCE_Y] += out * hs - back * hc + ry
-    out, ahead = 3.0 * history.unbalance * speed * gain, history.unbalance * (speed * speed * speed - now[JERK])
-    now[RATE_X] += out * hc - ahead * hs - at_speed * ry
-    now[RATE_Y] += out * hs + ahead * hc + at_speed * rx
 
 
 @part

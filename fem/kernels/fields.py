@@ -50,13 +50,9 @@ def kind_of(group: tuple, name: str | int) -> str | None:
 def filled(kind: type, sizes: dict[str, int], **values: object) -> Any:
     """A named tuple with `values`, and arrays as declared where these lack one, which begin at cache lines.
 
-    Parameters
-    ----------
     sizes : of the shapes' names
 
-    Errors
-    ------
-    TypeError: a field that is no array has no value. NameError: a size is missing.
+    Errors: TypeError: a field that is no array has no value. NameError: a size is missing.
     """
     for name in kind._fields:
         field = _field(kind, name)
@@ -77,10 +73,5 @@ def at_line(values: np.ndarray) -> np.ndarray:
 
 def lined_up(group: Any) -> Any:
     """A named tuple, and those in it, with copies of its arrays that begin at cache lines."""
-    return type(group)(*(_entry(entry) for entry in group))
-
-
-def _entry(entry: Any) -> Any:
-    if isinstance(entry, np.ndarray):
-        return at_line(entry)
-    return lined_up(entry) if hasattr(entry, "_fields") else entry
+    copied = (at_line(entry) if isinstance(entry, np.ndarray) else entry for entry in group)
+    return type(group)(*(lined_up(entry) if hasattr(entry, "_fields") else entry for entry in copied))

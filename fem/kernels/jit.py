@@ -71,7 +71,9 @@ class KernelCache(_Cache):
         """Keep a compiled function, if that can be done."""
         if self._damaged:
             self._damaged = False
-            _notice(f"{self._folder}: compiled kernels there were damaged and have been compiled anew")
+            sentence = f"{self._folder}: compiled kernels there were damaged and have been compiled anew"
+            if sentence not in notices:
+                notices.append(sentence)
         if compiled.library.has_dynamic_globals:  # addresses of this process
             return
         key = self._key(signature, compiled.codegen)
@@ -101,11 +103,6 @@ class PartCache(KernelCache):
 
     _ending = ".part.nbc"  # a test may call a part as a kernel
     _reduced, _rebuilt = staticmethod(reduced), staticmethod(rebuilt)
-
-
-def _notice(sentence: str) -> None:
-    if sentence not in notices:
-        notices.append(sentence)
 
 
 @cache
@@ -191,8 +188,6 @@ def _calls(one, kinds: tuple, body, i: int, names: str) -> str:
     is_group = isinstance(body, BaseTuple) and not isinstance(body, BaseNamedTuple)
     if kinds and (body.dtype if is_group else body).instance_class not in kinds:
         return ""
-    return (
-        f"    for pair in bodies[{i}]:\n        one(pair, {names})\n"
-        if is_group
-        else f"    one(bodies[{i}], {names})\n"
-    )
+    if is_group:
+        return f"    for pair in bodies[{i}]:\n        one(pair, {names})\n"
+    return f"    one(bodies[{i}], {names})\n"

@@ -8,20 +8,9 @@ from math import log, pi
 
 import numpy as np
 
+from fem.kernels import lanes
 from fem.kernels.jit import lanes_call, part
-from fem.kernels.lanes import (
-    absolute,
-    count_from,
-    exponent_and_mantissa,
-    load,
-    power_of_two,
-    select,
-    square_root,
-    store,
-    to_float,
-    to_int,
-    with_sign,
-)
+from fem.kernels.lanes import absolute, load, select, store, to_float, to_int
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
 LN_2 = log(2.0)
@@ -59,13 +48,13 @@ def arc_tangent(y, x):
     angle = t + t * (odd - even)
     angle = select(upper, angle + 0.25 * pi, angle)
     angle = select(steep, 0.5 * pi - angle, angle)
-    return with_sign(select(x < 0.0, pi - angle, angle), y)
+    return lanes.with_sign(select(x < 0.0, pi - angle, angle), y)
 
 
 @part
 def logarithm(x):
     """Natural logarithm of positive numbers."""
-    power, m = exponent_and_mantissa(x)
+    power, m = lanes.exponent_and_mantissa(x)
     above = m > ROOT_2
     m, power = select(above, 0.5 * m, m), select(above, power + 1.0, power)
     f = m - 1.0
@@ -92,7 +81,7 @@ def exponential(x):
         z, 1.66666666666666019037e-01, -2.77777777770155933842e-03,
         6.61375632143793436117e-05, -1.65339022054652515390e-06, 4.13813679705723846039e-08,
     )  # fmt: skip
-    return (1.0 - ((low - r * c / (2.0 - c)) - high)) * power_of_two(power)
+    return (1.0 - ((low - r * c / (2.0 - c)) - high)) * lanes.power_of_two(power)
 
 
 @part
@@ -145,13 +134,13 @@ def store_pair(array, at, apart, one, other):
 @part
 def next_rollers(group, n):
     """The rollers after eight from `group` on, lanes; of the last and of spare lanes the first."""
-    after = count_from(group) + 1
+    after = lanes.count_from(group) + 1
     return select(after >= n, 0, after)
 
 
 @part
 def _root(x):
-    return square_root(x)
+    return lanes.square_root(x)
 
 
 @part

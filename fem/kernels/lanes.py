@@ -11,7 +11,10 @@ NUMBA_BOUNDSCHECK=1, which then holds for lanes as for single numbers. `store`, 
 `gather_quads` also take scalars for lanes.
 """
 
+import inspect
 import operator
+from collections.abc import Callable
+from functools import wraps
 
 from llvmlite import ir
 from numba import types
@@ -20,7 +23,7 @@ from numba.extending import intrinsic, lower_builtin, models, overload, register
 from fem.kernels.numba_private import AbstractTemplate, cgutils, config, infer_global
 
 WIDTH = 8
-_DOUBLE, _LONG, _BIT = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
+_DOUBLE, _LONG, _BIT, _PLACE = ir.DoubleType(), ir.IntType(64), ir.IntType(1), ir.IntType(32)
 _FUSED = ("contract",)
 
 
@@ -32,23 +35,15 @@ class LanesType(types.Type):
         self.vector = ir.VectorType(element, WIDTH)
 
 
-LANES = LanesType("Lanes8", _DOUBLE)
-WHOLE = LanesType("WholeLanes8", _LONG)
-MASK = LanesType("MaskLanes8", _BIT)
+LANES, WHOLE, MASK = LanesType("Lanes8", _DOUBLE), LanesType("WholeLanes8", _LONG), LanesType("MaskLanes8", _BIT)
 _SCALARS = {LANES: types.float64, WHOLE: types.intp, MASK: types.boolean}
+_SIX = types.UniTuple(LANES, 6)
 
 
 @register_model(LanesType)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, dmm, fe_type):
         super().__init__(dmm, fe_type, fe_type.vector)
-
-
-def _splat(builder, scalar, vector):
-    empty = ir.Constant(vector, ir.Undefined)
-    first = builder.insert_element(empty, scalar, ir.Constant(ir.IntType(32), 0))
-    lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
-    return builder.shuffle_vector(first, empty, lanes)
 
 
 def like(kind, value_type):
@@ -58,15 +53,28 @@ def like(kind, value_type):
 
 def lane(number):
     """A lane's number as instructions take it."""
-    return ir.Constant(ir.IntType(32), number)
+    return ir.Constant(_PLACE, number)
+
+
+def _nothing(lanes=LANES):
+    return ir.Constant(lanes.vector, ir.Undefined)
+
+
+def _shuffled(builder, one, other, chosen):
+    return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(_PLACE, len(chosen)), list(chosen)))
+
+
+def _splat(builder, scalar, lanes):
+    first = builder.insert_element(_nothing(lanes), scalar, lane(0))
+    return _shuffled(builder, first, _nothing(lanes), [0] * WIDTH)
 
 
 def _as(builder, value, value_type, lanes):
     """The value, a scalar spread over all lanes."""
-    return value if isinstance(value_type, LanesType) else _splat(builder, value, lanes.vector)
+    return value if isinstance(value_type, LanesType) else _splat(builder, value, lanes)
 
 
-def _call(builder, name, arguments):
+def _call(builder, name, *arguments):
     """An intrinsic of floats that returns what it is given."""
     kind = arguments[0].type
     suffix = "v8f64" if isinstance(kind, ir.VectorType) else "f64"
@@ -74,111 +82,97 @@ def _call(builder, name, arguments):
     return builder.call(builder.module.declare_intrinsic(f"{name}.{suffix}", (), signature), arguments)
 
 
+def _pair_or_more(context, builder, kind, found):
+    return context.make_tuple(builder, types.UniTuple(kind, len(found)), found)
+
+
+def _instruction(sign: Callable):
+    """What kernels call by the function that builds it from a compiler's context, builder, signature, and from values.
+
+    `sign` : its signature by the types of what it is called with
+    """
+
+    def defined(build):
+        @wraps(build)
+        def typed(typingctx, *kinds):
+            return sign(*kinds), lambda context, builder, signature, values: build(context, builder, signature, *values)
+
+        # numba leaves out the first
+        typed.__signature__ = inspect.Signature(list(inspect.signature(build).parameters.values())[2:])
+        return intrinsic(typed)
+
+    return defined
+
+
 # ---- making and taking apart
 
 
-@intrinsic
-def splat(typingctx, scalar):
+@_instruction(lambda kind: WHOLE(types.intp) if isinstance(kind, types.Integer) else LANES(types.float64))
+def splat(context, builder, signature, scalar):
     """All lanes equal to a scalar."""
-    lanes = WHOLE if isinstance(scalar, types.Integer) else LANES
-
-    def codegen(context, builder, signature, arguments):
-        return _splat(builder, arguments[0], lanes.vector)
-
-    return lanes(types.intp if lanes is WHOLE else types.float64), codegen
+    return _splat(builder, scalar, signature.return_type)
 
 
-def _shifted(first):
-    """An intrinsic: eight lanes of two registers in a row, from lane `first` on."""
-
-    def codegen(context, builder, signature, arguments):
-        lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [first + k for k in range(WIDTH)])
-        return builder.shuffle_vector(*arguments, lanes)
-
-    return LANES(LANES, LANES), codegen
-
-
-@intrinsic
-def from_left(typingctx, before, lanes):
+@_instruction(lambda before, lanes: LANES(LANES, LANES))
+def from_left(context, builder, signature, before, lanes):
     """Each lane's left neighbour; the first one's is the last of `before`."""
-    return _shifted(WIDTH - 1)
+    return _shuffled(builder, before, lanes, range(WIDTH - 1, 2 * WIDTH - 1))
 
 
-@intrinsic
-def from_right(typingctx, lanes, after):
+@_instruction(lambda lanes, after: LANES(LANES, LANES))
+def from_right(context, builder, signature, lanes, after):
     """Each lane's right neighbour; the last one's is the first of `after`."""
-    return _shifted(1)
+    return _shuffled(builder, lanes, after, range(1, WIDTH + 1))
 
 
-@intrinsic
-def count_from(typingctx, first):
+@_instruction(lambda first: WHOLE(types.intp))
+def count_from(context, builder, signature, first):
     """first, first + 1, ... first + 7."""
-
-    def codegen(context, builder, signature, arguments):
-        steps = ir.Constant(WHOLE.vector, list(range(WIDTH)))
-        return builder.add(_splat(builder, arguments[0], WHOLE.vector), steps)
-
-    return WHOLE(types.intp), codegen
+    return builder.add(_splat(builder, first, WHOLE), ir.Constant(WHOLE.vector, list(range(WIDTH))))
 
 
-@intrinsic
-def to_int(typingctx, lanes):
+@_instruction(lambda lanes: like(WHOLE, lanes)(like(LANES, lanes)))
+def to_int(context, builder, signature, lanes):
     """Whole part of lanes that are not negative."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.fptosi(arguments[0], context.get_value_type(signature.return_type))
-
-    return like(WHOLE, lanes)(like(LANES, lanes)), codegen
+    return builder.fptosi(lanes, context.get_value_type(signature.return_type))
 
 
-@intrinsic
-def to_float(typingctx, lanes):
+@_instruction(lambda lanes: like(LANES, lanes)(like(WHOLE, lanes)))
+def to_float(context, builder, signature, lanes):
     """Whole numbers as floats."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.sitofp(arguments[0], context.get_value_type(signature.return_type))
-
-    return like(LANES, lanes)(like(WHOLE, lanes)), codegen
+    return builder.sitofp(lanes, context.get_value_type(signature.return_type))
 
 
-@intrinsic
-def total(typingctx, lanes):
+@_instruction(lambda lanes: types.float64(LANES))
+def total(context, builder, signature, lanes):
     """Sum of the lanes, from first to last."""
-
-    def codegen(context, builder, signature, arguments):
-        found = builder.extract_element(arguments[0], lane(0))
-        for k in range(1, WIDTH):
-            found = builder.fadd(found, builder.extract_element(arguments[0], lane(k)))
-        return found
-
-    return types.float64(LANES), codegen
+    found = builder.extract_element(lanes, lane(0))
+    for k in range(1, WIDTH):
+        found = builder.fadd(found, builder.extract_element(lanes, lane(k)))
+    return found
 
 
-@intrinsic
-def any_lane(typingctx, mask):
+@_instruction(lambda mask: types.boolean(like(MASK, mask)))
+def any_lane(context, builder, signature, mask):
     """Whether any lane is true."""
-
-    def codegen(context, builder, signature, arguments):
-        if not isinstance(mask, LanesType):
-            return arguments[0]
-        bits = builder.bitcast(arguments[0], ir.IntType(WIDTH))
-        return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
-
-    return types.boolean(like(MASK, mask)), codegen
+    if signature.args[0] != MASK:
+        return mask
+    bits = builder.bitcast(mask, ir.IntType(WIDTH))
+    return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
 
 
-@intrinsic
-def select(typingctx, mask, yes, no):
-    """`yes` where the mask is true, else `no`; either may be a scalar."""
+def _chosen(mask, yes, no):
     kind = WHOLE if all(t == WHOLE or isinstance(t, types.Integer) for t in (yes, no)) else LANES
+    return like(kind, mask)(like(MASK, mask), like(kind, yes), like(kind, no))
 
-    def codegen(context, builder, signature, arguments):
-        choices = arguments[1:]
-        if isinstance(mask, LanesType):
-            choices = [_as(builder, a, t, kind) for a, t in zip(choices, signature.args[1:], strict=True)]
-        return builder.select(arguments[0], *choices)
 
-    return like(kind, mask)(like(MASK, mask), like(kind, yes), like(kind, no)), codegen
+@_instruction(_chosen)
+def select(context, builder, signature, mask, yes, no):
+    """`yes` where the mask is true, else `no`; either may be a scalar."""
+    lanes, choices = signature.return_type, (yes, no)
+    if isinstance(lanes, LanesType):
+        choices = [_as(builder, value, t, lanes) for value, t in zip(choices, signature.args[1:], strict=True)]
+    return builder.select(mask, *choices)
 
 
 # ---- arithmetic
@@ -205,9 +199,7 @@ def _define(symbol, build, result=None, kinds=(LANES, WHOLE)):
     class _Typing(AbstractTemplate):
         def generic(self, arguments, keywords):
             lanes = _operands(*arguments) if len(arguments) == 2 else None
-            if lanes not in kinds:
-                return None
-            return (result or lanes)(*(like(lanes, argument) for argument in arguments))
+            return (result or lanes)(*(like(lanes, argument) for argument in arguments)) if lanes in kinds else None
 
     def lower(context, builder, signature, arguments):
         lanes = _operands(*signature.args)
@@ -239,11 +231,12 @@ def _compare(sign):
     return build
 
 
-for _symbol in (operator.add, operator.iadd):
-    _define(_symbol, _either("fadd", "add"))
-for _symbol in (operator.sub, operator.isub):
-    _define(_symbol, _either("fsub", "sub"))
-_define(operator.mul, _either("fmul", "mul"))
+for _symbols, _build in (
+    ((operator.add, operator.iadd), _either("fadd", "add")), ((operator.sub, operator.isub), _either("fsub", "sub")),
+    ((operator.mul,), _either("fmul", "mul")),
+):  # fmt: skip
+    for _symbol in _symbols:
+        _define(_symbol, _build)
 _define(operator.truediv, lambda builder, lanes, left, right: builder.fdiv(left, right), kinds=(LANES,))
 for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "ne": "!=", "eq": "=="}.items():
     _define(getattr(operator, _name), _compare(_sign), MASK)
@@ -251,12 +244,9 @@ _define(operator.and_, lambda builder, lanes, left, right: builder.and_(left, ri
 _define(operator.or_, lambda builder, lanes, left, right: builder.or_(left, right), kinds=(MASK,))
 
 
-@intrinsic
-def _negated(typingctx, lanes):
-    def codegen(context, builder, signature, arguments):
-        return builder.fneg(arguments[0])
-
-    return LANES(LANES), codegen
+@_instruction(lambda lanes: LANES(LANES))
+def _negated(context, builder, signature, lanes):
+    return builder.fneg(lanes)
 
 
 @overload(operator.neg)
@@ -267,12 +257,9 @@ def _negate(lanes):
 def _of_floats(name):
     """One of LLVM's functions of a float, of lanes too."""
 
-    @intrinsic
-    def function(typingctx, lanes):
-        def codegen(context, builder, signature, arguments):
-            return _call(builder, name, arguments)
-
-        return like(LANES, lanes)(like(LANES, lanes)), codegen
+    @_instruction(lambda lanes: like(LANES, lanes)(like(LANES, lanes)))
+    def function(context, builder, signature, lanes):
+        return _call(builder, name, lanes)
 
     return function
 
@@ -280,60 +267,40 @@ def _of_floats(name):
 square_root, absolute = _of_floats("llvm.sqrt"), _of_floats("llvm.fabs")
 
 
-@intrinsic
-def with_sign(typingctx, lanes, sign):
+@_instruction(lambda lanes, sign: like(LANES, lanes)(like(LANES, lanes), like(LANES, sign)))
+def with_sign(context, builder, signature, lanes, sign):
     """Magnitude of the first, sign of the second."""
-
-    def codegen(context, builder, signature, arguments):
-        return _call(builder, "llvm.copysign", arguments)
-
-    return like(LANES, lanes)(like(LANES, lanes), like(LANES, sign)), codegen
+    return _call(builder, "llvm.copysign", lanes, sign)
 
 
-@intrinsic
-def fma(typingctx, scalar, lanes, addend):
+@_instruction(lambda scalar, lanes, addend: LANES(types.float64, LANES, LANES))
+def fma(context, builder, signature, scalar, lanes, addend):
     """scalar·lanes + addend."""
-
-    def codegen(context, builder, signature, arguments):
-        factor = _splat(builder, arguments[0], LANES.vector)
-        # fmuladd, not fma: a processor without the fused instruction multiplies and adds instead of calling a library
-        return _call(builder, "llvm.fmuladd", [factor, *arguments[1:]])
-
-    return LANES(types.float64, LANES, LANES), codegen
+    # fmuladd, not fma: a processor without the fused instruction multiplies and adds instead of calling a library
+    return _call(builder, "llvm.fmuladd", _splat(builder, scalar, LANES), lanes, addend)
 
 
 def _whole(kind, value):
     return ir.Constant(kind, [value] * WIDTH if isinstance(kind, ir.VectorType) else value)
 
 
-@intrinsic
-def exponent_and_mantissa(typingctx, lanes):
+@_instruction(lambda lanes: types.UniTuple(like(LANES, lanes), 2)(like(LANES, lanes)))
+def exponent_and_mantissa(context, builder, signature, lanes):
     """Of positive normal numbers: the power of two, as a float, and what is left, in [1, 2)."""
-    kind = like(LANES, lanes)
-
-    def codegen(context, builder, signature, arguments):
-        floats, integers = (context.get_value_type(like(k, lanes)) for k in (LANES, WHOLE))
-
-        bits = builder.bitcast(arguments[0], integers)
-        power = builder.sub(builder.lshr(bits, _whole(integers, 52)), _whole(integers, 1023))
-        rest = builder.or_(builder.and_(bits, _whole(integers, (1 << 52) - 1)), _whole(integers, 1023 << 52))
-        values = [builder.sitofp(power, floats), builder.bitcast(rest, floats)]
-        return context.make_tuple(builder, types.UniTuple(kind, 2), values)
-
-    return types.UniTuple(kind, 2)(kind), codegen
+    (kind,) = signature.args
+    floats, integers = (context.get_value_type(like(k, kind)) for k in (LANES, WHOLE))
+    bits = builder.bitcast(lanes, integers)
+    power = builder.sub(builder.lshr(bits, _whole(integers, 52)), _whole(integers, 1023))
+    rest = builder.or_(builder.and_(bits, _whole(integers, (1 << 52) - 1)), _whole(integers, 1023 << 52))
+    return _pair_or_more(context, builder, kind, [builder.sitofp(power, floats), builder.bitcast(rest, floats)])
 
 
-@intrinsic
-def power_of_two(typingctx, wholes):
+@_instruction(lambda wholes: like(LANES, wholes)(like(WHOLE, wholes)))
+def power_of_two(context, builder, signature, wholes):
     """2 to the power of whole numbers from −1022 to 1023."""
-    kind = like(LANES, wholes)
-
-    def codegen(context, builder, signature, arguments):
-        integers = context.get_value_type(like(WHOLE, wholes))
-        bits = builder.shl(builder.add(arguments[0], _whole(integers, 1023)), _whole(integers, 52))
-        return builder.bitcast(bits, context.get_value_type(kind))
-
-    return kind(like(WHOLE, wholes)), codegen
+    integers = context.get_value_type(signature.args[0])
+    bits = builder.shl(builder.add(wholes, _whole(integers, 1023)), _whole(integers, 52))
+    return builder.bitcast(bits, context.get_value_type(signature.return_type))
 
 
 # ---- in and out of memory
@@ -344,11 +311,12 @@ def _of(array_type):
 
 
 class _Memory:
-    """An array's numbers."""
+    """The numbers of the array that is the first of an instruction's values."""
 
-    def __init__(self, context, builder, array_type, array):
+    def __init__(self, context, builder, signature, array, argument=0):
+        kind = signature.args[argument]
         self._context, self._builder = context, builder
-        self._array = context.make_array(array_type)(context, builder, array)
+        self._array = context.make_array(kind)(context, builder, array)
 
     def at(self, index, count=1, beyond=None):
         """Where a number is, `beyond` another, with as many as `count` from there on."""
@@ -356,103 +324,81 @@ class _Memory:
         self.check(index if beyond is None else builder.add(index, beyond), count)
         return builder.gep(data if beyond is None else builder.gep(data, [beyond]), [index])
 
+    def lanes_at(self, index, vector=LANES.vector, beyond=None):
+        """Where lanes are that stand in a row from a number on."""
+        return self._builder.bitcast(self.at(index, vector.count, beyond), vector.as_pointer())
+
     def check(self, index, count=1):
         """End the kernel with an IndexError unless `count` numbers from an index on are the array's; if asked for."""
         if config.BOUNDSCHECK:
-            for each in (index, self._builder.add(index, ir.Constant(WHOLE.vector.element, count - 1))):
+            for each in (index, self._builder.add(index, ir.Constant(_LONG, count - 1))):
                 cgutils.do_boundscheck(self._context, self._builder, each, self._array.nitems)
 
 
-@intrinsic
-def load(typingctx, array, index):
+@_instruction(lambda array, index: _of(array)(array, types.intp))
+def load(context, builder, signature, array, index):
     """Lanes at index ... index + 7."""
-    lanes = _of(array)
-
-    def codegen(context, builder, signature, arguments):
-        pointer = _Memory(context, builder, array, arguments[0]).at(arguments[1], WIDTH)
-        return builder.load(builder.bitcast(pointer, lanes.vector.as_pointer()), align=8)
-
-    return lanes(array, types.intp), codegen
+    memory = _Memory(context, builder, signature, array)
+    return builder.load(memory.lanes_at(index, signature.return_type.vector), align=8)
 
 
-@intrinsic
-def store(typingctx, array, index, lanes):
+@_instruction(lambda array, index, lanes: types.void(array, types.intp, like(_of(array), lanes)))
+def store(context, builder, signature, array, index, lanes):
     """Write lanes to index ... index + 7, a scalar to index."""
-
-    def codegen(context, builder, signature, arguments):
-        memory, count = _Memory(context, builder, array, arguments[0]), WIDTH if isinstance(lanes, LanesType) else 1
-        pointer = memory.at(arguments[1], count)
-        builder.store(arguments[2], builder.bitcast(pointer, arguments[2].type.as_pointer()), align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, like(_of(array), lanes)), codegen
+    memory = _Memory(context, builder, signature, array)
+    pointer = memory.at(index, WIDTH if isinstance(signature.args[2], LanesType) else 1)
+    builder.store(lanes, builder.bitcast(pointer, lanes.type.as_pointer()), align=8)
+    return context.get_dummy_value()
 
 
-@intrinsic
-def gather(typingctx, array, at):
+def _gathered(builder, memory, at, kind, lanes, beyonds):
+    """Lanes from eight indices, or numbers from one; and from what lies `beyonds` further."""
+    if not isinstance(kind, LanesType):
+        return [builder.load(memory.at(at, beyond=beyond)) for beyond in beyonds]
+    found = [_nothing(lanes) for _ in beyonds]
+    for k in range(WIDTH):
+        index = builder.extract_element(at, lane(k))
+        for i, beyond in enumerate(beyonds):
+            found[i] = builder.insert_element(found[i], builder.load(memory.at(index, beyond=beyond)), lane(k))
+    return found
+
+
+@_instruction(lambda array, at: like(_of(array), at)(array, like(WHOLE, at)))
+def gather(context, builder, signature, array, at):
     """Lanes from eight indices; lane by lane, which costs no more than the processor's own instruction."""
-    lanes = _of(array)
-
-    def codegen(context, builder, signature, arguments):
-        memory = _Memory(context, builder, array, arguments[0])
-        if not isinstance(at, LanesType):
-            return builder.load(memory.at(arguments[1]))
-        found = ir.Constant(lanes.vector, ir.Undefined)
-        for k in range(WIDTH):
-            index = builder.extract_element(arguments[1], lane(k))
-            found = builder.insert_element(found, builder.load(memory.at(index)), lane(k))
-        return found
-
-    return like(lanes, at)(array, like(WHOLE, at)), codegen
+    (kind, index), memory = signature.args, _Memory(context, builder, signature, array)
+    return _gathered(builder, memory, at, index, _of(kind), (None,))[0]
 
 
-@intrinsic
-def gather_pair(typingctx, array, at, apart):
+@_instruction(lambda array, at, apart: types.UniTuple(like(_of(array), at), 2)(array, like(WHOLE, at), types.intp))
+def gather_pair(context, builder, signature, array, at, apart):
     """Lanes from eight indices, and from those `apart` further."""
-    lanes = _of(array)
-    kind = like(lanes, at)
-
-    def codegen(context, builder, signature, arguments):
-        memory, places = _Memory(context, builder, array, arguments[0]), (None, arguments[2])
-        if not isinstance(at, LanesType):
-            found = [builder.load(memory.at(arguments[1], beyond=beyond)) for beyond in places]
-        else:
-            found = [ir.Constant(lanes.vector, ir.Undefined)] * 2
-            for k in range(WIDTH):
-                index = builder.extract_element(arguments[1], lane(k))
-                for i, beyond in enumerate(places):
-                    value = builder.load(memory.at(index, beyond=beyond))
-                    found[i] = builder.insert_element(found[i], value, lane(k))
-        return context.make_tuple(builder, types.UniTuple(kind, 2), found)
-
-    return types.UniTuple(kind, 2)(array, like(WHOLE, at), types.intp), codegen
+    (kind, index, _), memory = signature.args, _Memory(context, builder, signature, array)
+    found = _gathered(builder, memory, at, index, _of(kind), (None, apart))
+    return _pair_or_more(context, builder, like(_of(kind), index), found)
 
 
-@intrinsic
-def scatter_add(typingctx, array, at, lanes):
+@_instruction(lambda array, at, lanes: types.void(array, like(WHOLE, at), LANES))
+def scatter_add(context, builder, signature, array, at, lanes):
     """Add lanes at eight indices one after the other, so that the same may come twice; at a number side by side."""
-
-    def codegen(context, builder, signature, arguments):
-        memory = _Memory(context, builder, array, arguments[0])
-        if not isinstance(at, LanesType):
-            pointer = builder.bitcast(memory.at(arguments[1], WIDTH), LANES.vector.as_pointer())
-            builder.store(builder.fadd(builder.load(pointer, align=8), arguments[2]), pointer, align=8)
-            return context.get_dummy_value()
-        for k in range(WIDTH):
-            pointer = memory.at(builder.extract_element(arguments[1], lane(k)))
-            builder.store(builder.fadd(builder.load(pointer), builder.extract_element(arguments[2], lane(k))), pointer)
+    memory = _Memory(context, builder, signature, array)
+    if signature.args[1] != WHOLE:
+        pointer = memory.lanes_at(at)
+        builder.store(builder.fadd(builder.load(pointer, align=8), lanes), pointer, align=8)
         return context.get_dummy_value()
+    for k in range(WIDTH):
+        pointer = memory.at(builder.extract_element(at, lane(k)))
+        builder.store(builder.fadd(builder.load(pointer), builder.extract_element(lanes, lane(k))), pointer)
+    return context.get_dummy_value()
 
-    return types.void(array, like(WHOLE, at), LANES), codegen
 
-
-def _elements(context, builder, kinds, arguments, offset=None, count=1, apart=None):
-    """Eight elements of an array, at indices read from `places`, from `where` on, plus `offset`; `arguments` are these.
+def _elements(context, builder, signature, array, places, where, offset=None, count=1, apart=None):
+    """Eight elements of an array, at indices read from `places`, from `where` on, plus `offset`.
 
     Gives pairs of pointers: to an element, with `count` numbers from there on, and to what lies `apart` from it.
     """
-    memory, indices = (_Memory(context, builder, *each) for each in zip(kinds[:2], arguments[:2], strict=True))
-    first = indices.at(arguments[2], WIDTH)
+    memory = _Memory(context, builder, signature, array)
+    first = _Memory(context, builder, signature, places, 1).at(where, WIDTH)
     for k in range(WIDTH):
         index = builder.load(builder.gep(first, [lane(k)]))
         index = index if offset is None else builder.add(index, offset)
@@ -462,120 +408,91 @@ def _elements(context, builder, kinds, arguments, offset=None, count=1, apart=No
         yield pointer, pointer if apart is None else builder.gep(pointer, [apart])
 
 
-@intrinsic
-def gather_places(typingctx, array, places, where, apart):
+@_instruction(lambda array, places, *_: types.UniTuple(LANES, 2)(array, places, types.intp, types.intp))
+def gather_places(context, builder, signature, array, places, where, apart):
     """Lanes from the eight indices that stand in `places` from `where` on, and from those `apart` further.
 
     Indices from memory: to take them out of a register costs more.
     """
-
-    def codegen(context, builder, signature, arguments):
-        found = [ir.Constant(LANES.vector, ir.Undefined)] * 2
-        for k, both in enumerate(_elements(context, builder, signature.args, arguments, apart=arguments[3])):
-            for i, pointer in enumerate(both):
-                found[i] = builder.insert_element(found[i], builder.load(pointer), lane(k))
-        return context.make_tuple(builder, types.UniTuple(LANES, 2), found)
-
-    return types.UniTuple(LANES, 2)(array, places, types.intp, types.intp), codegen
+    found = [_nothing(), _nothing()]
+    for k, both in enumerate(_elements(context, builder, signature, array, places, where, apart=apart)):
+        for i, pointer in enumerate(both):
+            found[i] = builder.insert_element(found[i], builder.load(pointer), lane(k))
+    return _pair_or_more(context, builder, LANES, found)
 
 
-@intrinsic
-def add_at_places(typingctx, array, places, where, apart, first, second):
+@_instruction(lambda array, places, *_: types.void(array, places, types.intp, types.intp, LANES, LANES))
+def add_at_places(context, builder, signature, array, places, where, apart, first, second):
     """Add lanes to what `gather_places` reads, one after the other."""
-
-    def codegen(context, builder, signature, arguments):
-        for k, both in enumerate(_elements(context, builder, signature.args, arguments, apart=arguments[3])):
-            for at, lanes in zip(both, arguments[4:], strict=True):
-                builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, lane(k))), at)
-        return context.get_dummy_value()
-
-    return types.void(array, places, types.intp, types.intp, LANES, LANES), codegen
+    for k, both in enumerate(_elements(context, builder, signature, array, places, where, apart=apart)):
+        for at, lanes in zip(both, (first, second), strict=True):
+            builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, lane(k))), at)
+    return context.get_dummy_value()
 
 
-def _shuffled(builder, one, other, chosen):
-    return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(chosen)), list(chosen)))
+_PAIRS, _LOW_HALVES = ((0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)), (0, 1, 2, 3, 8, 9, 10, 11)
+_QUADS, _HIGH_HALVES = ((0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15)), (4, 5, 6, 7, 12, 13, 14, 15)
 
 
 def _transposed(builder, rows):
     """Eight lanes of eight registers: the k-th lanes of all of them, for every k."""
-    even, odd = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
-    first, second = (0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15)
-    low, high = (0, 1, 2, 3, 8, 9, 10, 11), (4, 5, 6, 7, 12, 13, 14, 15)
     columns = [None] * WIDTH
-    for parity, chosen in enumerate((even, odd)):
+    for parity, chosen in enumerate(_PAIRS):
         pairs = [_shuffled(builder, rows[k], rows[k + 1], chosen) for k in range(0, WIDTH, 2)]
-        for next_two, of_pairs in enumerate((first, second)):
+        for next_two, of_pairs in enumerate(_QUADS):
             top, bottom = (_shuffled(builder, pairs[k], pairs[k + 1], of_pairs) for k in (0, 2))
             at = parity + 2 * next_two
-            columns[at] = _shuffled(builder, top, bottom, low)
-            columns[at + 4] = _shuffled(builder, top, bottom, high)
+            columns[at] = _shuffled(builder, top, bottom, _LOW_HALVES)
+            columns[at + 4] = _shuffled(builder, top, bottom, _HIGH_HALVES)
     return columns
 
 
-@intrinsic
-def gather_rows(typingctx, array, places, where, offset):
+@_instruction(lambda array, places, *_: _SIX(array, places, types.intp, types.intp))
+def gather_rows(context, builder, signature, array, places, where, offset):
     """Six entries in a row from each of the eight indices in `places` from `where` on plus `offset`: six lanes.
 
     Eight are read. A register for each and their transpose cost a third of six times `gather_places`.
     """
-
-    def codegen(context, builder, signature, arguments):
-        rows = [
-            builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8)
-            for pointer, _ in _elements(context, builder, signature.args, arguments, arguments[3], WIDTH)
-        ]
-        return context.make_tuple(builder, types.UniTuple(LANES, 6), _transposed(builder, rows)[:6])
-
-    return types.UniTuple(LANES, 6)(array, places, types.intp, types.intp), codegen
+    pointers = _elements(context, builder, signature, array, places, where, offset, WIDTH)
+    rows = [builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8) for pointer, _ in pointers]
+    return _pair_or_more(context, builder, LANES, _transposed(builder, rows)[:6])
 
 
-@intrinsic
-def gather_quads(typingctx, array, at):
+@_instruction(lambda array, at: types.UniTuple(like(LANES, at), 4)(array, like(WHOLE, at)))
+def gather_quads(context, builder, signature, array, at):
     """Four entries in a row from each of eight indices, or from one: four lanes, or scalars."""
-    kind = like(LANES, at)
-
-    def codegen(context, builder, signature, arguments):
-        memory = _Memory(context, builder, array, arguments[0])
-        if not isinstance(at, LanesType):
-            first = memory.at(arguments[1], 4)
-            found = [builder.load(builder.gep(first, [lane(k)])) for k in range(4)]
-            return context.make_tuple(builder, types.UniTuple(kind, 4), found)
-        four, rows = ir.VectorType(LANES.vector.element, 4), []
-        for k in range(WIDTH):
-            pointer = memory.at(builder.extract_element(arguments[1], lane(k)), 4)
-            rows.append(builder.load(builder.bitcast(pointer, four.as_pointer()), align=8))
-        # rows k and k + 4 side by side, then each half transposed
-        rows = [_shuffled(builder, rows[k], rows[k + 4], range(WIDTH)) for k in range(4)]
-        found = []
-        for even_odd in ((0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)):
-            pairs = [_shuffled(builder, rows[k], rows[k + 1], even_odd) for k in (0, 2)]
-            found += [_shuffled(builder, *pairs, which)
-                      for which in ((0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15))]  # fmt: skip
-        found = [found[k] for k in (0, 2, 1, 3)]
-        return context.make_tuple(builder, types.UniTuple(kind, 4), found)
-
-    return types.UniTuple(kind, 4)(array, like(WHOLE, at)), codegen
+    memory = _Memory(context, builder, signature, array)
+    if signature.args[1] != WHOLE:
+        first = memory.at(at, 4)
+        found = [builder.load(builder.gep(first, [lane(k)])) for k in range(4)]
+        return _pair_or_more(context, builder, types.float64, found)
+    four, rows = ir.VectorType(_DOUBLE, 4), []
+    for k in range(WIDTH):
+        rows.append(builder.load(memory.lanes_at(builder.extract_element(at, lane(k)), four), align=8))
+    # rows k and k + 4 side by side, then each half transposed
+    rows = [_shuffled(builder, rows[k], rows[k + 4], range(WIDTH)) for k in range(4)]
+    found = []
+    for even_odd in _PAIRS:
+        pairs = [_shuffled(builder, rows[k], rows[k + 1], even_odd) for k in (0, 2)]
+        found += [_shuffled(builder, *pairs, which) for which in _QUADS]
+    return _pair_or_more(context, builder, LANES, [found[k] for k in (0, 2, 1, 3)])
 
 
-@intrinsic
-def add_to_rows(typingctx, array, places, where, offset, six):
+@_instruction(lambda array, places, *_: types.void(array, places, types.intp, types.intp, _SIX))
+def add_to_rows(context, builder, signature, array, places, where, offset, six):
     """Add six lanes to what `gather_rows` reads, one row after the other: first the even lanes', then the odd ones'.
 
     Neighbouring rows may overlap, and a row that is read right after a part of it was written waits.
     """
-
-    def codegen(context, builder, signature, arguments):
-        lanes = [builder.extract_value(arguments[4], k) for k in range(6)]
-        rows = _transposed(builder, lanes + [ir.Constant(LANES.vector, [0.0] * WIDTH)] * 2)
-        pointers = [p for p, _ in _elements(context, builder, signature.args, arguments, arguments[3], 6)]
-        for k in (*range(0, WIDTH, 2), *range(1, WIDTH, 2)):
-            for first, size in ((0, 4), (4, 2)):
-                part = _shuffled(builder, rows[k], rows[k], range(first, first + size))
-                at = builder.bitcast(builder.gep(pointers[k], [lane(first)]), part.type.as_pointer())
-                builder.store(builder.fadd(builder.load(at, align=8), part), at, align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, places, types.intp, types.intp, types.UniTuple(LANES, 6)), codegen
+    lanes = [builder.extract_value(six, k) for k in range(6)]
+    rows = _transposed(builder, lanes + [ir.Constant(LANES.vector, [0.0] * WIDTH)] * 2)
+    pointers = [p for p, _ in _elements(context, builder, signature, array, places, where, offset, 6)]
+    for k in (*range(0, WIDTH, 2), *range(1, WIDTH, 2)):
+        for first, size in ((0, 4), (4, 2)):
+            part = _shuffled(builder, rows[k], rows[k], range(first, first + size))
+            at = builder.bitcast(builder.gep(pointers[k], [lane(first)]), part.type.as_pointer())
+            builder.store(builder.fadd(builder.load(at, align=8), part), at, align=8)
+    return context.get_dummy_value()
 
 
 if config.DISABLE_JIT:

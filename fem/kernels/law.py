@@ -40,8 +40,6 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     Carter's law T = limit·(1 − (1 − v/v_full)²) up to v_full, then `limit`; solved implicitly for the velocity after
     the step, v = slip − mobility·dt·T(v), so that no stiffness limits the step.
 
-    Parameters
-    ----------
     limit : N, μQ; full_slip : m/s; mobility_dt : m/s per N
 
     Source: Carter, On the action of a locomotive driving wheel (1926); Johnson, Contact Mechanics (1985), chapter 8.
@@ -63,13 +61,9 @@ def contact_force(approach, A, B, Q_line, guess):
 
     δ = A Q (B − ½ ln Q) up to Q_line, from there straight on with the slope it has there.
 
-    Parameters
-    ----------
     approach : m; A, B, Q_line : the law; guess : N, the last force, or 0
 
-    Errors
-    ------
-    Newton's method on a concave function, to round-off. What is not a number stays so.
+    Errors: Newton's method on a concave function, to round-off. What is not a number stays so.
     """
     apart = approach <= 0.0
     known = (guess > 0.0) & (guess <= Q_line)
@@ -85,7 +79,7 @@ def contact_force(approach, A, B, Q_line, guess):
             break
     if any_lane((Q >= Q_line) & (approach > 0.0)):
         # the ripple in B tilts the line as well: with another slope than this place's energy would not be conserved
-        line = (approach * (1.0 / A) - 0.5 * Q_line) / _slope_of_line(B, Q_line)
+        line = (approach * (1.0 / A) - 0.5 * Q_line) / (B - 0.5 * log(Q_line))  # STEEPEST but for B's ripple
         Q = select(Q >= Q_line, maximum(line, Q_line), Q)
     return select(apart, 0.0, Q + (approach - approach))
 
@@ -128,12 +122,6 @@ def distant_force(approach, A, B, Q_line, guess):
     return contact_force(approach, A, B, Q_line, guess)
 
 
-@part
-def _slope_of_line(B, Q_line):
-    """dδ/dQ above Q_line over A: STEEPEST but for B's ripple."""
-    return B - 0.5 * log(Q_line) - 0.5
-
-
 # N s/m, by a `ContactDamping`, forces and stiffnesses
 damping_coefficient = part(ContactDamping.coefficient)
 
@@ -149,16 +137,12 @@ def kick_force(law, last, now):
     would still add up, to 3 % of the exchanged energy in half a second: this residual energy is recorded and repaid in
     small parts while the contact moves.
 
-    Parameters
-    ----------
     law : its A and Q_line
     last : of the last kick the approach, m, the law's force, N, its level B, what the kick gave, N, and the energy, J,
         so far stored beyond what kicks have taken
     now : approach, force and level; scalars or lanes. An approach is negative: apart, or NaN: not known
 
-    Returns
-    -------
-    force, N, and residual energy, J, after this kick
+    Returns: force, N, and residual energy, J, after this kick
 
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
@@ -214,7 +198,7 @@ def contact_energy(Q, A, B, Q_line):
     q = min(Q, Q_line)
     energy = 0.5 * A * q * q * (B - 0.5 * log(q) - 0.25)
     if Q > Q_line:
-        energy += 0.5 * A * _slope_of_line(B, Q_line) * (Q * Q - Q_line * Q_line)
+        energy += 0.5 * A * (B - 0.5 * log(Q_line)) * (Q * Q - Q_line * Q_line)
     return energy
 
 

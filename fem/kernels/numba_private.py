@@ -3,6 +3,7 @@
 `tests/test_compiling.py` tries each use by itself, so that a version of numba that changes one is named with it.
 """
 
+# ruff: noqa: F401
 from numba import _dynfunc
 from numba.core import cgutils, config, consts, ir
 from numba.core.analysis import dead_branch_prune
@@ -19,34 +20,3 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types import BaseNamedTuple, BaseTuple, Float
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.core.untyped_passes import DeadBranchPrune
-
-__all__ = [
-    "AbstractTemplate",
-    "BaseNamedTuple",
-    "BaseTuple",
-    "CompileResult",
-    "CompilerBase",
-    "DeadBranchPrune",
-    "DefaultPassBuilder",
-    "Dispatcher",
-    "Float",
-    "FunctionPass",
-    "JITCodeLibrary",
-    "Listener",
-    "NativeLowering",
-    "TypingError",
-    "_Cache",
-    "_dynfunc",
-    "build_definitions",
-    "cgutils",
-    "compile_result",
-    "config",
-    "consts",
-    "dead_branch_prune",
-    "dumps",
-    "infer_global",
-    "install_listener",
-    "install_recorder",
-    "ir",
-    "register_pass",
-]  # fmt: skip

@@ -22,23 +22,8 @@ from llvmlite.binding import parse_bitcode
 from numba import njit, types
 from numba.extending import lower_cast, models, register_model
 
-from fem.kernels.numba_private import (
-    AbstractTemplate,
-    CompilerBase,
-    DeadBranchPrune,
-    DefaultPassBuilder,
-    FunctionPass,
-    JITCodeLibrary,
-    NativeLowering,
-    _dynfunc,
-    build_definitions,
-    compile_result,
-    consts,
-    dead_branch_prune,
-    infer_global,
-    ir,
-    register_pass,
-)  # fmt: skip
+from fem.kernels import numba_private as private
+from fem.kernels.numba_private import ir
 
 WHOLE = None  # of a value: all of it
 Used = dict[str, "Used"] | None  # fields, each with what is used of it; no field: the type alone, or whether it is None
@@ -80,18 +65,12 @@ class _Reader(ast.NodeVisitor):
         self.paths: dict[str, list[tuple[str, ...]]] = {name: [(name,)] for name in names}
         found = -1
         while found != (found := sum(map(len, self.paths.values()))):  # names for fields of names for fields
-            for each in ast.walk(node):
-                if isinstance(each, ast.Assign):
-                    self._name(each)
+            for target, value in (pair for each in ast.walk(node) for pair in _pairs(each)):
+                if isinstance(target, ast.Name) and target.id != _root(value) and (new := self._paths(value)):
+                    known = self.paths.setdefault(target.id, [])
+                    known.extend(path for path in new if path not in known)
         for statement in node.body:
             self.visit(statement)
-
-    def _name(self, assign: ast.Assign) -> None:
-        """Take note of names that an assignment gives to fields."""
-        for target, value in _pairs(assign):
-            if isinstance(target, ast.Name) and target.id != _root(value):
-                known = self.paths.setdefault(target.id, []) if (new := self._paths(value)) else []
-                known.extend(path for path in new if path not in known)
 
     def _paths(self, node: ast.expr) -> list[tuple[str, ...]]:
         """The fields that an expression may be, as a parameter's name and names of fields; none: something else."""
@@ -153,10 +132,10 @@ class _Reader(ast.NodeVisitor):
                 self.visit(argument)
 
 
-def _pairs(assign: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Targets and values of an assignment, those of tuples one by one."""
-    value = assign.value
-    for target in assign.targets:
+def _pairs(assign: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Targets and values of an assignment, those of tuples one by one; none of anything else."""
+    value = getattr(assign, "value", None)
+    for target in assign.targets if isinstance(assign, ast.Assign) else ():
         if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) and len(target.elts) == len(value.elts):
             yield from zip(target.elts, value.elts, strict=True)
         else:
@@ -183,8 +162,8 @@ UNUSED = UnusedType("unused")
 SOMETHING = types.pyobject  # the type of what is not None, where no more is known
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
-class KnownTypes(FunctionPass):
+@private.register_pass(mutates_CFG=True, analysis_only=False)
+class KnownTypes(private.FunctionPass):
     """Questions that types answer become constants, branches are pruned."""
 
     _name = "known_types"
@@ -195,18 +174,21 @@ class KnownTypes(FunctionPass):
     def run_pass(self, state) -> bool:
         code, changed = state.func_ir, False
         while _decide(code, state.args):  # a pruned branch may leave a name with one value
-            dead_branch_prune(code, state.args)
-            code._definitions, code._consts = build_definitions(code.blocks), consts.ConstantInference(code)
+            private.dead_branch_prune(code, state.args)
+            code._definitions, code._consts = (
+                private.build_definitions(code.blocks),
+                private.consts.ConstantInference(code),
+            )
             changed = True
         return changed
 
 
-class KernelCompiler(CompilerBase):
+class KernelCompiler(private.CompilerBase):
     """Numba's own compiler with this pass."""
 
     def define_pipelines(self):
-        manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        manager.add_pass_after(KnownTypes, DeadBranchPrune)
+        manager = private.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.add_pass_after(KnownTypes, private.DeadBranchPrune)
         manager.finalize()
         return [manager]
 
@@ -214,9 +196,7 @@ class KernelCompiler(CompilerBase):
 def _decide(code: ir.FunctionIR, arguments: tuple) -> bool:
     """Put constants in place of questions that types answer; whether there are any.
 
-    Errors
-    ------
-    TypeError: a field is asked for of which `fields_used` has not seen that it is used.
+    Errors: TypeError: a field is asked for of which `fields_used` has not seen that it is used.
     """
     decided = False
     for block in code.blocks.values():
@@ -251,9 +231,7 @@ def _answer(code: ir.FunctionIR, arguments: tuple, value: ir.Expr) -> bool | Non
 def _is_none(code: ir.FunctionIR, arguments: tuple, variable: ir.Var) -> bool | None:
     """Whether a variable is None, in all that may define it; None: nobody knows."""
     kinds = _kinds(code, arguments, variable)
-    answers = {
-        None if kind is None or isinstance(kind, types.Optional) else isinstance(kind, types.NoneType) for kind in kinds
-    }
+    answers = {None if k is None or isinstance(k, types.Optional) else isinstance(k, types.NoneType) for k in kinds}
     return answers.pop() if len(answers) == 1 else None
 
 
@@ -331,7 +309,7 @@ def _narrow(context, builder, given, wanted, value):
     return narrow
 
 
-class PartLibrary(JITCodeLibrary):
+class PartLibrary(private.JITCodeLibrary):
     """LLVM's code of a part, for kernels to inline."""
 
     def _optimize_final_module(self):
@@ -342,8 +320,8 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _PartLowering(NativeLowering):
+@private.register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(private.NativeLowering):
     _name = "part_lowering"
 
     def run_pass(self, state):
@@ -359,7 +337,9 @@ class _PartLowering(NativeLowering):
 
 def entry_point(description, environment, library):
     """The object that stands for a compiled function in numba; not to be called."""
-    return _dynfunc.make_function(description.lookup_module(), description.qualname, "", 0, environment, (library,))
+    return private._dynfunc.make_function(
+        description.lookup_module(), description.qualname, "", 0, environment, (library,)
+    )
 
 
 def reduced(compiled) -> tuple:
@@ -374,17 +354,11 @@ def rebuilt(context, name, code, description, environment, signature):
     library = PartLibrary(context.codegen(), name)
     library._final_module = parse_bitcode(code)
     library._finalize_final_module()
-    return compile_result(
-        typing_context=context.typing_context,
-        target_context=context,
-        entry_point=entry_point(description, environment, library),
-        signature=signature,
-        objectmode=False,
-        fndesc=description,
-        library=library,
-        environment=environment,
-        reload_init=(),
-    )
+    return private.compile_result(
+        typing_context=context.typing_context, target_context=context, signature=signature, objectmode=False,
+        entry_point=entry_point(description, environment, library), fndesc=description, library=library,
+        environment=environment, reload_init=(),
+    )  # fmt: skip
 
 
 class PartCompiler(KernelCompiler):
@@ -392,7 +366,9 @@ class PartCompiler(KernelCompiler):
 
     def define_pipelines(self):
         (manager,) = super().define_pipelines()
-        manager.passes = [(_PartLowering if each is NativeLowering else each, name) for each, name in manager.passes]
+        manager.passes = [
+            (_PartLowering if each is private.NativeLowering else each, name) for each, name in manager.passes
+        ]
         manager.finalize()
         return [manager]
 
@@ -424,7 +400,7 @@ def register(function: Callable, choose: Callable, code: Callable, of=types.Type
     """
     callees[function] = code
 
-    class _Template(AbstractTemplate):
+    class _Template(private.AbstractTemplate):
         key = function
 
         def generic(self, arguments, keywords):
@@ -436,4 +412,4 @@ def register(function: Callable, choose: Callable, code: Callable, of=types.Type
         def get_impl_key(self, signature):
             return self._entry
 
-    infer_global(function, types.Function(_Template))
+    private.infer_global(function, types.Function(_Template))

@@ -60,16 +60,7 @@ def select(mask, yes, no):
     return _lanes(np.where(mask, yes, no)) if np.ndim(mask) else (yes if mask else no)
 
 
-def square_root(lanes):
-    return np.sqrt(lanes)
-
-
-def absolute(lanes):
-    return np.abs(lanes)
-
-
-def with_sign(lanes, sign):
-    return np.copysign(lanes, sign)
+square_root, absolute, with_sign = np.sqrt, np.abs, np.copysign
 
 
 def fma(scalar, lanes, addend):
@@ -105,22 +96,18 @@ def scatter_add(array, at, lanes):
     np.add.at(array.reshape(-1), at if np.ndim(at) else np.arange(at, at + WIDTH), lanes)
 
 
-def _places(places, where):
-    return places.reshape(-1)[where : where + WIDTH]
-
-
 def gather_places(array, places, where, apart):
-    return gather_pair(array, _places(places, where), apart)
+    return gather_pair(array, load(places, where), apart)
 
 
 def add_at_places(array, places, where, apart, first, second):
-    at = _places(places, where)
+    at = load(places, where)
     scatter_add(array, at, first)
     scatter_add(array, at + apart, second)
 
 
 def gather_rows(array, places, where, offset):
-    at = _places(places, where) + offset
+    at = load(places, where) + offset
     return tuple(gather(array, at + k) for k in range(6))
 
 
@@ -129,6 +116,6 @@ def gather_quads(array, at):
 
 
 def add_to_rows(array, places, where, offset, six):
-    at = _places(places, where) + offset
+    at = load(places, where) + offset
     for k, lanes in enumerate(six):
         scatter_add(array, at + k, lanes)

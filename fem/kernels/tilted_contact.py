@@ -182,8 +182,6 @@ def fallen(tilted, at, columns, gained):
     A kick works along surfaces by its force times the fall of then: the mean of both ends' products, not the product
     of means.
 
-    Parameters
-    ----------
     tilted : `TiltedForces`; gained : N, of forces since the last kick
     """
     way, work, more, besides = splat(0.0), splat(0.0), splat(0.0), splat(0.0)

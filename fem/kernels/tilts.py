@@ -49,7 +49,7 @@ class TiltedForces(NamedTuple):
     energy: state("2, columns")  # J, then
     guess: state("2, haloed")  # N m, moments expected of this step
     gained: state("2, haloed")  # what they turn out beyond that
-    met: room("2, 4, columns")  # own misalignment, energy, moment; ∂Q/∂ψ
+    met: room("4, 2, columns")  # own misalignment, energy, moment; ∂Q/∂ψ
     stiffness: room("2, columns")  # −∂M/∂ψ, N m/rad
     # see `tilted_contact`
     edges: state("4, 2, columns")  # compliance of edges, m/N; None: surfaces are perfect circles

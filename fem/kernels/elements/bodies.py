@@ -76,9 +76,31 @@ def kick_body(body, drive):
     elif isinstance(body, Axes):
         kick_axes_of(body, drive)
     elif isinstance(body, Bore):
-        _kick_bore(body, drive)
+        ring, dt = body.ring, drive.dt
+        radial = 2 * ring.held * ring.cosines.size
+        around, over = radial + ring.cosines.size, dt / ring.row_mass[ring.held]
+        x, y, turning = splat(0.0), splat(0.0), splat(0.0)
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            depth, before = _depths(body, radial, k), load(body.depth, k - HALO)
+            force = select(depth > 0.0, body.stiffness * depth, 0.0)
+            last = select(before > 0.0, body.stiffness * before, 0.0)
+            past = before, last, 0.0, load(body.kick, k - HALO), load(body.residual, k - HALO)
+            kick, residual = kick_force((1.0, 0.0), past, (depth, force, 0.0))
+            store(body.depth, k - HALO, depth)
+            store(body.kick, k - HALO, kick)
+            store(body.residual, k - HALO, residual)
+            store(ring.w, radial + k, load(ring.w, radial + k) - over * kick)
+            x += kick * load(ring.cosines, k)
+            y += kick * load(ring.sines, k)
+            turning += load(ring.w, around + k)
+        body.impulse[0] += dt * total(x)
+        body.impulse[1] += dt * total(y)
+        mean = total(turning) / ring.n_sectors
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            store(ring.w, around + k, load(ring.w, around + k) - mean)
+        body.before[0], body.before[1] = body.velocity[0], body.velocity[1]
     elif isinstance(body, HeldNodes):
-        _put_at_held_nodes(body, body.w, None)
+        _put_at_held_nodes(body, body.w, None, False)
 
 
 @part
@@ -95,8 +117,7 @@ def drift_body(body, drive):
     elif isinstance(body, Axes):
         turn_axes(body.tilts, drive)
     elif isinstance(body, HeldNodes):
-        _put_at_held_nodes(body, body.u, body.place)
-        _wrap_held(body, body.u)
+        _put_at_held_nodes(body, body.u, body.place, True)
 
 
 @part
@@ -112,7 +133,21 @@ def write_body(body, drive, out):
     elif isinstance(body, Axes):
         write_axes(body.tilts, body, body, drive, out)
     elif isinstance(body, Bore):
-        _write_bore(body, drive, out)
+        ring, at, dt = body.ring, body.column, drive.dt
+        radial = 2 * ring.held * ring.cosines.size
+        x, y, square, touching = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            depth = _depths(body, radial, k)
+            pushed = select(depth > 0.0, depth, 0.0)
+            x += pushed * load(ring.cosines, k)
+            y += pushed * load(ring.sines, k)
+            square += pushed * pushed
+            touching += select(depth > 0.0, splat(1.0), 0.0)
+        out[CONTACT] += 0.5 * body.stiffness * total(square)
+        out[at + PLACE_X], out[at + PLACE_Y] = _mean(ring, ring.u, radial)
+        out[at + AX], out[at + AY] = (body.velocity[0] - body.before[0]) / dt, (body.velocity[1] - body.before[1]) / dt
+        out[at + FORCE_X], out[at + FORCE_Y] = -body.stiffness * total(x), -body.stiffness * total(y)
+        out[at + ARC] = 2.0 * np.pi * total(touching) / ring.n_sectors
 
 
 @part
@@ -153,8 +188,7 @@ def calm_body(body):
         if body.ring is not None:
             rings.calm_held(body.ring, body.mass, body.line)
     elif isinstance(body, HeldNodes):
-        _put_at_held_nodes(body, body.calmed, None)
-        _wrap_held(body, body.calmed)
+        _put_at_held_nodes(body, body.calmed, None, True)
 
 
 @part
@@ -191,19 +225,15 @@ end_kicks, calm_others, slow_others = every(end_kick), every(calm_body), every(s
 
 
 @part
-def _put_at_held_nodes(held, field, values):
-    """Give held nodes `values`, (2, n_held), of a field of the ring; None: 0."""
+def _put_at_held_nodes(held, field, values, wraps):
+    """Give held nodes `values`, (2, n_held), of a field of the ring; None: 0. And its halos, if it `wraps`."""
+    width = field.shape[2]
     for component in range(2):
         for i in range(held.sectors.size):
             value = 0.0 if values is None else values[component, i]
             field[held.row, component, HALO + held.sectors[i]] = value
-
-
-@part
-def _wrap_held(held, field):
-    width = field.shape[2]
-    for component in range(2):
-        rings.wrap(field, (2 * held.row + component) * width, width)
+        if wraps:
+            rings.wrap(field, (2 * held.row + component) * width, width)
 
 
 @part
@@ -224,49 +254,3 @@ def _mean(ring, polar, radial):
         x += a * c - b * s
         y += a * s + b * c
     return total(x) / ring.n_sectors, total(y) / ring.n_sectors
-
-
-@part
-def _kick_bore(bore, drive):
-    ring, dt = bore.ring, drive.dt
-    radial = 2 * ring.held * ring.cosines.size
-    around, over = radial + ring.cosines.size, dt / ring.row_mass[ring.held]
-    x, y, turning = splat(0.0), splat(0.0), splat(0.0)
-    for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-        depth, before = _depths(bore, radial, k), load(bore.depth, k - HALO)
-        force = select(depth > 0.0, bore.stiffness * depth, 0.0)
-        last = select(before > 0.0, bore.stiffness * before, 0.0)
-        past = before, last, 0.0, load(bore.kick, k - HALO), load(bore.residual, k - HALO)
-        kick, residual = kick_force((1.0, 0.0), past, (depth, force, 0.0))
-        store(bore.depth, k - HALO, depth)
-        store(bore.kick, k - HALO, kick)
-        store(bore.residual, k - HALO, residual)
-        store(ring.w, radial + k, load(ring.w, radial + k) - over * kick)
-        x += kick * load(ring.cosines, k)
-        y += kick * load(ring.sines, k)
-        turning += load(ring.w, around + k)
-    bore.impulse[0] += dt * total(x)
-    bore.impulse[1] += dt * total(y)
-    mean = total(turning) / ring.n_sectors
-    for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-        store(ring.w, around + k, load(ring.w, around + k) - mean)
-    bore.before[0], bore.before[1] = bore.velocity[0], bore.velocity[1]
-
-
-@part
-def _write_bore(bore, drive, out):
-    ring, at, dt = bore.ring, bore.column, drive.dt
-    radial = 2 * ring.held * ring.cosines.size
-    x, y, square, touching = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-        depth = _depths(bore, radial, k)
-        pushed = select(depth > 0.0, depth, 0.0)
-        x += pushed * load(ring.cosines, k)
-        y += pushed * load(ring.sines, k)
-        square += pushed * pushed
-        touching += select(depth > 0.0, splat(1.0), 0.0)
-    out[CONTACT] += 0.5 * bore.stiffness * total(square)
-    out[at + PLACE_X], out[at + PLACE_Y] = _mean(ring, ring.u, radial)
-    out[at + AX], out[at + AY] = (bore.velocity[0] - bore.before[0]) / dt, (bore.velocity[1] - bore.before[1]) / dt
-    out[at + FORCE_X], out[at + FORCE_Y] = -bore.stiffness * total(x), -bore.stiffness * total(y)
-    out[at + ARC] = 2.0 * np.pi * total(touching) / ring.n_sectors

@@ -15,24 +15,13 @@ Equation (2) of docs/method.md.
 
 import numpy as np
 
+from fem.kernels import lanes
 from fem.kernels.elements import surfaces
 from fem.kernels.elements.state import Pair
 from fem.kernels.elements.tilted import SlicedLaw, press_tilted
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import load_pair, next_rollers, store_pair
-from fem.kernels.lanes import (
-    WIDTH,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    scatter_add,
-    select,
-    splat,
-    square_root,
-    store,
-    total,
-)
+from fem.kernels.lanes import WIDTH, any_lane, count_from, load, select, splat, store, total
 from fem.kernels.law import kick_force, next_force
 from fem.kernels.profiles import lowered_ring, lowered_rollers
 
@@ -59,12 +48,6 @@ def second_rollers(pair, group, n):
 
 
 @part
-def next_roller(j, n):
-    """The roller after roller j."""
-    return j + 1 if j + 1 < n else 0
-
-
-@part
 def with_dampers(dampers, row, force):
     """Forces of eight contacts with their dampers', N."""
     return force if dampers is None else force + load(dampers.force, row)
@@ -87,12 +70,12 @@ def _meet(pair, rollers, disc, contacts):
         x, y = load_pair(centre, group, columns)
         if pair.surface is not None:
             x, y = x - pair.centre[0], y - pair.centre[1]
-            distance = square_root(x * x + y * y)
+            distance = lanes.square_root(x * x + y * y)
             overlap = sign * (pair.radius - distance) + rollers.radius
         else:
             i = next_rollers(group, n)
-            x, y = gather(centre, i) - x, gather(centre, i + columns) - y
-            distance = square_root(x * x + y * y)
+            x, y = lanes.gather(centre, i) - x, lanes.gather(centre, i + columns) - y
+            distance = lanes.square_root(x * x + y * y)
             overlap = 2.0 * rollers.radius - distance
         near = (overlap >= -contacts.reach) & (count_from(group) < n)
         store(forces.overlap, row, select(near, overlap, np.nan))
@@ -109,7 +92,7 @@ def _meet(pair, rollers, disc, contacts):
         if pair.surface is not None:
             c_0, s_0 = pair.frame[1], pair.frame[2]
         else:
-            c_0, s_0, c, s = c, s, gather(cosine, i), gather(sine, i)
+            c_0, s_0, c, s = c, s, lanes.gather(cosine, i), lanes.gather(sine, i)
         store_pair(patches.outward, 2 * side * columns + group, columns, c_0 * nx + s_0 * ny, c_0 * ny - s_0 * nx)
         bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
         store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
@@ -157,29 +140,6 @@ def _kept_motion(patches, side, group):
 
 
 @part
-def _press_by_law(law, forces, row, near, approach, ripple):
-    """Forces of eight contacts and what a kick gives, N; 0 where they are not near.
-
-    Parameters
-    ----------
-    row : where the first of the contacts stands in arrays; ripple : m/N, by which the law's A B is more here
-    """
-    level, inside = law.B + ripple * (1.0 / law.A), select(near, approach, -1.0)
-    before, approach_before = load(forces.force, row), load(forces.approach, row)
-    level_before = load(forces.bracket, row)
-    Q = next_force(inside, law.A, level, law.Q_line, before, approach_before, level_before)
-    last = approach_before, before, level_before, load(forces.kick, row), load(forces.residual, row)
-    P, residual = kick_force((law.A, law.Q_line), last, (inside, Q, level))
-    P = select(near, P, 0.0)
-    store(forces.force, row, Q)
-    store(forces.bracket, row, level)
-    store(forces.approach, row, select(near, approach, np.nan))
-    store(forces.kick, row, P)
-    store(forces.residual, row, residual)
-    return Q, P
-
-
-@part
 def _press(pair, rollers, disc, contacts, drive):
     """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
     forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, pair.sign
@@ -218,28 +178,40 @@ def _press(pair, rollers, disc, contacts, drive):
             normal, met = (nx, ny), (near, approach, ripple + ripple_r)
             Q, P, across = press_tilted(law, rollers, forces, group, row, normal, met, dt)
         else:
-            Q, P = _press_by_law(law, forces, row, near, approach, ripple + ripple_r)
+            # the law's A B is more by the ripple
+            level, inside = law.B + (ripple + ripple_r) * (1.0 / law.A), select(near, approach, -1.0)
+            before, approach_before = load(forces.force, row), load(forces.approach, row)
+            level_before = load(forces.bracket, row)
+            Q = next_force(inside, law.A, level, law.Q_line, before, approach_before, level_before)
+            last = approach_before, before, level_before, load(forces.kick, row), load(forces.residual, row)
+            P, residual = kick_force((law.A, law.Q_line), last, (inside, Q, level))
+            P = select(near, P, 0.0)
+            store(forces.force, row, Q)
+            store(forces.bracket, row, level)
+            store(forces.approach, row, select(near, approach, np.nan))
+            store(forces.kick, row, P)
+            store(forces.residual, row, residual)
         half, given, over = 0.5 * Q * Q, P * (sign * dt), dt / rollers.inertia
         x, y = given * nx, given * ny
         tilting = P * slopes[0] - half * (ripple_rate + ripple_rate_r)
         if isinstance(law, SlicedLaw):
             tilting = tilting - across
         tilting = tilting * load(forces.nearness, row) * dt
-        scatter_add(impulse, i, x)
-        scatter_add(impulse, i + columns, y)
-        scatter_add(body_impulse, i, tilting * ny)
-        scatter_add(body_impulse, i + columns, -(tilting * nx))
-        scatter_add(turn_kick, i, (P * rate_r - half * ripple_rate_r) * over)
+        lanes.scatter_add(impulse, i, x)
+        lanes.scatter_add(impulse, i + columns, y)
+        lanes.scatter_add(body_impulse, i, tilting * ny)
+        lanes.scatter_add(body_impulse, i + columns, -(tilting * nx))
+        lanes.scatter_add(turn_kick, i, (P * rate_r - half * ripple_rate_r) * over)
         if pair.surface is not None:
             ring_x -= tilting * ny
             ring_y += tilting * nx
             moment += half * ripple_rate - P * slopes[1]
         else:
-            scatter_add(impulse, group, -x)
-            scatter_add(impulse, columns + group, -y)
-            scatter_add(body_impulse, group, -(tilting * ny))
-            scatter_add(body_impulse, columns + group, tilting * nx)
-            scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
+            lanes.scatter_add(impulse, group, -x)
+            lanes.scatter_add(impulse, columns + group, -y)
+            lanes.scatter_add(body_impulse, group, -(tilting * ny))
+            lanes.scatter_add(body_impulse, columns + group, tilting * nx)
+            lanes.scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
     if pair.surface is not None:
         pair.impulse[0] += total(ring_x)
         pair.impulse[1] += total(ring_y)
@@ -260,8 +232,8 @@ def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
         row = pair.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
-            moment += surfaces.scatter_normal_force(surface, patches, side, group, given * pair.sign)
-            surfaces.scatter_normal_force(disc, patches, side + 1, group, given)
+            moment += surfaces.scatter_force(surface, patches, side, group, given * pair.sign, None)
+            surfaces.scatter_force(disc, patches, side + 1, group, given, None)
     surfaces.accumulate_ghost_nodes(surface)
     if pair.surface is not None:
         pair.moment[1] += total(moment)

@@ -26,7 +26,7 @@ import numpy as np
 from fem.kernels.drive import SPEED, OuterTurn, speed_of
 from fem.kernels.elements import surfaces
 from fem.kernels.elements.bodies import Bore
-from fem.kernels.elements.contacts import first_surface, next_roller, scatter_normal_forces
+from fem.kernels.elements.contacts import first_surface, scatter_normal_forces
 from fem.kernels.elements.rings import HALO
 from fem.kernels.elements.state import DiscSurface, Hub, Pair, RigidDisc, RingSurface
 from fem.kernels.elements.surfaces import N_NODES
@@ -132,7 +132,7 @@ def _damp_in_turn(pair, rollers, disc, contacts, dt, first, end):
             ring, ring_light = _velocity_out(pair.surface, patches, 2 * row, j, j, nx, ny)
             other = sign * (ring - velocity[0, j] * nx - velocity[1, j] * ny)
         else:
-            i = next_roller(j, rollers.n)
+            i = j + 1 if j + 1 < rollers.n else 0
             other, ring_light = _velocity_out(disc, patches, 2 * row, j, j, nx, ny)
             other -= (velocity[0, i] - velocity[0, j]) * nx + (velocity[1, i] - velocity[1, j]) * ny
         own, own_light = _velocity_out(disc, patches, 2 * row + 1, j, i, nx, ny)
@@ -194,20 +194,20 @@ def _velocity_out(surface, patches, side, j, column, nx, ny):
 
 @part
 def _push_late(surface, patches, side, j, column, impulse, x, y):
-    """`scatter_normal_force` once bodies have had their kick; (x, y): fixed axes, N s. Returns its moment."""
+    """`surfaces.scatter_force` along b once bodies have had their kick; (x, y): fixed axes, N s. Returns its moment."""
     if isinstance(surface, Hub) or isinstance(surface, RigidDisc):
         return surfaces.push_body(surface, column, x, y, 0.0)
     group = j - j % WIDTH
     given = select(count_from(group) == j, impulse, 0.0)
     if isinstance(surface, RingSurface):
         surfaces.clear_ghost_nodes(surface)
-        moment = total(surfaces.scatter_normal_force(surface, patches, side, group, given))
+        moment = total(surfaces.scatter_force(surface, patches, side, group, given, None))
         surfaces.accumulate_ghost_nodes(surface)
         return moment
     if isinstance(surface, DiscSurface):
         surface.impulse[0, column] += x
         surface.impulse[1, column] += y
-        surfaces.scatter_normal_force(surface, patches, side, group, given)
+        surfaces.scatter_force(surface, patches, side, group, given, None)
     return 0.0
 
 
@@ -251,7 +251,12 @@ def damp_bodies(bodies, drive, damping):
     """
     before, half, outer, around = damping.work[0], 0.5 * drive.dt, bodies.outer, damping.around
     _damp_rollers(bodies.disc, bodies.rollers, damping, drive.dt)
-    _damp_inner(bodies.inner, drive, damping)
+    c, s, speed, velocity = drive.frame[1], drive.frame[2], speed_of(drive), drive.velocity
+    hub_x, hub_y = drive.hub[0] - half * velocity[0], drive.hub[1] - half * velocity[1]
+    x, y = velocity[0] + speed * hub_y, velocity[1] - speed * hub_x
+    x, y = _damp_ring(bodies.inner, damping, half, speed, c * x + s * y, c * y - s * x)
+    velocity[0] += (c * x - s * y) / drive.mass
+    velocity[1] += (s * x + c * y) / drive.mass
     if isinstance(around, OuterTurn):
         _damp_ring(outer, damping, half, around.now[SPEED], 0.0, 0.0)
     elif isinstance(around, Housing):
@@ -262,7 +267,7 @@ def damp_bodies(bodies, drive, damping):
         speed, x, y = _whole_motion(outer, half)
         _damp_ring(outer, damping, half, speed, x, y)
     else:  # a ring on the ground has no motion but its own
-        _damp_held(outer, damping)
+        _damp_ring(outer, damping, half, 0.0, 0.0, 0.0)
     damping.work[1] = damping.work[0] - before
 
 
@@ -291,18 +296,6 @@ def _damp_rollers(disc, rollers, damping, dt):
             store(w, at + columns, vy - damping.share * own_y)
             lost += mass[i] * (own_x * own_x + own_y * own_y)
     damping.work[0] += damping.share * total(lost)
-
-
-@part(inlined=False)
-def _damp_inner(ring, drive, damping):
-    c, s, half = drive.frame[1], drive.frame[2], 0.5 * drive.dt
-    speed = speed_of(drive)
-    hub_x, hub_y = drive.hub[0] - half * drive.velocity[0], drive.hub[1] - half * drive.velocity[1]
-    x, y = drive.velocity[0] + speed * hub_y, drive.velocity[1] - speed * hub_x
-    back_x, back_y = _damp_ring(ring, damping, half, speed, c * x + s * y, c * y - s * x)
-    over = 1.0 / drive.mass
-    drive.velocity[0] += over * (c * back_x - s * back_y)
-    drive.velocity[1] += over * (s * back_x + c * back_y)
 
 
 @part(inlined=False)
@@ -340,7 +333,7 @@ def _whole_motion(ring, half):
     width, mass, size, turning = ring.cosines.size, 0.0, 0.0, 0.0
     place_x, place_y, moved_x, moved_y = 0.0, 0.0, 0.0, 0.0
     for row in range(ring.first_row, ring.last_row):
-        part_size, part_turning, at = splat(0.0), splat(0.0), 2 * row * width
+        part_size, part_turning, at, of_node = splat(0.0), splat(0.0), 2 * row * width, ring.row_mass[row]
         part_x, part_y, part_vx, part_vy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
         for k in range(HALO, width - HALO, WIDTH):
             e, f = load(ring.cosines, k), load(ring.sines, k)
@@ -349,33 +342,13 @@ def _whole_motion(ring, half):
             y = load(ring.u, at + width + k) - half * q
             part_size += x * x + y * y
             part_turning += x * q - y * p
-            part_x += x * e - y * f
-            part_y += x * f + y * e
-            part_vx += p * e - q * f
-            part_vy += p * f + q * e
-        of_node = ring.row_mass[row]
-        mass += of_node * ring.n_sectors
-        size += of_node * total(part_size)
+            part_x, part_y = part_x + (x * e - y * f), part_y + (x * f + y * e)
+            part_vx, part_vy = part_vx + (p * e - q * f), part_vy + (p * f + q * e)
+        mass, size = mass + of_node * ring.n_sectors, size + of_node * total(part_size)
         turning += of_node * total(part_turning)
-        place_x += of_node * total(part_x)
-        place_y += of_node * total(part_y)
-        moved_x += of_node * total(part_vx)
-        moved_y += of_node * total(part_vy)
+        place_x, place_y = place_x + of_node * total(part_x), place_y + of_node * total(part_y)
+        moved_x, moved_y = moved_x + of_node * total(part_vx), moved_y + of_node * total(part_vy)
     over = 1.0 / mass
     turning -= over * (place_x * moved_y - place_y * moved_x)
     speed = turning / (size - over * (place_x * place_x + place_y * place_y))
     return speed, over * (moved_x + speed * place_y), over * (moved_y - speed * place_x)
-
-
-@part(inlined=False)
-def _damp_held(ring, damping):
-    width, lost = ring.cosines.size, 0.0
-    for row in range(ring.first_row, ring.last_row):
-        part_lost = splat(0.0)
-        for at in range(2 * row * width, 2 * (row + 1) * width, width):
-            for k in range(at + HALO, at + width - HALO, WIDTH):
-                p = load(ring.w, k)
-                store(ring.w, k, p - damping.share * p)
-                part_lost += p * p
-        lost += ring.row_mass[row] * total(part_lost)
-    damping.work[0] += damping.share * lost

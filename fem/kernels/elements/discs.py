@@ -54,12 +54,26 @@ def _moment(mass, field, at, columns, x, y, so_far):
     return fma(mass, load(field, at) * y - load(field, at + columns) * x, so_far)
 
 
+@part
+def _store(field, at, columns, four):
+    """Values of one node in sixteen columns."""
+    store(field, at, four[0])
+    store(field, at + 8, four[1])
+    store(field, at + columns, four[2])
+    store(field, at + columns + 8, four[3])
+
+
+@part
+def _added(factor, four, field, at, columns):
+    """Values of one node in sixteen columns, times a factor, and those of a field."""
+    x0, x1 = fma(factor, four[0], load(field, at)), fma(factor, four[1], load(field, at + 8))
+    return x0, x1, fma(factor, four[2], load(field, at + columns)), fma(factor, four[3], load(field, at + columns + 8))
+
+
 @part(inlined=False)
 def kick(disc, w, columns, torque):
     """w += dt·internal acceleration; torque of the internal forces.
 
-    Parameters
-    ----------
     disc : `state.Disc`; w : its velocities, or others to be changed instead
     torque : filled with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
     """
@@ -84,12 +98,8 @@ def _calm(disc, columns, calming, ahead, block):
     """calmed = w + β dt·(blocks·w) in sixteen columns; w lacks `ahead` times the points, 1/s, see `slow_waves`."""
     w, calmed = disc.w, disc.calmed
     for i in range(disc.mass.size):
-        x0, x1, y0, y1 = _slowing(disc, w, columns, ahead, i, block)
         at = i * (2 * columns) + block
-        store(calmed, at, fma(calming, x0, load(w, at)))
-        store(calmed, at + 8, fma(calming, x1, load(w, at + 8)))
-        store(calmed, at + columns, fma(calming, y0, load(w, at + columns)))
-        store(calmed, at + columns + 8, fma(calming, y1, load(w, at + columns + 8)))
+        _store(calmed, at, columns, _added(calming, _slowing(disc, w, columns, ahead, i, block), w, at, columns))
 
 
 @part
@@ -112,10 +122,7 @@ def _slow(disc, columns, slowing, ahead, i, block, moments):
     """u of node i, what it gains over `slowing`, and the moments so far."""
     x0, x1, y0, y1 = _slowing(disc, disc.calmed, columns, ahead, i, block)
     u, at, m = disc.u, i * (2 * columns) + block, gather(disc.mass, i)
-    store(u, at, fma(slowing, x0, load(u, at)))
-    store(u, at + 8, fma(slowing, x1, load(u, at + 8)))
-    store(u, at + columns, fma(slowing, y0, load(u, at + columns)))
-    store(u, at + columns + 8, fma(slowing, y1, load(u, at + columns + 8)))
+    _store(u, at, columns, _added(slowing, (x0, x1, y0, y1), u, at, columns))
     t0 = _moment(-m, disc.w, at, columns, x0, y0, moments[0])
     return x0, x1, y0, y1, (t0, _moment(-m, disc.w, at + 8, columns, x1, y1, moments[1]))
 
@@ -129,8 +136,6 @@ def slow_waves(disc, cosine, columns, slowing, calming, dt, torque):
     A roller that turns moves in chords, half a step ahead of its frame, where w has a part along its points: what the
     stencil makes of that is taken out.
 
-    Parameters
-    ----------
     cosine : (columns,), of the frame's turn in a step
     slowing, calming : γ dt², s², and β dt, s
     torque : filled with Σ m (u gained/γ dt²) x w by column, N m: what γ dt² of it adds to a roller's angular momentum
@@ -146,10 +151,7 @@ def slow_waves(disc, cosine, columns, slowing, calming, dt, torque):
         for i in range(disc.first, disc.mass.size):
             x0, x1, y0, y1, moments = _slow(disc, columns, slowing, ahead, i, block, moments)
             at = i * (2 * columns) + block
-            store(v, at, fma(over, x0, load(w, at)))
-            store(v, at + 8, fma(over, x1, load(w, at + 8)))
-            store(v, at + columns, fma(over, y0, load(w, at + columns)))
-            store(v, at + columns + 8, fma(over, y1, load(w, at + columns + 8)))
+            _store(v, at, columns, _added(over, (x0, x1, y0, y1), w, at, columns))
         store(torque, block, moments[0])
         store(torque, block + 8, moments[1])
 
@@ -171,8 +173,6 @@ def strain_power(disc, w, before, columns, n):
 def drift(disc, turns, columns, dt, moment):
     """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 
-    Parameters
-    ----------
     disc : `state.Disc`
     moment : filled with Σ m X x (X + u) by column, kg m²: inertia times the body's lead of its frame
     """

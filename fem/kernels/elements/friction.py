@@ -24,32 +24,21 @@ Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Ela
 Equation (7) of docs/method.md.
 """
 
+from fem.kernels import lanes
 from fem.kernels.columns import ROLLER
 from fem.kernels.elements import surfaces
-from fem.kernels.elements.contacts import first_surface, next_roller, second_rollers, with_dampers
+from fem.kernels.elements.contacts import first_surface, second_rollers, with_dampers
 from fem.kernels.elements.state import DiscSurface, Pair
 from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import load_pair, maximum, minimum, next_rollers
-from fem.kernels.lanes import (
-    WIDTH,
-    absolute,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    scatter_add,
-    select,
-    splat,
-    square_root,
-    store,
-    to_float,
-    to_int,
-    total,
-)
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, store, total
 from fem.kernels.law import SLIP_FLOOR, STEEPEST, creep_traction
 
 WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
+# steps of `_creep`: tractions from slips without any; from those with all last ones; of every other contact in turn,
+# each with all others' tractions; last tractions on all bodies, on rigid ones alone; tractions on bodies with nodes
+ALONE, BESIDE, IN_TURN, AS_BEFORE, BODIES_AS_BEFORE, NODES = range(6)
 
 
 @part
@@ -105,18 +94,14 @@ def friction_contacts(groups, rollers, disc, contacts, drive, later):
         _pull_all(groups, rollers, disc, contacts, drive, later)
     elif friction.overlapping is None:
         _creep_at_once(groups, rollers, disc, contacts, drive)
-    elif friction.overlapping == ALWAYS or _rollers_touch(contacts, rollers):
-        _creep_in_turn(groups, rollers, disc, contacts, drive)
     else:
-        _creep_at_once(groups, rollers, disc, contacts, drive)
-
-
-@part
-def _rollers_touch(contacts, rollers):
-    found = splat(0.0)
-    for group in range(0, rollers.n, WIDTH):
-        found += load(contacts.forces.force, ROLLER * rollers.columns + group)
-    return any_lane(found > 0.0)
+        touch = splat(0.0)  # forces of rollers that touch
+        for group in range(0, rollers.n, WIDTH):
+            touch += load(contacts.forces.force, ROLLER * rollers.columns + group)
+        if friction.overlapping == ALWAYS or any_lane(touch > 0.0):
+            _creep_in_turn(groups, rollers, disc, contacts, drive)
+        else:
+            _creep_at_once(groups, rollers, disc, contacts, drive)
 
 
 @part
@@ -124,30 +109,25 @@ def _creep_at_once(groups, rollers, disc, contacts, drive):
     """Of contacts that share no nodes."""
     if contacts.friction.whole is None:
         slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _creep_all(groups, rollers, disc, contacts, drive)
+        _creep_all(groups, rollers, disc, contacts, drive, ALONE)
     else:
-        _drag_all_bodies(groups, rollers, disc, contacts, drive)
+        _creep_all(groups, rollers, disc, contacts, drive, BODIES_AS_BEFORE)
         slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _creep_all_beside(groups, rollers, disc, contacts, drive)
+        _creep_all(groups, rollers, disc, contacts, drive, BESIDE)
         _move_all_bodies(groups, rollers, disc, contacts, drive, True)
-        _drag_all_nodes(groups, rollers, disc, contacts, drive)
+        _creep_all(groups, rollers, disc, contacts, drive, NODES)
         _move_all_bodies(groups, rollers, disc, contacts, drive, False)
 
 
 @part(inlined=False)
 def _creep_in_turn(groups, rollers, disc, contacts, drive):
     """Of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
-    _drag_all_as_before(groups, rollers, disc, contacts, drive)
-    _creep_all_in_turn(groups, rollers, disc, contacts, drive)
+    _creep_all(groups, rollers, disc, contacts, drive, AS_BEFORE)
+    _creep_all(groups, rollers, disc, contacts, drive, IN_TURN)
     slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
 
 
 # the steps of a pair
-
-
-@part
-def _is_closed(contacts, row):
-    return any_lane(load(contacts.forces.force, row) > 0.0)
 
 
 @part
@@ -161,7 +141,7 @@ def _grip(pair, rollers, disc, contacts):
     """How the patches of a pair's closed contacts grip, for all that follows."""
     for group in range(0, rollers.n, WIDTH):
         row, side = pair.row * rollers.columns + group, 2 * pair.row
-        if _is_closed(contacts, row):
+        if any_lane(load(contacts.forces.force, row) > 0.0):
             mobility = surfaces.tangential_mobility(first_surface(pair, disc), contacts.patches, side, group)
             mobility = mobility + surfaces.tangential_mobility(disc, contacts.patches, side + 1, group)
             store(contacts.friction.mobility, row, mobility)
@@ -178,12 +158,12 @@ def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
     surfaces.fill_ghost_nodes(first_surface(pair, disc))
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * columns + group
-        if _is_closed(contacts, row):
+        if any_lane(load(contacts.forces.force, row) > 0.0):
             nx, ny = _normals(contacts, pair, group)
             i = second_rollers(pair, group, rollers.n)
-            own = gather(turn_kick, i) * rollers.radius
+            own = lanes.gather(turn_kick, i) * rollers.radius
             own += surfaces.tangential_velocity(disc, patches, side + 1, group, i, nx, ny)
-            slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
+            slip = lanes.gather(velocity, i + columns) * nx - lanes.gather(velocity, i) * ny
             if pair.surface is not None:
                 slip = slip - own if pair.sign > 0.0 else slip + own
                 slip -= surfaces.tangential_velocity(pair.surface, patches, side, group, 0, nx, ny)
@@ -197,7 +177,7 @@ def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
 @part
 def _full_slip(pair, rollers, contacts, group, Q):
     """Creep speeds, m/s, beyond which eight contacts slide; where two rollers meet nothing rolls."""
-    half_width, velocity, rolling = square_root(pair.law.half_width_factor * Q), rollers.velocity, splat(0.0)
+    half_width, velocity, rolling = lanes.square_root(pair.law.half_width_factor * Q), rollers.velocity, splat(0.0)
     if pair.surface is not None:
         nx, ny = _normals(contacts, pair, group)
         turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / pair.orbit)
@@ -225,31 +205,16 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if again:
             given = load(friction.traction, row)
             if some == ALL:
-                taken = splat(_whole_mobility(pair, disc) * dt)
+                whole = surfaces.body_mobility(disc) + surfaces.body_mobility(first_surface(pair, disc))
+                taken = splat(whole * dt)
         if some != ALL:
             number = count_from(group + some)
-            chosen = chosen & (number - to_int(to_float(number) * 0.5) * 2 == 0)
+            chosen = chosen & (number - lanes.to_int(lanes.to_float(number) * 0.5) * 2 == 0)
         T, left = creep_traction(slip - taken * given, friction.coefficient * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, slip))
         store(friction.traction, row, T)
         store(friction.change, row, T - given)
-
-
-@part
-def _whole_mobility(pair, disc):
-    return surfaces.body_mobility(disc) + surfaces.body_mobility(first_surface(pair, disc))
-
-
-@part
-def _take_last(pair, rollers, contacts):
-    """Begin with the last tractions of a pair's contacts that are still closed."""
-    friction = contacts.friction
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
-        store(friction.traction, row, last)
-        store(friction.change, row, last)
 
 
 @part
@@ -264,9 +229,9 @@ def _apply(pair, rollers, disc, contacts, share, dt):
         given = load(share, pair.row * rollers.columns + group) * dt  # along t on side 1
         if any_lane(given != 0.0):
             nx, ny = _normals(contacts, pair, group)
-            surfaces.scatter_tangential_force(disc, patches, side + 1, group, given * -pair.sign)
+            surfaces.scatter_force(disc, patches, side + 1, group, None, given * -pair.sign)
             _count_impulses(pair, rollers, disc, group, given * nx, given * ny)
-            moment += surfaces.scatter_tangential_force(surface, patches, side, group, -given)
+            moment += surfaces.scatter_force(surface, patches, side, group, None, -given)
     surfaces.accumulate_ghost_nodes(surface)
     if pair.surface is not None:
         pair.moment[1] += total(moment)
@@ -300,14 +265,14 @@ def _count_impulses(pair, rollers, disc, group, x, y):
     """Count impulses along t, the normal's (x, y) turned, that nodes of rollers are given to their centres' motion."""
     if isinstance(disc, DiscSurface):
         if pair.surface is not None:
-            scatter_add(disc.impulse, group, -y)
-            scatter_add(disc.impulse, group + disc.columns, x)
+            lanes.scatter_add(disc.impulse, group, -y)
+            lanes.scatter_add(disc.impulse, group + disc.columns, x)
         else:
             i = next_rollers(group, rollers.n)
-            scatter_add(disc.impulse, i, -y)
-            scatter_add(disc.impulse, i + disc.columns, x)
-            scatter_add(disc.impulse, group, y)
-            scatter_add(disc.impulse, group + disc.columns, -x)
+            lanes.scatter_add(disc.impulse, i, -y)
+            lanes.scatter_add(disc.impulse, i + disc.columns, x)
+            lanes.scatter_add(disc.impulse, group, y)
+            lanes.scatter_add(disc.impulse, group + disc.columns, -x)
 
 
 @part
@@ -316,7 +281,9 @@ def _drag_bodies(pair, rollers, disc, contacts, dt):
     normal, change, row, moment = contacts.patches.normal, contacts.friction.change, pair.row, 0.0
     for j in range(rollers.n):
         given, nx, ny = change[row, j] * dt, normal[row, 0, j], normal[row, 1, j]
-        i = j if pair.surface is not None else next_roller(j, rollers.n)
+        i = j + 1 if j + 1 < rollers.n else 0
+        if pair.surface is not None:
+            i = j
         surfaces.push_body(disc, i, -given * ny, given * nx, -pair.sign * given)
         moment += surfaces.push_body(first_surface(pair, disc), j, given * ny, -given * nx, -given)
     if pair.surface is not None:
@@ -324,49 +291,35 @@ def _drag_bodies(pair, rollers, disc, contacts, dt):
 
 
 @part
-def _creep(pair, rollers, disc, contacts, drive):
-    """Tractions of a pair's contacts from slips without any, and their impulses."""
-    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
-    _apply(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-@part
-def _creep_pair_in_turn(pair, rollers, disc, contacts, drive):
-    """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
-    for some in range(2):
-        slip_velocity(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _find_tractions(pair, rollers, disc, contacts, drive.dt, some, True)
-        _apply(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-@part
-def _creep_beside(pair, rollers, disc, contacts, drive):
-    """Tractions of a pair's contacts from slips with all last tractions."""
-    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, True)
-
-
-@part
-def _drag_as_before(pair, rollers, disc, contacts, drive):
-    _take_last(pair, rollers, contacts)
-    _apply(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-@part
-def _drag_bodies_as_before(pair, rollers, disc, contacts, drive):
-    _take_last(pair, rollers, contacts)
-    _drag_bodies(pair, rollers, disc, contacts, drive.dt)
-
-
-@part
-def _drag_nodes(pair, rollers, disc, contacts, drive):
-    """The bodies with nodes have been given nothing yet, the rigid ones the last tractions."""
-    _apply(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
+def _creep(pair, rollers, disc, contacts, drive, what):
+    """A step of finding a pair's tractions, or of giving bodies their impulses."""
+    friction, dt = contacts.friction, drive.dt
+    if what == ALONE or what == BESIDE:
+        _find_tractions(pair, rollers, disc, contacts, dt, ALL, what == BESIDE)
+    if what == AS_BEFORE or what == BODIES_AS_BEFORE:  # begin with the last tractions of contacts still closed
+        for group in range(0, rollers.n, WIDTH):
+            row = pair.row * rollers.columns + group
+            last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
+            store(friction.traction, row, last)
+            store(friction.change, row, last)
+    if what == ALONE or what == AS_BEFORE:
+        _apply(pair, rollers, disc, contacts, friction.change, dt)
+    if what == BODIES_AS_BEFORE:
+        _drag_bodies(pair, rollers, disc, contacts, dt)
+    if what == NODES:  # which have been given nothing yet, the rigid bodies the last tractions
+        _apply(pair, rollers, disc, contacts, friction.traction, dt)
+    if what == IN_TURN:
+        for some in range(2):
+            slip_velocity(pair, rollers, disc, contacts, rollers.turn_kick, friction.slip_left)
+            _find_tractions(pair, rollers, disc, contacts, dt, some, True)
+            _apply(pair, rollers, disc, contacts, friction.change, dt)
 
 
 @part
 def _move_bodies(pair, rollers, disc, contacts, drive, out):
     """Add what rigid bodies move to the slips left; or take it out, with what a change of their own traction will."""
-    friction, mobility = contacts.friction, _whole_mobility(pair, disc) * drive.dt
+    friction, mobility = contacts.friction, surfaces.body_mobility(disc)
+    mobility = (mobility + surfaces.body_mobility(first_surface(pair, disc))) * drive.dt
     for group in range(0, rollers.n, WIDTH):
         row, (nx, ny) = pair.row * rollers.columns + group, _normals(contacts, pair, group)
         along, around = surfaces.body_motion(disc, second_rollers(pair, group, rollers.n), nx, ny)
@@ -407,7 +360,7 @@ def _pull(pair, rollers, disc, contacts, drive, later):
 def pull(shear, contacts, pair, row, dt, limit, full_slip):
     """Forces, N, of the springs of eight contacts along their slips; `limit`, N, and `full_slip`, m/s, as Carter's."""
     forces, law, Q = contacts.forces, pair.law, load(contacts.forces.force, row)
-    closed, level = Q > 0.0, gather(shear.level, pair.row) - load(forces.bracket, row)
+    closed, level = Q > 0.0, lanes.gather(shear.level, pair.row) - load(forces.bracket, row)
     # compliances by the present normal forces, m/N: approach over force is A (bracket − ½ ln Q), saves a logarithm
     soft = select(closed, load(forces.approach, row), 0.0) / select(closed, Q, 1.0) + law.A * level
     soft = maximum(soft, STEEPEST * law.A)
@@ -456,10 +409,4 @@ def spring_energy(shear, n):
 
 
 grip_all, slip_all, _pull_all = every(_grip, Pair), every(slip_velocity, Pair), every(_pull, Pair)
-_creep_all, _creep_all_in_turn, _creep_all_beside = (
-    every(_creep, Pair), every(_creep_pair_in_turn, Pair), every(_creep_beside, Pair)
-)  # fmt: skip
-_drag_all_as_before, _drag_all_bodies, _drag_all_nodes, _move_all_bodies = (
-    every(_drag_as_before, Pair), every(_drag_bodies_as_before, Pair), every(_drag_nodes, Pair),
-    every(_move_bodies, Pair),
-)  # fmt: skip
+_creep_all, _move_all_bodies = every(_creep, Pair), every(_move_bodies, Pair)

@@ -4,7 +4,7 @@
 """
 
 from fem.kernels.cage import CagePair, meet, rub
-from fem.kernels.drive import STEP, follow, is_turning, load_at, outer_axes, outer_of, speed_of, step_of
+from fem.kernels.drive import STEP, follow, is_turning, load_at, outer_axes, speed_of, step_of
 from fem.kernels.elements import bodies as further
 from fem.kernels.elements import discs, rings
 from fem.kernels.elements.contacts import press_patches, push_neighbours, push_patches
@@ -56,11 +56,10 @@ def push_surfaces(groups, bodies, contacts, drive):
     elif points is None or points.shift.shape[2] == 1:
         push_patches(groups, rollers, bodies.surface, contacts, None, drive.dt)
         if isinstance(bodies.surface, RigidDisc):  # where they act on whole bodies
-            impulse, body_impulse = rollers.node_impulse, rollers.body_impulse
             for component in range(2):
                 for j in range(rollers.n):
-                    body_impulse[component, j] += impulse[component, j]
-                    impulse[component, j] = 0.0
+                    rollers.body_impulse[component, j] += rollers.node_impulse[component, j]
+                    rollers.node_impulse[component, j] = 0.0
 
 
 @part
@@ -70,8 +69,9 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     Returns of this step the work of the load, J, and the moment on hub and ring about the origin other than the drive's
     and gravity's, N m s.
     """
-    rollers, surface, friction, velocity = bodies.rollers, bodies.surface, contacts.friction, drive.velocity
+    rollers, surface, friction, inner = bodies.rollers, bodies.surface, contacts.friction, bodies.inner
     slowed, dt, outer = drive.slowed, drive.dt, None if drive.history is None else drive.history.outer
+    velocity, impulse, hub = drive.velocity, drive.impulse, drive.hub
     follow(drive, time)
     rollers.node_impulse[:] = 0.0
     rollers.body_impulse[:] = 0.0
@@ -98,7 +98,14 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         rollers.velocity[1, j] += rollers.body_impulse[1, j] * lightness - drive.gravity * dt
     before_x, before_y = velocity[0], velocity[1]
     side_load, radial_load = load_at(drive, time)
-    moment = _kick_hub(bodies.inner, drive, side_load, radial_load, scratch)
+    # the hub: contacts, the reaction of the ring's held row, load along x and against y, weight; the moment about the
+    # origin of contacts and load on it
+    rings.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = rings.resultant(scratch.bore, inner.cosines, inner.sines)
+    c, s, node_mass = drive.frame[1], drive.frame[2], inner.row_mass[inner.held]
+    moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0] + -hub[1] * side_load * dt
+    velocity[0] += (node_mass * (c * x - s * y) + impulse[0] + side_load * dt) / drive.mass
+    velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
     _kick_nodes(bodies, drive, scratch)
     further.kick_others(bodies.others, drive)
     rub_cages(groups, drive)
@@ -115,22 +122,6 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     moved_y = dt * (before_y + velocity[1]) + slowed[0, 1] + slowed[1, 1]
     work_load = -radial_load * 0.5 * moved_y + side_load * 0.5 * moved_x  # friction may have moved a rigid hub
     return work_load, moment + drive.moment[1] - drive.moment[0] * dt
-
-
-@part
-def _kick_hub(inner, drive, side_load, radial_load, scratch):
-    """The hub's kick by contacts, the reaction of the ring's held row, load along x and against y, and weight.
-
-    Returns the moment about the origin of contacts and load on the hub, N m s.
-    """
-    dt, hub, velocity, impulse = drive.dt, drive.hub, drive.velocity, drive.impulse
-    rings.row_force(inner.table, inner.u, inner.held, scratch.bore)
-    x, y = rings.resultant(scratch.bore, inner.cosines, inner.sines)
-    c, s, node_mass = drive.frame[1], drive.frame[2], inner.row_mass[inner.held]
-    moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0] + -hub[1] * side_load * dt
-    velocity[0] += (node_mass * (c * x - s * y) + impulse[0] + side_load * dt) / drive.mass
-    velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
-    return moment
 
 
 @part
@@ -206,13 +197,26 @@ def drift(bodies, drive, scratch):
     after.
     """
     dt, rollers, inner, outer, slowing = drive.dt, bodies.rollers, bodies.inner, bodies.outer, drive.slowing
-    _move_rollers(rollers, dt, scratch)
-    step = step_of(drive)
+    columns, over, shift, hub, frame = rollers.columns, 1.0 / rollers.total_mass, scratch.shift, drive.hub, drive.frame
+    for j in range(0, rollers.n, WIDTH):  # centres of mass; what that is in the rollers' frames to `shift`
+        c, s = load(rollers.cosine, j), load(rollers.sine, j)
+        px, py = load_pair(rollers.node_impulse, j, columns)
+        px, py = px * over, py * over
+        store_pair(shift, j, columns, c * px + s * py, c * py - s * px)
+        vx, vy = load_pair(rollers.velocity, j, columns)
+        vx, vy = vx + px, vy + py
+        store_pair(rollers.velocity, j, columns, vx, vy)
+        x, y = load_pair(rollers.centre, j, columns)
+        store_pair(rollers.centre, j, columns, fma(dt, vx, x), fma(dt, vy, y))
+    step, outer_turn = step_of(drive), None if drive.history is None else drive.history.outer
     cosine, sine = cosine_and_sine(step)
-    shift = scratch.shift
     turns = discs.Turns(rollers.turn_kick, scratch.cosine, scratch.sine, shift[0], shift[1], rollers.swelling)
-    discs.drift(bodies.disc, turns, rollers.columns, dt, scratch.torque)
-    _drift_outer(outer_of(drive), outer, dt, slowing)
+    discs.drift(bodies.disc, turns, columns, dt, scratch.torque)
+    if outer_turn is None:
+        _drift_still(outer, dt, slowing)
+    else:  # masses are lumped
+        motion, rows = (outer.u, outer.w, outer.v), (outer.first_row, outer.last_row, outer.raceway)
+        rings.drift(motion, outer.radii, outer.grown, dt, cosine_and_sine(outer_turn.now[STEP]), rows)
     if is_turning(drive):
         first, end = inner.first_row, inner.last_row
         if slowing > 0.0:
@@ -225,23 +229,27 @@ def drift(bodies, drive, scratch):
     if isinstance(bodies.surface, RigidDisc):
         for j in range(0, rollers.n, WIDTH):
             store(scratch.torque, j, load(rollers.turn_kick, j) * (rollers.inertia * dt))
-    _turn_rollers(rollers, dt, scratch)
-    _move_hub(inner, drive, step)
-    outer_turn = None if drive.history is None else drive.history.outer
+    for j in range(0, rollers.n, WIDTH):  # frames; `torque` holds inertia times the angle by which bodies lead them
+        increment, lead = load(rollers.increment, j), load(scratch.torque, j) * (1.0 / rollers.inertia)
+        angle, turned = load(rollers.turn, j) + increment, increment + lead - load(rollers.lead, j)
+        c, s = cosine_and_sine(angle)
+        store(rollers.turn, j, angle)
+        store(rollers.cosine, j, c)
+        store(rollers.sine, j, s)
+        store(rollers.spin, j, turned * (1.0 / dt))
+        store(rollers.increment, j, turned + lead)
+        store(rollers.lead, j, lead)
+    hub[0] += dt * drive.velocity[0] + drive.slowed[1, 0]
+    hub[1] += dt * drive.velocity[1] + drive.slowed[1, 1]
+    if is_turning(drive):
+        frame[0] += step
+        frame[1], frame[2] = cosine_and_sine(frame[0])
+    hub_x, hub_y = frame[1] * hub[0] + frame[2] * hub[1], frame[1] * hub[1] - frame[2] * hub[0]
+    rings.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, hub_x, hub_y)
     if outer_turn is not None:
         outer_turn.frame[0] += outer_turn.now[STEP]
         outer_turn.frame[1], outer_turn.frame[2] = cosine_and_sine(outer_turn.frame[0])
     further.drift_others(bodies.others, drive)
-
-
-@part
-def _drift_outer(turning, ring, dt, slowing):
-    """The outer ring's nodes; where it turns masses are lumped."""
-    if turning is None:
-        _drift_still(ring, dt, slowing)
-    else:
-        motion, rows = (ring.u, ring.w, ring.v), (ring.first_row, ring.last_row, ring.raceway)
-        rings.drift(motion, ring.radii, ring.grown, dt, cosine_and_sine(turning.now[STEP]), rows)
 
 
 @part
@@ -252,51 +260,6 @@ def _drift_still(ring, dt, slowing):
         rings.unwrap(ring.w, ring.raceway)
     else:
         rings.drift_still(ring.u, ring.w, dt, ring.first_row, ring.last_row)
-
-
-@part
-def _move_hub(inner, drive, step):
-    hub, frame = drive.hub, drive.frame
-    hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
-    hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]
-    if is_turning(drive):
-        frame[0] += step
-        frame[1], frame[2] = cosine_and_sine(frame[0])
-    c, s = frame[1], frame[2]
-    x, y = c * hub[0] + s * hub[1], c * hub[1] - s * hub[0]
-    rings.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)
-
-
-@part
-def _move_rollers(rollers, dt, scratch):
-    """Move the centres of mass; what that is in the rollers' frames to `scratch`."""
-    columns, over = rollers.columns, 1.0 / rollers.total_mass
-    impulse, velocity, centre, shift = rollers.node_impulse, rollers.velocity, rollers.centre, scratch.shift
-    for j in range(0, rollers.n, WIDTH):
-        c, s = load(rollers.cosine, j), load(rollers.sine, j)
-        px, py = load(impulse, j) * over, load(impulse, columns + j) * over
-        store_pair(shift, j, columns, c * px + s * py, c * py - s * px)
-        vx, vy = load(velocity, j) + px, load(velocity, columns + j) + py
-        store_pair(velocity, j, columns, vx, vy)
-        x, y = load_pair(centre, j, columns)
-        store_pair(centre, j, columns, fma(dt, vx, x), fma(dt, vy, y))
-
-
-@part
-def _turn_rollers(rollers, dt, scratch):
-    """Turn the rollers' frames; `scratch.torque` holds inertia times the angle by which bodies lead them."""
-    for j in range(0, rollers.n, WIDTH):
-        increment = load(rollers.increment, j)
-        angle = load(rollers.turn, j) + increment
-        c, s = cosine_and_sine(angle)
-        lead = load(scratch.torque, j) * (1.0 / rollers.inertia)
-        turned = increment + lead - load(rollers.lead, j)
-        store(rollers.turn, j, angle)
-        store(rollers.cosine, j, c)
-        store(rollers.sine, j, s)
-        store(rollers.spin, j, turned * (1.0 / dt))
-        store(rollers.increment, j, turned + lead)
-        store(rollers.lead, j, lead)
 
 
 @kernel(nogil=True)

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.elements.contacts import first_surface, next_roller
+from fem.kernels.elements.contacts import first_surface
 from fem.kernels.elements.rings import HALO
 from fem.kernels.elements.state import DiscSurface, Pair, RingSurface
 from fem.kernels.elements.surfaces import N_NODES, chord, first_node, put, weight_slopes, weights
@@ -79,8 +79,9 @@ def _press_contacts(pair, rollers, disc, contacts, drive):
     points, forces, row, centre = contacts.points, contacts.forces, pair.row, rollers.centre
     normal = contacts.patches.normal
     for j in range(rollers.n):
-        i = j if pair.surface is not None else next_roller(j, rollers.n)
+        i = j + 1 if j + 1 < rollers.n else 0
         if pair.surface is not None:
+            i = j
             x, y = centre[0, j] - pair.centre[0], centre[1, j] - pair.centre[1]
             overlap = pair.sign * (pair.radius - sqrt(x * x + y * y)) + rollers.radius
         else:
@@ -108,7 +109,7 @@ def _press(pair, j, i, overlap, distance, rollers, disc, contacts, dt):
     of undeformed ones.
     """
     points, forces, patches, row, sign = contacts.points, contacts.forces, contacts.patches, pair.row, pair.sign
-    surface, spread, before, n_points = first_surface(pair, disc), points.spread, points.before, points.closing.size
+    surface, before, n_points = first_surface(pair, disc), points.before, points.closing.size
     closing, force, turning, single = points.closing, points.force, points.turning, points.closing.size == 1
     nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
     c, s, away_x, away_y = rollers.cosine[j], rollers.sine[j], 0.0, 0.0
@@ -122,7 +123,15 @@ def _press(pair, j, i, overlap, distance, rollers, disc, contacts, dt):
         out_1, sideways_1, rate_1 = _read_side(disc, other, row, q, points, 0.0, 0.0)
         closing[q] = overlap - points.rise[row, q] + out_0 + out_1
         turning[0, q], turning[1, q], turning[2, q] = rate_0, rate_1, sideways_0 + sideways_1
-    energy = _point_forces(points, row, j)
+    energy = 0.0  # stored; not a number where the outermost points are closed: the contact is wider than them
+    if points.spread is not None:
+        energy = spread_forces(points, points.spread, row, j)
+    else:
+        for q in range(n_points):
+            force[q] = points.stiffness[row] * max(closing[q], 0.0)
+            if n_points > 1 and force[q] > 0.0 and (q == 0 or q == n_points - 1):
+                force[q] = np.nan
+            energy += 0.5 * force[q] * closing[q]
     correction = 0.0 if single else _correction(points, row, j, energy)
     total, pushed, aside, turn_0, turn_1, tilt_0, tilt_1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(n_points):
@@ -151,13 +160,13 @@ def _press(pair, j, i, overlap, distance, rollers, disc, contacts, dt):
         turn_1 += p * rate_1
         tilt_0 += p * points.tangent[row, 0, q]
         tilt_1 += p * points.tangent[row, 1, q]
-        _share_out(patches.weight[one.patch, :, j], x_0, one.start, p, q, spread)
-        _share_out(patches.weight[other.patch, :, j], x_1, other.start, p, n_points + q, spread)
+        _share_out(patches.weight[one.patch, :, j], x_0, one.start, p, points, q)
+        _share_out(patches.weight[other.patch, :, j], x_1, other.start, p, points, n_points + q)
         if not single:  # else `push_patches` does it, once the slips before this kick are known
-            moment = _push_point(surface, one.column, x_0, mx_0, my_0, -(p * dt), q, spread)
+            moment = _push_point(surface, one.column, x_0, mx_0, my_0, -(p * dt), points, q)
             if pair.surface is not None:
                 pair.moment[1] += moment
-            _push_point(disc, other.column, x_1, mx_1, my_1, -(p * dt), n_points + q, spread)
+            _push_point(disc, other.column, x_1, mx_1, my_1, -(p * dt), points, n_points + q)
     forces.kick[row, j] = pushed
     points.energy[row, j] = energy
     if pushed == 0.0:
@@ -207,38 +216,30 @@ def _point(side, row, q, points):
 def _read_side(surface, side, row, q, points, away_x, away_y):
     """Motion of a side's surface at a point along its normal over cos φ, across it, and the first's change per rad."""
     x, mx, my, fx, fy = _point(side, row, q, points)
-    spread, out, sideways, rate = points.spread, 0.0, 0.0, 0.0
-    if spread is not None:  # shares of the nodes around are kept for what follows
-        first, t = (side.number * points.closing.size + q) * N_NODES, x - np.floor(x)
-        put(spread.share, first, 1, weights(t))
-        put(spread.slope, side.number * N_NODES, 1, weight_slopes(t))
-        node = first_node(int(np.floor(x))) % surface.n_nodes
-        for k in range(N_NODES):
-            along, across = _node_motion(surface, node, side.column, fx, fy)
-            out += spread.share[first + k] * along
-            sideways += spread.share[first + k] * across
-            rate += spread.slope[side.number * N_NODES + k] * along
-            node = node + 1 if node + 1 < surface.n_nodes else 0
-    else:
-        near, far, t = _nodes_beside(x, surface.n_nodes)
-        along_0, side_0 = _node_motion(surface, near, side.column, fx, fy)
-        along_1, side_1 = _node_motion(surface, far, side.column, fx, fy)
-        out, sideways, rate = (1.0 - t) * along_0 + t * along_1, (1.0 - t) * side_0 + t * side_1, along_1 - along_0
+    first, base, out, sideways, rate = points.closing.size * side.number + q, int(np.floor(x)), 0.0, 0.0, 0.0
+    share, slope, change, t = points.share, points.slope, side.number * N_NODES, x - base
+    first *= N_NODES
+    if points.spread is not None:
+        put(share, first, 1, weights(t))
+        put(slope, change, 1, weight_slopes(t))
+    else:  # the two nodes beside
+        put(share, first, 1, (0.0, 0.0, 1.0 - t, t, 0.0, 0.0))
+        put(slope, change, 1, (0.0, 0.0, -1.0, 1.0, 0.0, 0.0))
+    node = first_node(base) % surface.n_nodes
+    for k in range(N_NODES):
+        along, across = _node_motion(surface, node, side.column, fx, fy)
+        out += share[first + k] * along
+        sideways += share[first + k] * across
+        rate += slope[change + k] * along
+        node = node + 1 if node + 1 < surface.n_nodes else 0
     out -= away_x * mx + away_y * my
     sideways -= away_y * mx - away_x * my
     sagitta = points.sagitta[row, side.number]
     if sagitta != 0.0:
-        depth, slope = chord(x - np.floor(x))
+        depth, falling = chord(t)
         out -= sagitta * depth
-        rate -= sagitta * slope
+        rate -= sagitta * falling
     return out, sideways, rate * side.per_radian
-
-
-@part
-def _nodes_beside(x, n_nodes):
-    base = int(np.floor(x))
-    near = base % n_nodes
-    return near, near + 1 if near + 1 < n_nodes else 0, x - base
 
 
 @part
@@ -256,52 +257,34 @@ def _node_motion(surface, node, column, mx, my):
 
 
 @part
-def _push_node(surface, node, column, mx, my, impulse):
-    """Give a surface node an impulse along m, N s; returns its moment about the origin, N m s."""
-    if isinstance(surface, RingSurface):
-        node += HALO
-        radial = impulse * (mx * surface.cosines[node] + my * surface.sines[node])
-        around = impulse * (my * surface.cosines[node] - mx * surface.sines[node])
-        surface.w[surface.row, 0, node] += radial / surface.node_mass
-        surface.w[surface.row, 1, node] += around / surface.node_mass
-        u, v = surface.u[surface.row, 0, node], surface.u[surface.row, 1, node]
-        return (surface.radius + u) * around - v * radial
-    if isinstance(surface, DiscSurface):
-        k = node + surface.first
-        at = k * 2 * surface.columns + column
-        surface.w[at] += impulse * mx * surface.inverse_mass[k]
-        surface.w[at + surface.columns] += impulse * my * surface.inverse_mass[k]
-    return 0.0
-
-
-@part
-def _push_point(surface, column, x, mx, my, impulse, at, spread):
+def _push_point(surface, column, x, mx, my, impulse, points, at):
     """Give a surface an impulse along m, N s, at a position; returns its moment about the origin, N m s."""
-    if spread is not None:
-        node, moment = first_node(int(np.floor(x))) % surface.n_nodes, 0.0
-        for k in range(N_NODES):
-            moment += _push_node(surface, node, column, mx, my, impulse * spread.share[at * N_NODES + k])
-            node = node + 1 if node + 1 < surface.n_nodes else 0
-        return moment
-    near, far, t = _nodes_beside(x, surface.n_nodes)
-    moment = _push_node(surface, near, column, mx, my, impulse * (1.0 - t))
-    return moment + _push_node(surface, far, column, mx, my, impulse * t)
+    node, moment = first_node(int(np.floor(x))) % surface.n_nodes, 0.0
+    for k in range(N_NODES):
+        given = impulse * points.share[at * N_NODES + k]
+        if isinstance(surface, RingSurface):
+            i, row, w, u = node + HALO, surface.row, surface.w, surface.u
+            radial = given * (mx * surface.cosines[i] + my * surface.sines[i])
+            around = given * (my * surface.cosines[i] - mx * surface.sines[i])
+            w[row, 0, i] += radial / surface.node_mass
+            w[row, 1, i] += around / surface.node_mass
+            moment += (surface.radius + u[row, 0, i]) * around - u[row, 1, i] * radial
+        elif isinstance(surface, DiscSurface):
+            over = surface.inverse_mass[node + surface.first]
+            i = (node + surface.first) * 2 * surface.columns + column
+            surface.w[i] += given * mx * over
+            surface.w[i + surface.columns] += given * my * over
+        node = node + 1 if node + 1 < surface.n_nodes else 0
+    return moment
 
 
 @part
-def _share_out(weight, x, start, p, at, spread):
+def _share_out(weight, x, start, p, points, at):
     """Add a point's force to the nodes' shares of a patch, (width,), for friction, which is spread as pressure is."""
-    base, width = int(np.floor(x)), weight.size
-    if spread is not None:
-        k = first_node(base) - start
-        if 0 <= k and k + N_NODES <= width:
-            for i in range(N_NODES):
-                weight[k + i] += p * spread.share[at * N_NODES + i]
-    else:
-        t, k = x - base, base - start
-        if 0 <= k and k + 1 < width:
-            weight[k] += p * (1.0 - t)
-            weight[k + 1] += p * t
+    first = first_node(int(np.floor(x))) - start
+    for k in range(N_NODES):
+        if 0 <= first + k and first + k < weight.size:
+            weight[first + k] += p * points.share[at * N_NODES + k]
 
 
 @part
@@ -332,25 +315,6 @@ def _lever(x, n_nodes, radius):
 
 
 # forces of points
-
-
-@part(inlined=False)
-def _point_forces(points, row, j):
-    """Forces of a contact's points from what they close by; returns the energy stored in them, J.
-
-    Not a number where the outermost points are closed: the contact is wider than them.
-    """
-    closing, force = points.closing, points.force
-    n = closing.size
-    if points.spread is not None:
-        return spread_forces(points, points.spread, row, j)
-    energy = 0.0
-    for q in range(n):
-        force[q] = points.stiffness[row] * max(closing[q], 0.0)
-        if n > 1 and force[q] > 0.0 and (q == 0 or q == n - 1):
-            force[q] = np.nan
-        energy += 0.5 * force[q] * closing[q]
-    return energy
 
 
 @part(inlined=False)

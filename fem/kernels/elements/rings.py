@@ -80,8 +80,6 @@ def _row_force(table, u, row, out, at, base, added):
 def row_force(table, u, row, out):
     """out = table·u for one row of nodes.
 
-    Parameters
-    ----------
     table : (n_rows, 18), see `coefficients`, times any factor; out : (2, n_sectors + 2 HALO)
     """
     _row_force(table, u, row, out, 0, None, None)

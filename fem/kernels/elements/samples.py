@@ -9,7 +9,7 @@ from math import cos, sin
 
 from fem.kernels import columns as sample
 from fem.kernels.columns import CONTACT, DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS, WORK_DRIVE
-from fem.kernels.drive import SPEED, is_turning, load_at, outer_axes, outer_of, speed_of
+from fem.kernels.drive import SPEED, is_turning, load_at, outer_axes, speed_of
 from fem.kernels.elements import discs, rings
 from fem.kernels.elements.bodies import prepare_others, write_others
 from fem.kernels.elements.friction import spring_energy
@@ -65,14 +65,26 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[sample.HUB_AX], out[sample.HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
     out[sample.KINETIC] = kinetic_energy(bodies, drive, scratch)
     out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
-    out[WORK_DRIVE] += _outer_work(outer_of(drive), bodies.outer, drive, scratch, time)
+    outer = None if drive.history is None else drive.history.outer
+    if outer is not None:  # the same of what keeps the outer ring's speed
+        angular, sums, speed = _changes(bodies.outer, scratch.outer_w)[0], outer.sums, outer.now[SPEED]
+        weight = -drive.gravity * _ring_place(bodies.outer, outer.frame[1], outer.frame[2])[0]
+        sums[1] += 0.5 * (weight + sums[2]) * (time - sums[3])
+        sums[2], sums[3] = weight, time
+        turned = outer.moment[1] - outer.moment[0] * dt
+        given = 0.5 * angular - sums[0] - 0.5 * turned - sums[1] + _rim(bodies.outer) * speed
+        out[WORK_DRIVE] += _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
     out[sample.ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, n, out)
     side_load, radial_load = load_at(drive, time)
     moved_x, moved_y = dt * before[0] + drive.slowed[0, 0], dt * before[1] + drive.slowed[0, 1]
     out[sample.WORK_LOAD] = drive.sums[0] - 0.5 * radial_load * moved_y + 0.5 * side_load * moved_x
-    out[sample.WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
+    height = drive.mass * drive.hub[1]  # Σ m y of all that moves, kg m
+    for j in range(n):
+        height += rollers.total_mass * rollers.centre[1, j]
+    (c, s), of_inner = outer_axes(drive), _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1]
+    out[sample.WORK_GRAVITY] = -drive.gravity * (height + of_inner + _ring_place(bodies.outer, c, s)[1])
     rubbed = 0.0
     for row in range(friction.traction.shape[0]):
         for j in range(n):
@@ -119,7 +131,7 @@ def _drive_work(inner, drive, scratch, time, moment):
         return 0.0
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
-    angular = _with_angular(angular, inner, scratch.inner_w)
+    angular += _changes(inner, scratch.inner_w)[0]
     weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.frame[1], drive.frame[2])[0])
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
@@ -132,31 +144,24 @@ def _drive_work(inner, drive, scratch, time, moment):
 
 
 @part(inlined=False)
-def _outer_work(outer, ring, drive, scratch, time):
-    """The same of what keeps the outer ring's speed, J."""
-    if outer is None:
-        return 0.0
-    angular, dt, sums, speed = _with_angular(0.0, ring, scratch.outer_w), drive.dt, outer.sums, outer.now[SPEED]
-    weight = -drive.gravity * _ring_place(ring, outer.frame[1], outer.frame[2])[0]
-    sums[1] += 0.5 * (weight + sums[2]) * (time - sums[3])
-    sums[2], sums[3] = weight, time
-    moment = outer.moment[1] - outer.moment[0] * dt
-    given = 0.5 * angular - sums[0] - 0.5 * moment - sums[1] + _rim(ring) * speed
-    return _trapezoid(outer.drive_work, sin(speed * dt) / dt, given)
-
-
-@part
-def _with_angular(angular, ring, before):
-    """More angular momentum, N m s: twice that of a ring's free nodes about its frame's origin, by both half steps."""
+def _changes(ring, before):
+    """Of a ring's free nodes, by both half steps: twice their angular momentum about the frame's origin, N m s; twice
+    their kinetic energy, J; and Σ m X times what their radial velocities have gained in a kick, kg m²/s."""
+    angular, kinetic, outward = 0.0, 0.0, 0.0
     for row in range(ring.first_row, ring.last_row):
         radial, tangential = _lines(ring, row)
-        part = splat(0.0)
+        turning, moving, gained = splat(0.0), splat(0.0), splat(0.0)
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             x, y = ring.radii[row] + load(ring.u, radial + k), load(ring.u, tangential + k)
-            part += x * (load(before, tangential + k) + load(ring.w, tangential + k))
-            part -= y * (load(before, radial + k) + load(ring.w, radial + k))
-        angular += ring.row_mass[row] * lane_total(part)
-    return angular
+            a, b = load_pair(before, radial + k, tangential - radial)
+            p, q = load_pair(ring.w, radial + k, tangential - radial)
+            turning += x * (b + q) - y * (a + p)
+            moving += a * p + b * q
+            gained += p - a
+        angular += ring.row_mass[row] * lane_total(turning)
+        kinetic += ring.row_mass[row] * lane_total(moving)
+        outward += ring.row_mass[row] * ring.radii[row] * lane_total(gained)
+    return angular, kinetic, outward
 
 
 @part
@@ -181,7 +186,8 @@ def kinetic_energy(bodies, drive, scratch):
     v = w − γ dt² M⁻¹K·w is what nodes move at. Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn
     with them within a step.
     """
-    rollers, disc, inner, outer = bodies.rollers, bodies.disc, bodies.inner, outer_of(drive)
+    rollers, disc, inner = bodies.rollers, bodies.disc, bodies.inner
+    outer = None if drive.history is None else drive.history.outer
     total, dt, columns, n = 0.0, drive.dt, rollers.columns, rollers.n
     for j in range(0, n, WIDTH):
         cosine, _ = cosine_and_sine(load(rollers.spin, j) * dt)
@@ -205,49 +211,24 @@ def kinetic_energy(bodies, drive, scratch):
             before = scratch.rollers_velocity[component, j]
             after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
-    total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
-    speed = speed_of(drive)
-    total -= (1.0 - cos(speed * dt)) * _outward(inner, scratch.inner_w) / dt
+    (_, moving, gained), speed = _changes(inner, scratch.inner_w), speed_of(drive)
+    _, moving_o, gained_o = _changes(bodies.outer, scratch.outer_w)
+    total += moving + moving_o
+    total -= (1.0 - cos(speed * dt)) * gained / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
-    if drive.slowing > 0.0:
-        total += drive.slowing / dt * _strain_power(bodies, drive, scratch)
+    if drive.slowing > 0.0:  # −dt wᵀKw of velocities before and the calmed ones after a kick, ready for the stencil
+        if drive.calming > 0.0:
+            discs.calm(disc, columns, drive.calming)
+        power = discs.strain_power(disc, disc.calmed, scratch.rollers_w, columns, n)
+        power += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
+        total += drive.slowing / dt * (power + _ring_strain_power(bodies.outer, scratch.outer_w, scratch.line))
     rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
-    return 0.5 * (total + _by_turning(outer, bodies.outer, scratch.outer_w, dt))
-
-
-@part
-def _by_turning(outer, ring, before, dt):
-    """What a turning outer ring adds to twice the kinetic energy, J: its held row, and how its forces turn with it."""
-    if outer is None:
-        return 0.0
-    speed = outer.now[SPEED]
-    return _rim(ring) * speed * speed - (1.0 - cos(speed * dt)) * _outward(ring, before) / dt
-
-
-@part
-def _outward(ring, before):
-    """Σ m X times what nodes' radial velocities have gained in a kick, kg m²/s."""
-    outward = 0.0
-    for row in range(ring.first_row, ring.last_row):
-        radial, _ = _lines(ring, row)
-        gained = splat(0.0)
-        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-            gained += load(ring.w, radial + k) - load(before, radial + k)
-        outward += ring.row_mass[row] * ring.radii[row] * lane_total(gained)
-    return outward
-
-
-@part(inlined=False)
-def _strain_power(bodies, drive, scratch):
-    """−dt wᵀKw of the velocities before and the calmed ones after a kick, J/s; rings' are ready for the stencil."""
-    rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
-    if drive.calming > 0.0:
-        discs.calm(bodies.disc, rollers.columns, drive.calming)
-    total = discs.strain_power(bodies.disc, bodies.disc.calmed, scratch.rollers_w, rollers.columns, rollers.n)
-    total += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
-    return total + _ring_strain_power(outer, scratch.outer_w, scratch.line)
+    if outer is not None:  # its held row, and how its forces turn with it
+        turning = outer.now[SPEED]
+        total += _rim(bodies.outer) * turning * turning - (1.0 - cos(turning * dt)) * gained_o / dt
+    return 0.5 * total
 
 
 @part(inlined=False)
@@ -258,18 +239,6 @@ def _ring_strain_power(ring, before, line):
         part, at = splat(0.0), 2 * row * width
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             part += load(before, at + k) * load(line, k) + load(before, at + width + k) * load(line, width + k)
-        total += ring.row_mass[row] * lane_total(part)
-    return total
-
-
-@part(inlined=False)
-def _ring_kinetic(ring, before):
-    total = 0.0
-    for row in range(ring.first_row, ring.last_row):
-        part = splat(0.0)
-        for line in _lines(ring, row):
-            for k in range(line + HALO, line + HALO + ring.n_sectors, WIDTH):
-                part += load(before, k) * load(ring.w, k)
         total += ring.row_mass[row] * lane_total(part)
     return total
 
@@ -323,16 +292,6 @@ def _add_contact_energy(pair, contacts, n, out):
 
 
 add_contact_energy = every(_add_contact_energy, Pair)
-
-
-@part(inlined=False)
-def weighted_height(bodies, drive):
-    """Σ m y of all that moves, kg m."""
-    total, rollers = drive.mass * drive.hub[1], bodies.rollers
-    for j in range(rollers.n):
-        total += rollers.total_mass * rollers.centre[1, j]
-    c, s = outer_axes(drive)
-    return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, c, s)[1]
 
 
 @part(inlined=False)

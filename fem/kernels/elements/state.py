@@ -228,8 +228,6 @@ class Spread(NamedTuple):
     missing: given("pairs, n_points")  # m/N, compliance the mesh lacks between two points by their distance
     inverse: given("pairs, n_inverse")  # N/m, inverses for 1, 2 ... points in contact
     closed: state("pairs, n, 2", dtype=np.int64)  # first point in contact and the one after the last
-    share: state("2 * n_points * 6")  # of the nodes around each point, by side
-    slope: state("2 * 6")  # room
 
 
 class Points(NamedTuple):
@@ -247,6 +245,8 @@ class Points(NamedTuple):
     closing: state("n_points")  # m, and so on: room for one contact
     force: state("n_points")  # N
     turning: state("3, n_points")
+    share: room("2 * n_points * 6")  # of the nodes around each point in its force, by side
+    slope: room("2 * 6")  # of these by the place, at a point
     spread: Spread | None  # None: a layer between points and surfaces
 
 

@@ -20,26 +20,13 @@ traction on one of them moves its other contacts at once, see `friction`.
 
 from math import pi
 
+from fem.kernels import lanes
 from fem.kernels.drive import SPEED, speed_of
 from fem.kernels.elements.rings import HALO
 from fem.kernels.elements.state import DiscSurface, Ground, Hub, RigidDisc, RingSurface
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import load_pair, store_pair
-from fem.kernels.lanes import (
-    add_at_places,
-    add_to_rows,
-    gather,
-    gather_pair,
-    gather_places,
-    gather_rows,
-    load,
-    select,
-    splat,
-    store,
-    to_float,
-    to_int,
-    total,
-)
+from fem.kernels.lanes import gather, gather_rows, load, select, splat, store, total
 from fem.kernels.law import seamless
 from fem.kernels.profiles import place
 
@@ -150,12 +137,12 @@ def _combined(x, one, y, other):
 def _take_pairs(array, patches, at):
     """x and y of the six nodes of eight patches of rollers."""
     place, step = patches.place, patches.columns
-    x0, y0 = gather_places(array, place, at, step)
-    x1, y1 = gather_places(array, place, at + step, step)
-    x2, y2 = gather_places(array, place, at + 2 * step, step)
-    x3, y3 = gather_places(array, place, at + 3 * step, step)
-    x4, y4 = gather_places(array, place, at + 4 * step, step)
-    x5, y5 = gather_places(array, place, at + 5 * step, step)
+    x0, y0 = lanes.gather_places(array, place, at, step)
+    x1, y1 = lanes.gather_places(array, place, at + step, step)
+    x2, y2 = lanes.gather_places(array, place, at + 2 * step, step)
+    x3, y3 = lanes.gather_places(array, place, at + 3 * step, step)
+    x4, y4 = lanes.gather_places(array, place, at + 4 * step, step)
+    x5, y5 = lanes.gather_places(array, place, at + 5 * step, step)
     return (x0, x1, x2, x3, x4, x5), (y0, y1, y2, y3, y4, y5)
 
 
@@ -175,11 +162,11 @@ def locate_patch(surface, patches, side, group):
         columns, n_nodes = patches.columns, surface.n_nodes
         bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
         position = place(bx, by, n_nodes)
-        base = to_int(position)
+        base = lanes.to_int(position)
         base = select((base >= 0) & (base < n_nodes), base, 0)  # of what is not a number memory would be read elsewhere
         node = first_node(base)
         store(patches.position, side * columns + group, position)
-        store(patches.beyond, side * columns + group, position - to_float(base))
+        store(patches.beyond, side * columns + group, position - lanes.to_float(base))
         store(patches.start, side * columns + group, select(node < 0, node + n_nodes, node))
 
 
@@ -317,7 +304,7 @@ def tangential_mobility(surface, patches, side, group):
         bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
         # unit directions of the patches' first nodes, from which those of the others follow
         start = load(patches.start, side * columns + group)
-        first_x, first_y = gather_pair(points, (start + surface.first) * 2, 1)
+        first_x, first_y = lanes.gather_pair(points, (start + surface.first) * 2, 1)
         first_x, first_y = first_x * over, first_y * over
         for k in range(N_NODES * len(patches.units)):
             i, node = at + k * columns, 2 * (surface.first + k)
@@ -369,88 +356,53 @@ def body_motion(surface, column, nx, ny):
 
 
 @part
-def _give_ring(ring, patches, side, group, radial, around, impulse):
-    """Give the nodes of eight patches `radial` and `around` of an impulse each, arrays of `Patches`."""
-    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
-    for unit in range(len(patches.units)):
-        i = at + unit * N_NODES * columns
-        moment += _give_six(ring, patches, i, take(radial, i, columns), take(around, i, columns), impulse)
-    return moment
-
-
-@part
-def _give_six(ring, patches, at, radial, around, impulse):
-    speed, width = impulse * (1.0 / ring.node_mass), ring.cosines.size
-    a, b, c, d, e, f = radial
-    p, q, r, s, t, u = around
-    add_to_rows(ring.w, patches.place, at, 0, (speed * a, speed * b, speed * c, speed * d, speed * e, speed * f))
-    add_to_rows(ring.w, patches.place, at, width, (speed * p, speed * q, speed * r, speed * s, speed * t, speed * u))
-    x, y = gather_rows(ring.u, patches.place, at, 0), gather_rows(ring.u, patches.place, at, width)
-    total = ((p + q) + (r + s)) + (t + u)
-    return impulse * (ring.radius * total + (_dot(x, around) - _dot(y, radial)))
-
-
-@part
-def scatter_normal_force(surface, patches, side, group, impulse):
-    """Spread impulses, N s, along b over patches."""
-    at, columns = first_weight(patches, side, group), patches.columns
-    if isinstance(surface, RingSurface):
-        return _give_ring(surface, patches, side, group, patches.along, patches.across, impulse)
-    if isinstance(surface, DiscSurface):
-        bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
-        x, y = impulse * bx, impulse * by
-        for k in range(N_NODES * len(patches.units)):
-            i = at + k * columns
-            share = load(patches.weight, i) * load(patches.inverse_mass, i)
-            add_at_places(surface.w, patches.place, i, columns, share * x, share * y)
-    if isinstance(surface, Hub):
-        nx, ny = load_pair(patches.normal, side * columns + group, columns)  # the hub is on side 0
-        surface.impulse[0] += total(impulse * nx)
-        surface.impulse[1] += total(impulse * ny)
-    return 0.0
-
-
-@part
-def scatter_tangential_force(surface, patches, side, group, impulse):
-    """Spread impulses, N s, counter-clockwise along surfaces over patches."""
-    at, columns = first_weight(patches, side, group), patches.columns
-    if isinstance(surface, RingSurface):
-        return _give_ring(surface, patches, side, group, patches.traction_x, patches.traction_y, impulse)
-    if isinstance(surface, Ground):
-        return impulse * surface.radius
-    if isinstance(surface, DiscSurface):
-        for k in range(N_NODES * len(patches.units)):
-            i = at + k * columns
-            speed = impulse * load(patches.inverse_mass, i)
-            x, y = speed * load(patches.traction_x, i), speed * load(patches.traction_y, i)
-            add_at_places(surface.w, patches.place, i, columns, x, y)
-    return 0.0
+def _shares(impulse, normal, around, tangential, at, columns):
+    """What six nodes of eight patches get of impulses along b and along surfaces, of which either may be None."""
+    if around is None:
+        return _products((impulse, impulse, impulse, impulse, impulse, impulse), take(normal, at, columns))
+    if impulse is None:
+        return _products((around, around, around, around, around, around), take(tangential, at, columns))
+    return _combined(impulse, take(normal, at, columns), around, take(tangential, at, columns))
 
 
 @part
 def scatter_force(surface, patches, side, group, impulse, around):
-    """`scatter_normal_force` and `scatter_tangential_force` in one pass."""
-    at, columns = first_weight(patches, side, group), patches.columns
+    """Spread impulses, N s, along b and, counter-clockwise, along surfaces over patches; None: no such ones."""
+    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
     if isinstance(surface, RingSurface):
-        moment = splat(0.0)
+        w, u, place, over, width = surface.w, surface.u, patches.place, 1.0 / surface.node_mass, surface.cosines.size
         for unit in range(len(patches.units)):
             i = at + unit * N_NODES * columns
-            x = _combined(impulse, take(patches.along, i, columns), around, take(patches.traction_x, i, columns))
-            y = _combined(impulse, take(patches.across, i, columns), around, take(patches.traction_y, i, columns))
-            moment += _give_six(surface, patches, i, x, y, splat(1.0))
-        return moment
-    if isinstance(surface, Ground):
-        return around * surface.radius
-    if isinstance(surface, DiscSurface):
+            radial = _shares(impulse, patches.along, around, patches.traction_x, i, columns)
+            tangential = _shares(impulse, patches.across, around, patches.traction_y, i, columns)
+            a, b, c, d, e, f = radial
+            p, q, r, s, t, v = tangential
+            lanes.add_to_rows(w, place, i, 0, (over * a, over * b, over * c, over * d, over * e, over * f))
+            lanes.add_to_rows(w, place, i, width, (over * p, over * q, over * r, over * s, over * t, over * v))
+            x, y = gather_rows(u, place, i, 0), gather_rows(u, place, i, width)
+            moment += surface.radius * (((p + q) + (r + s)) + (t + v)) + (_dot(x, tangential) - _dot(y, radial))
+    elif isinstance(surface, DiscSurface):
         bx, by = load_pair(patches.outward, 2 * side * columns + group, columns)
-        bx, by = impulse * bx, impulse * by
+        if impulse is not None:
+            bx, by = impulse * bx, impulse * by
         for k in range(N_NODES * len(patches.units)):
-            i = at + k * columns
-            weight, light = load(patches.weight, i), load(patches.inverse_mass, i)
-            x = (weight * bx + around * load(patches.traction_x, i)) * light
-            y = (weight * by + around * load(patches.traction_y, i)) * light
-            add_at_places(surface.w, patches.place, i, columns, x, y)
-    return 0.0
+            i, x, y = at + k * columns, splat(0.0), splat(0.0)
+            if impulse is not None:
+                weight = load(patches.weight, i)
+                x, y = weight * bx, weight * by
+            if around is not None:
+                x, y = x + around * load(patches.traction_x, i), y + around * load(patches.traction_y, i)
+            light = load(patches.inverse_mass, i)
+            lanes.add_at_places(surface.w, patches.place, i, columns, x * light, y * light)
+    elif isinstance(surface, Hub):
+        if impulse is not None:
+            nx, ny = load_pair(patches.normal, side * columns + group, columns)  # the hub is on side 0
+            surface.impulse[0] += total(impulse * nx)
+            surface.impulse[1] += total(impulse * ny)
+    elif isinstance(surface, Ground):
+        if around is not None:
+            moment = around * surface.radius
+    return moment
 
 
 @part

@@ -26,7 +26,7 @@ from fem.kernels.lane_functions import arc_tangent, exponential, load_pair, loga
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, square_root, store, total
 from fem.kernels.law import STEEPEST, distant_force, next_force, stored_energy
 from fem.kernels.mounts import ring_place
-from fem.kernels.rigid.state import CROSS, ENERGY, MOMENT, SLOPE, PowerConstants, normals
+from fem.kernels.rigid.state import CROSS, MOMENT, SLOPE, PowerConstants, normals
 from fem.kernels.rigid.surfaces import keep_edges, keep_slopes, surfaces_met
 from fem.kernels.tilted_contact import table_at
 from fem.kernels.tilts import push_axes
@@ -48,24 +48,29 @@ def find_forces(step, inside):
     ring_x, ring_y = ring_place(bodies.housing)
     turn = turn_at(drive, step.time)
     for group in range(0, bodies.n, WIDTH):
-        there = count_from(group) < bodies.n
-        x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+        there, guess_i, guess_o = count_from(group) < bodies.n, splat(0.0), splat(0.0)
+        x, y = load_pair(bodies.centre, group, columns)
         out, ox, oy = direction(x - ring_x, y - ring_y + contacts.sag[1], there)
         away, ix, iy = direction(x - bodies.hub[0], y - bodies.hub[1] + contacts.sag[0], there)
         store_pair(forces.normal, group, columns, ix, iy)
         store_pair(forces.normal, 2 * columns + group, columns, ox, oy)
-        deep_i, deep_o, guess = reach - away, out - track, (splat(0.0), splat(0.0))
+        deep_i, deep_o = reach - away, out - track
         if forces.slope is not None:
             met = surfaces_met(step, group, turn)
             deep_i, deep_o = keep_edges(step, group, met, deep_i, deep_o)
         if coupling is not None:
-            guess = guesses(forces, forces.guess, group, there)
-            less_i = coupling.across * guess[1] + along_ring(coupling, forces, forces.guess, INNER, group)
-            less_o = coupling.across * guess[0] + along_ring(coupling, forces, forces.guess, OUTER, group)
-            less_i += lift(coupling, forces, drive, INNER, group)
-            less_o += lift(coupling, forces, drive, OUTER, group)
-            tilt_i = raceway_tilt(coupling, forces, INNER, group)
-            tilt_o = raceway_tilt(coupling, forces, OUTER, group)
+            guess_i, guess_o = guesses(forces, forces.guess, group, there)
+            less_i, less_o = along_rings(coupling, forces, forces.guess, group)
+            less_i, less_o = coupling.across * guess_o + less_i, coupling.across * guess_i + less_o
+            if drive.friction > 0.0:  # what tractions along the rings, of the last step, take away
+                counts = coupling.crossing[INNER], coupling.crossing[OUTER]
+                lift_i, lift_o = _felt(coupling, forces, coupling.crossed, forces.pulled, counts, group)
+                store_pair(forces.lifted, group, columns, lift_i, lift_o)
+                less_i, less_o = less_i + lift_i, less_o + lift_o
+            # how fast approaches grow along the rings by the forces guessed, m/rad: rollers that neither friction nor a
+            # cage holds apart are spread by that
+            counts = coupling.felt[INNER, 0], coupling.felt[OUTER, 0]
+            tilt_i, tilt_o = _felt(coupling, forces, forces.steep, forces.guess, counts, group)
             over_i, over_o = 1.0 / away, 1.0 / out
             if tilted is not None:
                 over_i, over_o = splat(1.0 / contacts.reach), splat(1.0 / contacts.track)
@@ -75,26 +80,28 @@ def find_forces(step, inside):
             deep_i, deep_o = deep_i - less_i, deep_o - less_o
         deep_i, deep_o = select(there, deep_i, -1.0), select(there, deep_o, -1.0)
         if tilted is None:
-            Q_i = _look(step, contacts.inner, INNER, group, deep_i, guess[0])
-            Q_o = _look(step, contacts.outer, OUTER, group, deep_o, guess[1])
-            if coupling is not None:
-                _tell(coupling, forces, columns, group, (Q_i, Q_o), guess)
+            Q_i = _look(step, contacts.inner, group, deep_i, guess_i)
+            Q_o = _look(step, contacts.outer, columns + group, deep_o, guess_o)
         else:
             tilt = load(tilts.tilt, group)
             slope_i = (tilt * ox - tilts.slope[0]) * ix + (tilt * oy - tilts.slope[1]) * iy
-            slope_o, given = -tilt, (splat(0.0), splat(0.0))
+            slope_o = -tilt
             if coupling is not None:
-                given = guesses(forces, forces.tilted.guess, group, there)
-                slope_i += tilted.share * along_ring(coupling, forces, forces.tilted.guess, INNER, group)
-                slope_o += tilted.share * along_ring(coupling, forces, forces.tilted.guess, OUTER, group)
-            Q_i, M_i = _look_up(forces, tilted.tables[0], tilted.rests[0], INNER, columns, group, deep_i, slope_i)
-            Q_o, M_o = _look_up(forces, tilted.tables[1], tilted.rests[1], OUTER, columns, group, deep_o, slope_o)
-            if coupling is not None:
-                Q_i, Q_o = _tell(coupling, forces, columns, group, (Q_i, Q_o), guess)
-                by_o, by_i = coupling.across * (Q_o - guess[1]), coupling.across * (Q_i - guess[0])
-                turn_i = M_i + load(forces.tilted.met, place_of(INNER, CROSS, columns, group)) * by_o - given[0]
-                turn_o = M_o + load(forces.tilted.met, place_of(OUTER, CROSS, columns, group)) * by_i - given[1]
-                at, width, factor = forces.halo + group, forces.gained.shape[1], coupling.relaxation_factor
+                turn_i, turn_o = along_rings(coupling, forces, forces.tilted.guess, group)
+                slope_i, slope_o = slope_i + tilted.share * turn_i, slope_o + tilted.share * turn_o
+            Q_i, M_i = _look_up(forces, (tilted.tables[0], tilted.rests[0]), columns, group, deep_i, slope_i)
+            Q_o, M_o = _look_up(forces, (tilted.tables[1], tilted.rests[1]), columns, columns + group, deep_o, slope_o)
+        if coupling is not None:  # keep what forces, each with the other's change, turn out beyond the guesses
+            by_i, by_o = load_pair(forces.stiffness, group, columns)
+            by_i, by_o = by_i * coupling.across, by_o * coupling.across
+            Q_i, Q_o = both_forces(Q_i, Q_o, by_i, by_o, guess_i, guess_o)
+            at, width, factor = forces.halo + group, forces.gained.shape[1], coupling.relaxation_factor
+            store_pair(forces.gained, at, width, factor * (Q_i - guess_i), factor * (Q_o - guess_o))
+            if tilted is not None:
+                given_i, given_o = guesses(forces, forces.tilted.guess, group, there)
+                cross_i, cross_o = met_of(forces, CROSS, columns, group)
+                turn_i = M_i + cross_i * (coupling.across * (Q_o - guess_o)) - given_i
+                turn_o = M_o + cross_o * (coupling.across * (Q_i - guess_i)) - given_o
                 store_pair(forces.tilted.gained, at, width, factor * turn_i, factor * turn_o)
         if forces.slope is not None:
             keep_slopes(step, group, met, Q_i, Q_o)
@@ -131,18 +138,18 @@ def direction(x, y, there):
 
 
 @part
-def place_of(row, what, columns, group):
-    """Of eight contacts in `TiltedForces.met`."""
-    return (4 * row + what) * columns + group
+def met_of(forces, what, columns, group):
+    """Of eight rollers' inner and outer contacts that tilt: SLOPE, ENERGY, MOMENT or CROSS."""
+    return load_pair(forces.tilted.met, 2 * what * columns + group, columns)
 
 
 # the laws
 
 
 @part
-def _look(step, law, row, group, deep, guess):
+def _look(step, law, at, deep, guess):
     """Forces, N, of eight contacts of rollers that stand straight; approach, force and stiffness are kept."""
-    forces, at = step.forces, row * step.bodies.columns + group
+    forces = step.forces
     soft = None if forces.soft is None else load(forces.soft, at)
     if step.contacts.coupling is None:  # from forces of the last step before they were taken ahead
         soft_before = None if forces.soft is None else load(forces.soft_before, at)
@@ -160,8 +167,6 @@ def _look(step, law, row, group, deep, guess):
 def law_force(law, depth, soft, last):
     """Forces of eight contacts, N, and their stiffness, N/m, 0 of open ones.
 
-    Parameters
-    ----------
     depth : m; soft : m/N, compliance of edges, or None; last : force, depth and compliance of the last step
     """
     if isinstance(law, PowerConstants):
@@ -247,18 +252,16 @@ def _nearer(law, B, approach, Q):
 
 
 @part
-def _look_up(forces, table, rest, row, columns, group, deep, slope):
+def _look_up(forces, laws, columns, at, deep, slope):
     """Forces, N, and moments, N m, of eight contacts that tilt, by their tables; all derivatives are kept."""
-    met, at = forces.tilted.met, row * columns + group
-    energy, Q, M, stiff, cross, tilting = table_at(forces, (table, rest), at, columns, deep, slope)
+    met, apart = forces.tilted.met, 2 * columns
+    energy, Q, M, stiff, cross, tilting = table_at(forces, laws, at, columns, deep, slope)
     store(forces.first, at, deep)
     store(forces.estimate, at, Q)
     store(forces.stiffness, at, stiff)
     store(forces.tilted.stiffness, at, tilting)
-    store(met, place_of(row, SLOPE, columns, group), slope)
-    store(met, place_of(row, ENERGY, columns, group), energy)
-    store(met, place_of(row, MOMENT, columns, group), M)
-    store(met, place_of(row, CROSS, columns, group), cross)
+    store_pair(met, SLOPE * apart + at, apart, slope, energy)
+    store_pair(met, MOMENT * apart + at, apart, M, cross)
     return Q, M
 
 
@@ -281,39 +284,21 @@ def guesses(forces, array, group, there):
 
 
 @part
-def along_ring(coupling, forces, array, row, group):
-    """Σ along_k·(entry k rollers away) of eight contacts: the approach, m, that forces along their ring take away."""
-    found, to, columns = splat(0.0), row * array.shape[1] + forces.halo + group, forces.normal.shape[2]
-    for k in range(coupling.felt[row, 1]):
-        Q = load(array, to + coupling.distance[k])
-        found += load(forces.along, (row * coupling.distance.size + k) * columns + group) * Q
-    return found
+def _felt(coupling, forces, compliance, array, counts, group):
+    """Σ compliance_k·(entry k rollers away) of eight rollers' contacts, inner and outer; `counts` : of k."""
+    inner, outer, columns, width = splat(0.0), splat(0.0), forces.normal.shape[2], array.shape[1]
+    to, apart = forces.halo + group, coupling.distance.size * columns
+    for k in range(counts[0]):
+        inner += load(compliance, k * columns + group) * load(array, to + coupling.distance[k])
+    for k in range(counts[1]):
+        outer += load(compliance, apart + k * columns + group) * load(array, width + to + coupling.distance[k])
+    return inner, outer
 
 
 @part
-def raceway_tilt(coupling, forces, row, group):
-    """How fast the approach of eight contacts grows along their ring by the forces guessed, m/rad.
-
-    Rollers that neither friction nor a cage holds apart are spread by that.
-    """
-    found, to, columns = splat(0.0), row * forces.guess.shape[1] + forces.halo + group, forces.normal.shape[2]
-    for k in range(coupling.felt[row, 0]):
-        Q = load(forces.guess, to + coupling.distance[k])
-        found += load(forces.steep, (row * coupling.distance.size + k) * columns + group) * Q
-    return found
-
-
-@part
-def lift(coupling, forces, drive, row, group):
-    """Approach of eight contacts, m, that tractions along their ring, of the last step, take away."""
-    found, columns = splat(0.0), forces.normal.shape[2]
-    if drive.friction > 0.0:
-        to = row * forces.guess.shape[1] + forces.halo + group
-        for k in range(coupling.crossing[row]):
-            crossed = load(coupling.crossed, (row * coupling.distance.size + k) * columns + group)
-            found += load(forces.pulled, to + coupling.distance[k]) * crossed
-        store(forces.lifted, row * columns + group, found)
-    return found
+def along_rings(coupling, forces, array, group):
+    """Approaches of eight rollers' contacts, m, that forces along their rings take away, inner and outer."""
+    return _felt(coupling, forces, forces.along, array, (coupling.felt[INNER, 1], coupling.felt[OUTER, 1]), group)
 
 
 @part
@@ -325,48 +310,36 @@ def both_forces(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
 
 
 @part
-def _tell(coupling, forces, columns, group, Q, guess):
-    """Keep what eight rollers' forces turn out beyond the guesses, for others; the forces with the other's change."""
-    by_i, by_o = load_pair(forces.stiffness, group, columns)
-    Q_i, Q_o = both_forces(Q[0], Q[1], by_i * coupling.across, by_o * coupling.across, guess[0], guess[1])
-    at, width, factor = forces.halo + group, forces.gained.shape[1], coupling.relaxation_factor
-    store_pair(forces.gained, at, width, factor * (Q_i - guess[0]), factor * (Q_o - guess[1]))
-    return Q_i, Q_o
-
-
-@part
 def _correct(bodies, contacts, forces):
     """Forces, moments and approaches with what all others have gained."""
-    columns, n, halo, coupling = bodies.columns, bodies.n, forces.halo, contacts.coupling
+    columns, n, halo, coupling, tilted = bodies.columns, bodies.n, forces.halo, contacts.coupling, contacts.tilted
     across = coupling.across
     for row in range(2):
         wrap(forces.gained, row, n, halo)
-        if contacts.tilted is not None:
+        if tilted is not None:
             wrap(forces.tilted.gained, row, n, halo)
     for group in range(0, n, WIDTH):
-        at = columns + group
         guess_i, guess_o = guesses(forces, forces.guess, group, count_from(group) < n)
-        less_i = along_ring(coupling, forces, forces.gained, INNER, group)
-        less_o = along_ring(coupling, forces, forces.gained, OUTER, group)
+        less_i, less_o = along_rings(coupling, forces, forces.gained, group)
         stiff_i, stiff_o = load_pair(forces.stiffness, group, columns)
-        Q_i, Q_o = load(forces.estimate, group) - stiff_i * less_i, load(forces.estimate, at) - stiff_o * less_o
-        turn_i, turn_o = None, None
-        if contacts.tilted is not None:
-            turn_i = contacts.tilted.share * along_ring(coupling, forces, forces.tilted.gained, INNER, group)
-            turn_o = contacts.tilted.share * along_ring(coupling, forces, forces.tilted.gained, OUTER, group)
-            Q_i += load(forces.tilted.met, place_of(INNER, CROSS, columns, group)) * turn_i
-            Q_o += load(forces.tilted.met, place_of(OUTER, CROSS, columns, group)) * turn_o
+        Q_i, Q_o = load_pair(forces.estimate, group, columns)
+        Q_i, Q_o = Q_i - stiff_i * less_i, Q_o - stiff_o * less_o
+        if tilted is not None:
+            turn_i, turn_o = along_rings(coupling, forces, forces.tilted.gained, group)
+            turn_i, turn_o = tilted.share * turn_i, tilted.share * turn_o
+            cross_i, cross_o = met_of(forces, CROSS, columns, group)
+            Q_i, Q_o = Q_i + cross_i * turn_i, Q_o + cross_o * turn_o
         Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
         Q_i, Q_o = maximum(Q_i, 0.0), maximum(Q_o, 0.0)
         less_i, less_o = less_i + across * (Q_o - guess_o), less_o + across * (Q_i - guess_i)
         take_more(forces.taken, columns, group, less_i, less_o)
-        if contacts.tilted is None:
+        if tilted is None:
             store_pair(forces.estimate, group, columns, Q_i, Q_o)
             first_i, first_o = load_pair(forces.first, group, columns)
             store_pair(forces.first, group, columns, first_i - less_i, first_o - less_o)
         else:
-            move(forces, INNER, columns, group, -less_i, turn_i)
-            move(forces, OUTER, columns, group, -less_o, turn_o)
+            move(forces, columns, group, -less_i, turn_i)
+            move(forces, columns, columns + group, -less_o, turn_o)
 
 
 @part
@@ -377,21 +350,20 @@ def take_more(taken, columns, group, inner, outer):
 
 
 @part
-def move(forces, row, columns, group, further, turned):
+def move(forces, columns, at, further, turned):
     """Move eight contacts that tilt by a further approach, m, and misalignment, rad."""
-    met, at = forces.tilted.met, row * columns + group
-    slope_at, energy_at = place_of(row, SLOPE, columns, group), place_of(row, ENERGY, columns, group)
-    moment_at, cross = place_of(row, MOMENT, columns, group), load(met, place_of(row, CROSS, columns, group))
-    Q, M, energy = load(forces.estimate, at), load(met, moment_at), load(met, energy_at)
+    met, apart = forces.tilted.met, 2 * columns
+    slope, energy = load_pair(met, SLOPE * apart + at, apart)
+    M, cross = load_pair(met, MOMENT * apart + at, apart)
+    Q = load(forces.estimate, at)
     Q_now = Q + load(forces.stiffness, at) * further + cross * turned
     M_now = M - cross * further - load(forces.tilted.stiffness, at) * turned
     energy += 0.5 * (Q + Q_now) * further - 0.5 * (M + M_now) * turned
     closed = (Q > 0.0) & (Q_now > 0.0)
     store(forces.estimate, at, select(closed, Q_now, 0.0))
     store(forces.first, at, load(forces.first, at) + further)
-    store(met, slope_at, load(met, slope_at) + turned)
-    store(met, moment_at, select(closed, M_now, 0.0))
-    store(met, energy_at, select(closed, maximum(energy, 0.0), 0.0))
+    store_pair(met, SLOPE * apart + at, apart, slope + turned, select(closed, maximum(energy, 0.0), 0.0))
+    store(met, MOMENT * apart + at, select(closed, M_now, 0.0))
 
 
 @part
@@ -403,17 +375,13 @@ def _sums(bodies, forces, drive):
     for group in range(0, n, WIDTH):
         ix, iy, ox, oy = normals(forces, group, columns)
         Q_i, Q_o = load_pair(forces.estimate, group, columns)
-        hub_x -= Q_i * ix
-        hub_y -= Q_i * iy
-        ring_x += Q_o * ox
-        ring_y += Q_o * oy
+        hub_x, hub_y = hub_x - Q_i * ix, hub_y - Q_i * iy
+        ring_x, ring_y = ring_x + Q_o * ox, ring_y + Q_o * oy
         if tilts is not None:
-            there = count_from(group) < n
-            M_i = select(there, load(forces.tilted.met, place_of(INNER, MOMENT, columns, group)), 0.0)
-            M_o = select(there, load(forces.tilted.met, place_of(OUTER, MOMENT, columns, group)), 0.0)
+            (M_i, M_o), there = met_of(forces, MOMENT, columns, group), count_from(group) < n
+            M_i, M_o = select(there, M_i, 0.0), select(there, M_o, 0.0)
             store(tilts.pushed, group, (M_i * (ix * ox + iy * oy) - M_o) * (1.0 / tilts.inertia))
-            on_x -= M_i * ix
-            on_y -= M_i * iy
+            on_x, on_y = on_x - M_i * ix, on_y - M_i * iy
     if tilts is not None:
         push_axes(tilts, drive, (total(on_x), total(on_y)))
     return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
@@ -421,14 +389,28 @@ def _sums(bodies, forces, drive):
 
 @part(inlined=False)
 def follow_angles(bodies, coupling, forces):
-    """Compliances along both rings, and their slopes, at the angles where rollers are now."""
-    columns, most, strayed, neighbours = bodies.columns, coupling.strays, forces.strayed, coupling.distance.size
-    _stray(bodies, coupling, forces)
+    """Compliances along both rings, and their slopes, at the angles where rollers are now.
+
+    First by how much rollers are ahead of their pockets' angles from the first one's, about the outer ring. About the
+    hub they are ahead by as much but for a thousandth of a roller's distance.
+    """
+    columns, n, halo, most, strayed = bodies.columns, bodies.n, forces.halo, coupling.strays, forces.strayed
+    ring_x, ring_y = ring_place(bodies.housing)
+    first_x, first_y, neighbours = bodies.centre[0, 0] - ring_x, bodies.centre[1, 0] - ring_y, coupling.distance.size
+    for group in range(0, n, WIDTH):
+        cosine, sine = load_pair(coupling.apart, group, columns)
+        to_x, to_y = cosine * first_x - sine * first_y, sine * first_x + cosine * first_y
+        here_x, here_y = load_pair(bodies.centre, group, columns)
+        here_x, here_y = here_x - ring_x, here_y - ring_y
+        store(strayed, halo + group, arc_tangent(to_x * here_y - to_y * here_x, to_x * here_x + to_y * here_y))
+    for k in range(halo):
+        strayed[halo - 1 - k] = strayed[halo + n - 1 - k]
+        strayed[halo + n + k] = strayed[halo + k]
     for row in range(2):
         for k in range(coupling.felt[row, 0]):
             distance = coupling.distance[k]
-            for group in range(0, bodies.n, WIDTH):
-                at, to, apart = forces.halo + group, (row * neighbours + k) * columns + group, neighbours * columns
+            for group in range(0, n, WIDTH):
+                at, to, apart = halo + group, (row * neighbours + k) * columns + group, neighbours * columns
                 first = to + 3 * row * apart
                 a, b = load_pair(coupling.bent, first, apart)
                 c, d = load_pair(coupling.bent, first + 2 * apart, apart)
@@ -439,22 +421,3 @@ def follow_angles(bodies, coupling, forces):
                 store(forces.along, to, along)
                 slope = steep + x * (2.0 * a + x * (3.0 * b + x * (4.0 * c + x * (5.0 * d))))
                 store(forces.steep, to, select(x == off, slope, 0.0))
-
-
-@part
-def _stray(bodies, coupling, forces):
-    """Tell by how much rollers are ahead of their pockets' angles from the first one's, about the outer ring.
-
-    About the hub they are ahead by as much but for a thousandth of a roller's distance.
-    """
-    columns, n, halo, strayed = bodies.columns, bodies.n, forces.halo, forces.strayed
-    ring_x, ring_y = ring_place(bodies.housing)
-    x, y = bodies.centre[0, 0] - ring_x, bodies.centre[1, 0] - ring_y
-    for group in range(0, n, WIDTH):
-        c, s = load_pair(coupling.apart, group, columns)
-        to_x, to_y = c * x - s * y, s * x + c * y
-        here_x, here_y = load(bodies.centre, group) - ring_x, load(bodies.centre, columns + group) - ring_y
-        store(strayed, halo + group, arc_tangent(to_x * here_y - to_y * here_x, to_x * here_x + to_y * here_y))
-    for k in range(halo):
-        strayed[halo - 1 - k] = strayed[halo + n - 1 - k]
-        strayed[halo + n + k] = strayed[halo + k]

@@ -16,7 +16,7 @@ from fem.kernels.lane_functions import load_pair, maximum, minimum, next_rollers
 from fem.kernels.lanes import WIDTH, any_lane, count_from, gather, load, select, splat, square_root, store, total
 from fem.kernels.law import damping_coefficient
 from fem.kernels.mounts import mobility, push_mounted, ring_rates
-from fem.kernels.rigid.contacts import place_of
+from fem.kernels.rigid.contacts import met_of
 from fem.kernels.rigid.friction import coefficient
 from fem.kernels.rigid.rays import hold
 from fem.kernels.rigid.state import CROSS, normals
@@ -77,8 +77,16 @@ def _find(dampers, step):
         ix, iy, ox, oy = normals(forces, group, columns)
         c_i, c_o = _coefficients(dampers, step, group, there)
         if dampers.tilted is not None:
-            _find_lever(dampers.tilted, forces, INNER, columns, group, c_i)
-            _find_lever(dampers.tilted, forces, OUTER, columns, group, c_o)
+            levers, turning = dampers.tilted.lever, dampers.tilted.turning
+            stiff_i, stiff_o = load_pair(forces.stiffness, group, columns)
+            z_i, z_o = met_of(forces, CROSS, columns, group)
+            tilt_i, tilt_o = load_pair(forces.tilted.stiffness, group, columns)
+            over_i = select(c_i > 0.0, 1.0 / select(c_i > 0.0, stiff_i, 1.0), 0.0)
+            over_o = select(c_o > 0.0, 1.0 / select(c_o > 0.0, stiff_o, 1.0), 0.0)
+            z_i, z_o = z_i * over_i, z_o * over_o
+            g_i, g_o = c_i * (tilt_i * over_i - z_i * z_i), c_o * (tilt_o * over_o - z_o * z_o)
+            store_pair(levers, group, columns, z_i, z_o)
+            store_pair(turning, group, columns, maximum(g_i, 0.0), maximum(g_o, 0.0))
         motions = _motions(bodies, step.before)
         was, now = _closing(step, group, motions[0]), _closing(step, group, motions[1])
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
@@ -96,8 +104,7 @@ def _find(dampers, step):
         store(dampers.gain, group, gain)
         store(dampers.coefficient, columns + group, c_o)
         store(dampers.rate, columns + group, rate_o)
-        push_x -= select(there, alone * ix, 0.0)
-        push_y -= select(there, alone * iy, 0.0)
+        push_x, push_y = push_x - select(there, alone * ix, 0.0), push_y - select(there, alone * iy, 0.0)
         xx += select(there, gain * ix * ix, 0.0)
         xy += select(there, gain * ix * iy, 0.0)
         yy += select(there, gain * iy * iy, 0.0)
@@ -135,16 +142,16 @@ def _give(dampers, step, hub_x, hub_y):
             M_o = _moment(tilted, forces, at, F_o, far, -turned)
             store(tilts.rate, group, load(tilts.rate, group) + (M_i * facing - M_o) * (drive.dt / tilts.inertia))
             T_i = T_i + M_i * (tilts.slope[0] * iy - tilts.slope[1] * ix) * tilted.over_reach
-            on_x -= select(there, M_i, 0.0) * ix
-            on_y -= select(there, M_i, 0.0) * iy
+            moment = select(there, M_i, 0.0)
+            on_x, on_y = on_x - moment * ix, on_y - moment * iy
         by_hub_x, by_hub_y = F_i * ix - T_i * iy, F_i * iy + T_i * ix
         by_ring_x, by_ring_y = F_o * ox + T_o * oy, F_o * oy - T_o * ox
-        push_x -= by_hub_x
-        push_y -= by_hub_y
-        ring_x += by_ring_x
-        ring_y += by_ring_y
-        store(bodies.velocity, group, load(bodies.velocity, group) + over * (by_hub_x - by_ring_x))
-        store(bodies.velocity, at, load(bodies.velocity, at) + over * (by_hub_y - by_ring_y))
+        push_x, push_y = push_x - by_hub_x, push_y - by_hub_y
+        ring_x, ring_y = ring_x + by_ring_x, ring_y + by_ring_y
+        vx, vy = load_pair(bodies.velocity, group, columns)
+        store_pair(
+            bodies.velocity, group, columns, vx + over * (by_hub_x - by_ring_x), vy + over * (by_hub_y - by_ring_y)
+        )
     housing = bodies.housing
     push_mounted(bodies.shaft, bodies.hub_velocity, bodies.hub_mass, total(push_x), total(push_y), drive.dt)
     if housing is not None:
@@ -178,8 +185,14 @@ def _work(dampers, step, motion, after, dt):
         F_i, F_o = load_pair(dampers.force, group, columns)
         power = F_i * inner + F_o * outer
         F = load(dampers.force, ROLLER * columns + group)
-        if any_lane(F != 0.0):
-            power += select(F != 0.0, F * _closing_on_next(bodies, group, motion[1]), 0.0)
+        if any_lane(F != 0.0):  # rates at which rollers close on the next ones
+            i, velocity, centre = next_rollers(group, bodies.n), motion[1], bodies.centre
+            x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
+            vx = load(velocity, group) - gather(velocity, i)
+            vy = load(velocity, columns + group) - gather(velocity, i + columns)
+            square = x * x + y * y
+            closing = (vx * x + vy * y) / square_root(select(square > 0.0, square, 1.0))
+            power += select(F != 0.0, F * closing, 0.0)
         if tilted is not None:
             rates, slope_rate = (tilts.rate, tilts.slope_rate) if after else (tilts.before, tilts.slope_before)
             ix, iy, ox, oy = normals(forces, group, columns)
@@ -189,17 +202,6 @@ def _work(dampers, step, motion, after, dt):
             power += select(count_from(group) < bodies.n, more, 0.0)
         work += 0.5 * power
     return dt * total(work)
-
-
-@part
-def _closing_on_next(bodies, group, velocity):
-    """Rates at which eight rollers close on the next ones, m/s."""
-    i, columns, centre = next_rollers(group, bodies.n), bodies.columns, bodies.centre
-    x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
-    vx = load(velocity, group) - gather(velocity, i)
-    vy = load(velocity, columns + group) - gather(velocity, i + columns)
-    square = x * x + y * y
-    return (vx * x + vy * y) / square_root(select(square > 0.0, square, 1.0))
 
 
 @part
@@ -223,16 +225,6 @@ def write_damped(dampers, step, out):
 
 
 # tilt
-
-
-@part
-def _find_lever(tilted, forces, row, columns, group, c):
-    """Levers and coefficients of tilt of eight contacts that damp approaches by c, N s/m; 0 of open ones."""
-    at, closed = row * columns + group, c > 0.0
-    over = select(closed, 1.0 / select(closed, load(forces.stiffness, at), 1.0), 0.0)
-    lever = load(forces.tilted.met, place_of(row, CROSS, columns, group)) * over
-    store(tilted.lever, at, lever)
-    store(tilted.turning, at, maximum(c * (load(forces.tilted.stiffness, at) * over - lever * lever), 0.0))
 
 
 @part

@@ -5,24 +5,12 @@ A contact's tangential compliance takes what its bodies slip in a step but for C
 
 import numpy as np
 
+from fem.kernels import lanes
 from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.kernels.drive import SPEED, speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import logarithm, maximum, minimum, next_rollers
-from fem.kernels.lanes import (
-    WIDTH,
-    absolute,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    scatter_add,
-    select,
-    splat,
-    square_root,
-    store,
-    total,
-)
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, gather, load, select, splat, store, total
 from fem.kernels.law import SLIP_FLOOR, STEEPEST, contact_force, creep_traction, damping_coefficient, kick_force
 from fem.kernels.mounts import ring_rates
 from fem.kernels.rigid.state import normals
@@ -64,7 +52,8 @@ def tractions(step, group, Q_i, Q_o):
 def _creep(law, soft, forces, drive, at, Q, slip, rolling):
     """Tractions of eight contacts, N, and what they dissipate; `soft` : m/N, of contacts that stick."""
     last, dt = load(forces.traction, at), drive.dt
-    full_slip = maximum(drive.friction * law.curvature * square_root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
+    half_width = lanes.square_root(law.half_width_factor * Q)
+    full_slip = maximum(drive.friction * law.curvature * half_width * rolling, SLIP_FLOOR)
     free = slip - last * (soft / dt)
     T, left = creep_traction(free, drive.friction * Q, full_slip, soft / dt)
     T, left = select(Q > 0.0, -T, 0.0), select(Q > 0.0, left, free)
@@ -100,26 +89,20 @@ def press_neighbours(step):
             if forces.dampers is not None:
                 store(forces.dampers.force, at, splat(0.0))
             continue
-        distance = select(near, square_root(square), 1.0)
+        distance = select(near, lanes.square_root(square), 1.0)
         nx, ny = x / distance, y / distance
         approach = select(near, 2.0 * bodies.radius - distance, -1.0)
-        Q = contact_force(approach, law.A, law.B, law.Q_line, load(forces.force, at))
-        last = (
-            load(forces.approach, at),
-            load(forces.force, at),
-            law.B,
-            load(forces.kick, at),
-            load(forces.residual, at),
-        )
+        Q_before = load(forces.force, at)
+        Q = contact_force(approach, law.A, law.B, law.Q_line, Q_before)
+        last = load(forces.approach, at), Q_before, law.B, load(forces.kick, at), load(forces.residual, at)
         P, residual = kick_force((law.A, law.Q_line), last, (approach, Q, law.B))
-        P = select(near, P, 0.0)
-        T = splat(0.0)
+        P, T = select(near, P, 0.0), splat(0.0)
         if drive.friction > 0.0:
             slip = (gather(before.velocity, i + columns) - load(before.velocity, columns + group)) * nx
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
             T = _creep(law, coupling.tangential[ROLLER], forces, drive, at, Q, slip, splat(0.0))
-        store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - load(forces.force, at))))
+        store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - Q_before)))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))
         store(forces.kick, at, P)
@@ -135,9 +118,9 @@ def press_neighbours(step):
         fx, fy = (P * nx - T * ny) * over, (P * ny + T * nx) * over
         turned = T * (-drive.dt * bodies.radius / bodies.inertia)
         fx, fy, turned = select(near, fx, 0.0), select(near, fy, 0.0), select(near, turned, 0.0)
-        scatter_add(velocity, i, fx)
-        scatter_add(velocity, i + columns, fy)
-        scatter_add(bodies.spin, i, turned)
+        lanes.scatter_add(velocity, i, fx)
+        lanes.scatter_add(velocity, i + columns, fy)
+        lanes.scatter_add(bodies.spin, i, turned)
         store(velocity, group, load(velocity, group) - fx)
         store(velocity, columns + group, load(velocity, columns + group) - fy)
         store(bodies.spin, group, load(bodies.spin, group) + turned)

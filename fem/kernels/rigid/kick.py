@@ -9,10 +9,10 @@ from fem.kernels.lane_functions import load_pair, maximum, minimum, store_pair
 from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, load, select, splat, store, total
 from fem.kernels.law import kick_by_energy, released
 from fem.kernels.mounts import TWELFTH
-from fem.kernels.rigid.contacts import along_ring, both_forces, law_energy, move, place_of, take_more, wrap
+from fem.kernels.rigid.contacts import along_rings, both_forces, law_energy, met_of, move, take_more, wrap
 from fem.kernels.rigid.friction import press_neighbours, tractions
 from fem.kernels.rigid.rays import along_ray
-from fem.kernels.rigid.state import CROSS, ENERGY, MOMENT, SLOPE, normals
+from fem.kernels.rigid.state import CROSS, MOMENT, SLOPE, normals
 from fem.kernels.rigid.strikes import note_strikes
 from fem.kernels.rigid.surfaces import push_along
 from fem.kernels.tilted_contact import SHORTEST, fallen, kick_by_work, own_approach
@@ -41,31 +41,31 @@ def kick_contacts(step):
         there, at = count_from(group) < n, columns + group
         ix, iy, ox, oy = normals(forces, group, columns)
         further_i, further_o = _further(step, group)
-        ahead_i, ahead_o, turn_i, turn_o = further_i, further_o, None, None
+        ahead_i, ahead_o, turned = further_i, further_o, (None, None)
         if tilts is not None:
             share, pushed = TWELFTH * dt * dt, load(tilts.pushed, group)
-            turned = pushed * (ix * ox + iy * oy) - (tilts.slope_pushed[0] * ix + tilts.slope_pushed[1] * iy)
-            turn_i, turn_o = share * turned, -share * pushed
+            turn_i = pushed * (ix * ox + iy * oy) - (tilts.slope_pushed[0] * ix + tilts.slope_pushed[1] * iy)
+            turned = share * turn_i, -share * pushed
         if coupling is not None:
             if forces.ahead is not None:  # less what `_tell_neighbours` has said that neighbours take
-                felt_i = along_ring(coupling, forces, forces.gained, INNER, group)
-                felt_o = along_ring(coupling, forces, forces.gained, OUTER, group)
+                felt_i, felt_o = along_rings(coupling, forces, forces.gained, group)
                 take_more(forces.taken, columns, group, felt_i, felt_o)
                 ahead_i, ahead_o = ahead_i - felt_i, ahead_o - felt_o
-        more_i, more_o = _gains(contacts, forces, columns, group, (ahead_i, ahead_o), (turn_i, turn_o))
+        more_i, more_o = _gains(contacts, forces, columns, group, (ahead_i, ahead_o), turned)
         if coupling is not None:
             less_i, less_o = coupling.across * more_o, coupling.across * more_i
             take_more(forces.taken, columns, group, less_i, less_o)
             ahead_i, ahead_o = ahead_i - less_i, ahead_o - less_o
         if tilted is None:
-            Q_i, Q_o = load(forces.estimate, group) + more_i, load(forces.estimate, at) + more_o
+            Q_i, Q_o = load_pair(forces.estimate, group, columns)
+            Q_i, Q_o = Q_i + more_i, Q_o + more_o
             P_i = _kicked(step, contacts.inner, group, ahead_i, further_i, Q_i, there)
             P_o = _kicked(step, contacts.outer, at, ahead_o, further_o, Q_o, there)
         else:
-            move(forces, INNER, columns, group, ahead_i, turn_i)
-            move(forces, OUTER, columns, group, ahead_o, turn_o)
+            move(forces, columns, group, ahead_i, turned[0])
+            move(forces, columns, at, ahead_o, turned[1])
             P_i, M_i = _kicked_by_table(step, tilted.tables[0], INNER, group, further_i, there)
-            P_o, M_o = _kicked_by_table(step, tilted.tables[1], OUTER, group, further_o, there)
+            P_o, M_o = _kicked_by_table(step, tilted.tables[1], OUTER, at, further_o, there)
             Q_i, Q_o = load_pair(forces.estimate, group, columns)
         _grow(drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
@@ -74,35 +74,39 @@ def kick_contacts(step):
                 T_i, T_o = tractions(step, group, Q_i, Q_o)
                 pulled_i, pulled_o = select(there, T_i, 0.0), select(there, T_o, 0.0)
                 store_pair(forces.pulled, halo + group, forces.pulled.shape[1], pulled_i, pulled_o)
-                _shift(forces, drive, INNER, group, Q_i)
-                _shift(forces, drive, OUTER, group, Q_o)
+                _shift(forces, drive, columns, group, Q_i)
+                _shift(forces, drive, columns, at, Q_o)
             store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         along_i, along_o = push_along(step, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
         if coupling is not None:
-            T_i, T_o = T_i - P_i * load(forces.tilt, group), T_o - P_o * load(forces.tilt, at)
+            tilt_i, tilt_o = load_pair(forces.tilt, group, columns)
+            T_i, T_o = T_i - P_i * tilt_i, T_o - P_o * tilt_o
         if tilts is not None:  # where slopes have a part across the normal, moments push aside
             tilt, facing, beside = load(tilts.tilt, group), ix * ox + iy * oy, oy * ix - ox * iy
             kick_axes(tilts, drive, group, M_i * facing - M_o)
             aside = tilt * beside - (tilts.slope[1] * ix - tilts.slope[0] * iy)
             T_i += M_i * aside * splat(1.0 / contacts.reach)
             T_o -= M_i * tilt * beside * splat(1.0 / contacts.track)
-            on_x -= M_i * ix
-            on_y -= M_i * iy
+            on_x, on_y = on_x - M_i * ix, on_y - M_i * iy
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         gx, gy = P_o * ox + T_o * oy, P_o * oy - T_o * ox
-        hub_x -= select(there, fx, 0.0)
-        hub_y -= select(there, fy, 0.0)
-        ring_x += select(there, gx, 0.0)
-        ring_y += select(there, gy, 0.0)
-        store(bodies.velocity, group, load(bodies.velocity, group) + over * (fx - gx))
-        store(bodies.velocity, at, load(bodies.velocity, at) + over * (fy - gy) - drive.gravity * dt)
-        if coupling is not None:
-            _expect(forces, INNER, columns, group, Q_i)
-            _expect(forces, OUTER, columns, group, Q_o)
+        hub_x, hub_y = hub_x - select(there, fx, 0.0), hub_y - select(there, fy, 0.0)
+        ring_x, ring_y = ring_x + select(there, gx, 0.0), ring_y + select(there, gy, 0.0)
+        vx, vy = load_pair(bodies.velocity, group, columns)
+        store_pair(bodies.velocity, group, columns, vx + over * (fx - gx), vy + over * (fy - gy) - drive.gravity * dt)
+        if coupling is not None:  # guess the next step's forces and moments, in a straight line from the last two
+            last_i, last_o = load_pair(forces.force, group, columns)
+            changed = maximum(absolute(Q_i - last_i), absolute(Q_o - last_o))
+            store(forces.fastest, 0, maximum(load(forces.fastest, 0), changed))
+            on_i, on_o = (Q_i > 0.0) & (last_i > 0.0), (Q_o > 0.0) & (last_o > 0.0)
+            next_i = select(on_i, maximum(2.0 * Q_i - last_i, 0.0), Q_i)
+            next_o = select(on_o, maximum(2.0 * Q_o - last_o, 0.0), Q_o)
+            store_pair(forces.guess, halo + group, forces.guess.shape[1], next_i, next_o)
             if tilted is not None:
-                _expect_moment(forces, INNER, columns, group, Q_i, M_i)
-                _expect_moment(forces, OUTER, columns, group, Q_o, M_o)
+                before_i, before_o = load_pair(forces.tilted.moment, group, columns)
+                next_i, next_o = select(on_i, 2.0 * M_i - before_i, M_i), select(on_o, 2.0 * M_o - before_o, M_o)
+                store_pair(forces.tilted.guess, halo + group, forces.tilted.guess.shape[1], next_i, next_o)
         store_pair(forces.force, group, columns, Q_i, Q_o)
         if tilted is not None:
             store_pair(forces.tilted.moment, group, columns, M_i, M_o)
@@ -135,15 +139,14 @@ def _grow(drive, P_i, P_o):
 
 
 @part
-def _shift(forces, drive, row, group, Q):
+def _shift(forces, drive, columns, at, Q):
     """Less dissipation, J, by how eight contacts' forces, N, shift the raceways under all tractions along their ring.
 
     By Betti that is how far tractions push raceways back, times what forces have changed.
     """
-    columns = forces.normal.shape[2]
-    now, last = load(forces.lifted, row * columns + group), load(forces.lifted, (2 + row) * columns + group)
-    store(forces.lifted, (2 + row) * columns + group, now)
-    drive.sums[2] -= 0.5 * total((now + last) * (Q - load(forces.force, row * columns + group)))
+    now, last = load_pair(forces.lifted, at, 2 * columns)
+    store(forces.lifted, 2 * columns + at, now)
+    drive.sums[2] -= 0.5 * total((now + last) * (Q - load(forces.force, at)))
 
 
 @part
@@ -173,8 +176,8 @@ def _gains(contacts, forces, columns, group, further, turned):
     stiff_i, stiff_o = load_pair(forces.stiffness, group, columns)
     more_i, more_o = stiff_i * further[0], stiff_o * further[1]
     if contacts.tilted is not None:
-        more_i += load(forces.tilted.met, place_of(INNER, CROSS, columns, group)) * turned[0]
-        more_o += load(forces.tilted.met, place_of(OUTER, CROSS, columns, group)) * turned[1]
+        cross_i, cross_o = met_of(forces, CROSS, columns, group)
+        more_i, more_o = more_i + cross_i * turned[0], more_o + cross_o * turned[1]
     if contacts.coupling is not None:
         across = contacts.coupling.across
         more_i, more_o = both_forces(more_i, more_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
@@ -189,15 +192,14 @@ def _tell_neighbours(step):
     Without that, contacts that open or close take other energy from their neighbours than what the rings store.
     """
     bodies, contacts, forces = step.bodies, step.contacts, step.forces
-    columns, n, halo = bodies.columns, bodies.n, forces.halo
-    width = forces.gained.shape[1]
+    columns, n, halo, width = bodies.columns, bodies.n, forces.halo, forces.gained.shape[1]
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, halo + group
         more_i, more_o = _gains(contacts, forces, columns, group, _further(step, group), (None, None))
         Q_i, Q_o = load_pair(forces.estimate, group, columns)
-        known_i = load(forces.guess, at) + load(forces.gained, at)
-        known_o = load(forces.guess, width + at) + load(forces.gained, width + at)
-        more_i, more_o = Q_i + more_i - known_i, Q_o + more_o - known_o
+        guess_i, guess_o = load_pair(forces.guess, at, width)
+        known_i, known_o = load_pair(forces.gained, at, width)
+        more_i, more_o = Q_i + more_i - (guess_i + known_i), Q_o + more_o - (guess_o + known_o)
         store_pair(forces.gained, at, width, select(there, more_i, 0.0), select(there, more_o, 0.0))
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
@@ -224,8 +226,15 @@ def _kicked(step, law, at, ahead, further, Q, there):
     work = law_energy(law, Q, approach, soft) - law_energy(law, Q_before, before, soft_before)
     P, residual = kick_by_energy(before, Q_before, P_before, residual, approach, Q, work, eased)
     P = select(there, P, 0.0)
-    if forces.taken is not None:
-        P, residual, grown = _bounded(forces, at, approach, P, Q, residual)
+    if forces.taken is not None:  # no further off than the larger force of the step behind
+        # a guess can be so far off that approach and force of a contact that opens don't fit; and what energy between
+        # contacts has grown by is more than kicks have taken for it: forces at both ends of a step take it exactly,
+        # kicks only where the contact neither opens nor closes
+        (taken, last), most = load_pair(forces.taken, at, forces.taken.size // 2), maximum(Q, Q_before)
+        given, grown = maximum(minimum(P, Q + most), Q - most), taken - last
+        store(forces.taken, forces.taken.size // 2 + at, taken)
+        imbalance = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - P_before)
+        P, residual = given, residual + select(before != before, 0.0, imbalance)
     if forces.cut is not None:  # bodies move by what approaches were cut by to fit their forces too
         off, cut = free - approach, load(forces.cut, at)
         residual = residual + 0.5 * (P + P_before) * (cut - off)
@@ -234,72 +243,42 @@ def _kicked(step, law, at, ahead, further, Q, there):
         P, residual = released(Q_before, Q, P, residual, (approach - before + grown, further), SHORTEST)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
-    store(forces.residual, at, residual)
     if forces.ahead is not None:
-        _note_ahead(forces, at, further, P)
+        # A kick works along what bodies move, not along how far its force is taken ahead. The energy of a step,
+        # dt²/24 Σ (m a − 2f)·a, makes up for it with the forces that a is of: what kicks give beyond these, as contacts
+        # open and close, is left. It is of fourth order in dt, and adds up where rollers rattle.
+        apart = forces.ahead.size // 2
+        ahead_before, beyond_before = load_pair(forces.ahead, at, apart)
+        beyond, onward = P - load(forces.estimate, at), further - ahead_before
+        residual = residual + select(onward != onward, 0.0, 0.5 * (beyond + beyond_before) * onward)
+        store_pair(forces.ahead, at, apart, further, beyond)
+    store(forces.residual, at, residual)
     return P
 
 
 @part
-def _bounded(forces, at, approach, P, Q, residual):
-    """A kick no further off than the larger force of the step behind; what contacts have stored beyond kicks, J.
-
-    A guess can be so far off that approach and force of a contact that opens don't fit. And what
-    energy between contacts has grown by is more than kicks have taken for it: forces Q at both ends of a step take it
-    exactly, kicks P only where the contact neither opens nor closes.
-    """
-    taken = forces.taken
-    before, Q_before, last = load(forces.approach, at), load(forces.force, at), at + taken.size // 2
-    most = maximum(Q, Q_before)
-    given = maximum(minimum(P, Q + most), Q - most)
-    grown = load(taken, at) - load(taken, last)
-    store(taken, last, load(taken, at))
-    imbalance = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
-    return given, residual + select(before != before, 0.0, imbalance), grown
-
-
-@part
-def _note_ahead(forces, at, ahead, P):
-    """Residual energy of eight contacts, J, by how far their forces are taken ahead, m, under kicks P, N.
-
-    A kick works along what bodies move, not along that. The energy of a step, dt²/24 Σ (m a − 2f)·a, makes up for it
-    with the forces that a is of: what kicks give beyond these, as contacts open and close, is left. It is of fourth
-    order in dt, and adds up where rollers rattle.
-    """
-    before = forces.ahead
-    last = at + before.size // 2
-    beyond = P - load(forces.estimate, at)
-    further = ahead - load(before, at)
-    imbalance = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
-    store(forces.residual, at, load(forces.residual, at) + imbalance)
-    store(before, at, ahead)
-    store(before, last, beyond)
-
-
-@part
-def _kicked_by_table(step, table, row, group, ahead, there):
+def _kicked_by_table(step, table, row, at, ahead, there):
     """What a kick gives of eight contacts' forces, N, and their moments, N m: energy by forces and by moments.
 
     The force makes the work of both the change of the table's energy; the moments' work is that of leapfrog.
     """
-    forces, own, columns = step.forces, step.forces.tilted, step.bodies.columns
-    at = row * columns + group
+    forces, own, columns, apart = step.forces, step.forces.tilted, step.bodies.columns, 2 * step.bodies.columns
     Q, approach = load(forces.estimate, at), load(forces.first, at)
-    M, slope = load(own.met, place_of(row, MOMENT, columns, group)), load(own.met, place_of(row, SLOPE, columns, group))
+    M, (slope, energy) = load(own.met, MOMENT * apart + at), load_pair(own.met, SLOPE * apart + at, apart)
     most = Q * step.contacts.tilted.length  # slices lie no further out than half of that, which tables overshoot
     M = select(there, maximum(minimum(M, most), -most), 0.0)
-    energy, residual = load(own.met, place_of(row, ENERGY, columns, group)), load(forces.residual, at)
+    residual = load(forces.residual, at)
     before, Q_before, P_before = load(forces.approach, at), load(forces.force, at), load(forces.kick, at)
     way, given = fallen(own, at, columns, Q - Q_before)
     moved, known = approach - before - way, before == before
     work = given + energy - load(own.energy, at) + 0.5 * (M + load(own.moment, at)) * (slope - load(own.slope, at))
-    taken, last = load(forces.taken, at), at + forces.taken.size // 2
+    taken, last = load_pair(forces.taken, at, apart)
     P = select(there, kick_by_work(Q, Q_before, P_before, residual, approach, moved, work), 0.0)
-    grown = taken - load(forces.taken, last)  # forces at both ends take what is stored between contacts
+    grown = taken - last  # forces at both ends take what is stored between contacts
     left = work - 0.5 * moved * (P_before + P) + 0.5 * grown * (Q - P + Q_before - P_before)
     residual = select(known & there, residual + left, residual)
     P, residual = released(Q_before, Q, P, residual, (moved + grown, ahead), SHORTEST)
-    store(forces.taken, last, taken)
+    store(forces.taken, apart + at, taken)
     store(own.energy, at, energy)
     store(own.slope, at, slope)
     store(forces.approach, at, select(there, approach, np.nan))
@@ -309,20 +288,3 @@ def _kicked_by_table(step, table, row, group, ahead, there):
     reached = there & (deepest > table.first_approach)
     note_furthest(step.bodies.tilts, row, select(reached, deepest, 0.0), select(reached, absolute(slope), 0.0))
     return P, M
-
-
-@part
-def _expect(forces, row, columns, group, Q):
-    """Guess the next step's forces, in a straight line from the last two."""
-    at = row * forces.guess.shape[1] + forces.halo + group
-    last = load(forces.force, row * columns + group)
-    store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - last)))
-    store(forces.guess, at, select((Q > 0.0) & (last > 0.0), maximum(2.0 * Q - last, 0.0), Q))
-
-
-@part
-def _expect_moment(forces, row, columns, group, Q, M):
-    at, own = row * columns + group, forces.tilted
-    goes_on = (Q > 0.0) & (load(forces.force, at) > 0.0)
-    guess = select(goes_on, 2.0 * M - load(own.moment, at), M)
-    store(own.guess, row * own.guess.shape[1] + forces.halo + group, guess)

@@ -14,7 +14,7 @@ from fem.kernels.rigid.dampers import damp, note_damped, write_damped
 from fem.kernels.rigid.kick import kick_contacts
 from fem.kernels.rigid.paces import NEAR, take_pace
 from fem.kernels.rigid.rays import hold, note_rays, roll, write_rays
-from fem.kernels.rigid.samples import note_beyond, write_energies, write_motion, write_works
+from fem.kernels.rigid.samples import note_beyond, write_energies, write_motion
 from fem.kernels.rigid.state import Step
 from fem.kernels.rigid.strikes import note_radiated, radiate, write_radiated
 from fem.kernels.tilts import turn_axes, write_axes
@@ -36,7 +36,12 @@ def advance_rigid(moving, drives, paces, first_row, stride, samples):
         drive, count = (drives[0], stride) if paces is None else (drives[paces.now[0]], paces.counts[paces.now[0]])
         while inside < count:
             step = Step(bodies, contacts, forces, before, drive, (section * count + inside) * drive.dt)
-            _remember(bodies, before)
+            for component in range(2):  # velocities before the kick: a sample needs those of both half steps
+                before.hub_velocity[component] = bodies.hub_velocity[component]
+                for j in range(bodies.columns):
+                    before.velocity[component, j] = bodies.velocity[component, j]
+            for j in range(bodies.columns):
+                before.spin[j] = bodies.spin[j]
             follow(drive, step.time)
             if bodies.cage is not None:
                 meet(bodies.cage, speed_of(drive), drive.dt)
@@ -68,17 +73,6 @@ def advance_rigid(moving, drives, paces, first_row, stride, samples):
                 short = inside if paces is None else inside * count // paces.counts[paces.now[0]]
                 return mounts.NOT_FINITE, section * count + short, body
     return mounts.DONE, 0, -2
-
-
-@part
-def _remember(bodies, before):
-    """Keep the velocities before a kick: a sample needs those of both half steps."""
-    for component in range(2):
-        before.hub_velocity[component] = bodies.hub_velocity[component]
-        for j in range(bodies.columns):
-            before.velocity[component, j] = bodies.velocity[component, j]
-    for j in range(bodies.columns):
-        before.spin[j] = bodies.spin[j]
 
 
 @part
@@ -158,12 +152,17 @@ def _write(step, out):
     bodies, forces, drive = step.bodies, step.forces, step.drive
     write_motion(step, out)
     write_energies(step, out)
-    write_works(step, out)
     note_beyond(bodies, forces)
     if bodies.shaft is not None:
         mounts.write_shaft(bodies.shaft, drive, out)
-    if bodies.housing is not None:
-        _write_ring(bodies.housing, step.before.ring_acceleration, drive, out)
+    housing = bodies.housing
+    if housing is not None:  # the place that the springs' force is taken at, and what steps conserve beside
+        mounts.write_housing(housing, drive, out)
+        square, at, a = drive.dt * drive.dt, housing.column, step.before.ring_acceleration
+        out[CONTACT] += square / 24.0 * housing.mass * (a[0] * a[0] + a[1] * a[1] + 2.0 * drive.gravity * a[1])
+        x, y = housing.place[0] + TWELFTH * square * a[0], housing.place[1] + TWELFTH * square * a[1]
+        out[at + mounts.PLACE_X], out[at + mounts.PLACE_Y] = x, y
+        out[at + mounts.STORED] = 0.5 * housing.stiffness * (x * x + y * y)
     if bodies.cage is not None:
         write_cage(bodies.cage.cage, drive, out)
     if bodies.tilts is not None:
@@ -174,17 +173,6 @@ def _write(step, out):
         write_rays(bodies.prescribed, step, out)
     if forces.dampers is not None:
         write_damped(forces.dampers, step, out)
-
-
-@part
-def _write_ring(housing, a, drive, out):
-    """The place that the springs' force is taken at, and what steps conserve beside: see `samples`."""
-    mounts.write_housing(housing, drive, out)
-    square = drive.dt * drive.dt
-    out[CONTACT] += square / 24.0 * housing.mass * (a[0] * a[0] + a[1] * a[1] + 2.0 * drive.gravity * a[1])
-    x, y = housing.place[0] + TWELFTH * square * a[0], housing.place[1] + TWELFTH * square * a[1]
-    out[housing.column + mounts.PLACE_X], out[housing.column + mounts.PLACE_Y] = x, y
-    out[housing.column + mounts.STORED] = 0.5 * housing.stiffness * (x * x + y * y)
 
 
 @part

@@ -48,16 +48,11 @@ class Paces(NamedTuple):
     half_step: np.ndarray  # (2, 2, 3)
 
 
-@part
+@part(inlined=False)
 def take_pace(paces, step, drives):
     """Choose the pace of a section whose first kick has just been made, and change to it."""
     if step.time > 0.0:
         paces.made[paces.now[0]] += paces.counts[paces.now[0]]
-    _take(paces, step, drives)
-
-
-@part(inlined=False)
-def _take(paces, step, drives):
     bodies, forces, drive = step.bodies, step.forces, step.drive
     now, pace = paces.now[0], FAR
     outer_turn = with_outer(drive, 0.0, 1.0, TURN)
@@ -139,11 +134,7 @@ def _change(step, change):
         moved += 0.5 * old.dt * before.hub_velocity[k]
         rescale_kick(before.hub_velocity, bodies.hub_velocity, k, change.back)
         moved -= 0.5 * new.dt * before.hub_velocity[k]  # what the new step's half will count beside
-        if k == 0:
-            sums[0] += before.load[0] * moved
-        else:
-            sums[0] -= before.load[1] * moved
-    for k in range(2):
+        sums[0] += (1.0 - 2.0 * k) * before.load[k] * moved  # the load against y
         for j in range(bodies.n):
             bodies.centre[k, j] += change.shift * before.acceleration[k, j]
             rescale_kick(before.velocity[k], bodies.velocity[k], j, change.back)
@@ -153,12 +144,14 @@ def _change(step, change):
     ratio = new.dt / old.dt
     if step.contacts.coupling is not None:  # what is expected of forces and moments in the next step
         for row in range(2):
-            _change_guess(forces.force, forces.guess, forces, row, bodies.n, ratio)
             for j in range(bodies.n):
-                forces.guess[row, forces.halo + j] = max(forces.guess[row, forces.halo + j], 0.0)
+                last, at = forces.force[row, j], forces.halo + j
+                forces.guess[row, at] = max(last + ratio * (forces.guess[row, at] - last), 0.0)
             wrap(forces.guess, row, bodies.n, forces.halo)
             if step.contacts.tilted is not None:
-                _change_guess(forces.tilted.moment, forces.tilted.guess, forces, row, bodies.n, ratio)
+                for j in range(bodies.n):
+                    last, at = forces.tilted.moment[row, j], forces.halo + j
+                    forces.tilted.guess[row, at] = last + ratio * (forces.tilted.guess[row, at] - last)
                 wrap(forces.tilted.guess, row, bodies.n, forces.halo)
         for lane in range(WIDTH):
             forces.fastest[lane] *= ratio
@@ -172,8 +165,26 @@ def _change(step, change):
             moved = old.dt * shaft.before[k] - new.dt * before.hub_velocity[k]
             shaft.dissipated[0] -= 0.5 * shaft.drag[k] * moved
             shaft.before[k] = before.hub_velocity[k]
-    if bodies.housing is not None:
-        _change_ring(bodies.housing, step, change)
+    housing = bodies.housing
+    if housing is not None:  # its motion as the hub's, and then that of a sensor on it: from half an old step before to
+        # half a new one before, there and back under one acceleration
+        for k in range(2):
+            housing.place[k] += change.shift * before.ring_acceleration[k]
+            moved = old.dt * housing.before[k]
+            rescale_kick(housing.before, housing.velocity, k, change.back)
+            housing.dissipated[0] -= 0.5 * housing.drag[k] * (moved - new.dt * housing.before[k])
+        sensor = housing.sensor
+        if sensor is not None:
+            pushed = (housing.velocity[1] - housing.before[1]) / new.dt
+            motion, half, whole = sensor.motion, sensor.half_step, change.half_step
+            x = half[0, 0] * motion[0] + half[0, 1] * motion[1] + (half[0, 2] - whole[0, 2]) * pushed
+            y = half[1, 0] * motion[0] + half[1, 1] * motion[1] + (half[1, 2] - whole[1, 2]) * pushed
+            size = whole[0, 0] * whole[1, 1] - whole[0, 1] * whole[1, 0]
+            motion[0] = (whole[1, 1] * x - whole[0, 1] * y) / size
+            motion[1] = (whole[0, 0] * y - whole[1, 0] * x) / size
+            for i in range(2):
+                for k in range(3):
+                    sensor.step[i, k], sensor.half_step[i, k] = change.step[i, k], change.half_step[i, k]
     if bodies.cage is not None:  # works of its contacts' last step end by its next velocities, and so does its drag's
         cage = bodies.cage.cage
         for i in range(3):
@@ -187,36 +198,3 @@ def _change(step, change):
         change_rays(bodies.prescribed, step, change)
     if forces.dampers is not None:
         change_damped(forces.dampers, step, change)
-
-
-@part
-def _change_ring(housing, step, change):
-    """The housing's motion, as the hub's, and then that of a sensor on it.
-
-    The sensor goes from half an old step before to half a new one before: there and back under one acceleration.
-    """
-    dt, next_ = step.drive.dt, change.drive.dt
-    for k in range(2):
-        housing.place[k] += change.shift * step.before.ring_acceleration[k]
-        moved = dt * housing.before[k]
-        rescale_kick(housing.before, housing.velocity, k, change.back)
-        housing.dissipated[0] -= 0.5 * housing.drag[k] * (moved - next_ * housing.before[k])
-    sensor = housing.sensor
-    if sensor is not None:
-        pushed = (housing.velocity[1] - housing.before[1]) / next_
-        motion, half, whole = sensor.motion, sensor.half_step, change.half_step
-        x = half[0, 0] * motion[0] + half[0, 1] * motion[1] + (half[0, 2] - whole[0, 2]) * pushed
-        y = half[1, 0] * motion[0] + half[1, 1] * motion[1] + (half[1, 2] - whole[1, 2]) * pushed
-        size = whole[0, 0] * whole[1, 1] - whole[0, 1] * whole[1, 0]
-        motion[0] = (whole[1, 1] * x - whole[0, 1] * y) / size
-        motion[1] = (whole[0, 0] * y - whole[1, 0] * x) / size
-        for i in range(2):
-            for k in range(3):
-                sensor.step[i, k], sensor.half_step[i, k] = change.step[i, k], change.half_step[i, k]
-
-
-@part
-def _change_guess(last, guess, forces, row, n, ratio):
-    for j in range(n):
-        now, at = last[row, j], forces.halo + j
-        guess[row, at] = now + ratio * (guess[row, at] - now)

@@ -7,12 +7,12 @@ descriptions about the stack, in every step, which takes as long as the step.
 from math import sqrt
 
 from fem.kernels import columns as sample
-from fem.kernels.columns import INNER, OUTER, ROLLER
+from fem.kernels.columns import INNER, ROLLER
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import load_pair
 from fem.kernels.lanes import WIDTH, count_from, load, select, splat, store, total
 from fem.kernels.mounts import TWELFTH, ring_place, ring_rates
-from fem.kernels.rigid.contacts import along_ring, law_energy, wrap
+from fem.kernels.rigid.contacts import along_rings, law_energy, wrap
 
 
 @part
@@ -22,6 +22,11 @@ def write_motion(step, out):
     By leapfrog's own a shaft's springs would miss the hub's balance by k dt²/12 of its acceleration.
     """
     bodies, forces, drive, before = step.bodies, step.forces, step.drive, step.before
+    half = 0.5 * drive.dt  # works of load and drive up to the instant of the kick, and what friction has dissipated
+    work = drive.sums[0] - half * before.load[1] * before.hub_velocity[1]
+    out[sample.WORK_LOAD] = work + half * before.load[0] * before.hub_velocity[0]
+    out[sample.WORK_DRIVE], out[sample.DISSIPATED] = 0.5 * (before.driven[0] + drive.sums[1]), drive.sums[2]
+    out[sample.DAMPED_BY_CONTACTS] = out[sample.DAMPED_BY_BODIES] = 0.0
     out[sample.TIME] = step.time
     ahead, a = TWELFTH * drive.dt * drive.dt, before.hub_acceleration
     out[sample.HUB_X], out[sample.HUB_Y] = bodies.hub[0] + ahead * a[0], bodies.hub[1] + ahead * a[1]
@@ -43,19 +48,6 @@ def write_motion(step, out):
 
 
 @part
-def write_works(step, out):
-    """Works of load and drive up to the instant of the kick, and what friction has dissipated."""
-    drive, before = step.drive, step.before
-    half = 0.5 * drive.dt
-    work = drive.sums[0] - half * before.load[1] * before.hub_velocity[1]
-    more = half * before.load[0] * before.hub_velocity[0]
-    out[sample.WORK_LOAD] = work + more
-    out[sample.WORK_DRIVE] = 0.5 * (before.driven[0] + drive.sums[1])
-    out[sample.DISSIPATED] = drive.sums[2]
-    out[sample.DAMPED_BY_CONTACTS] = out[sample.DAMPED_BY_BODIES] = 0.0
-
-
-@part
 def note_beyond(bodies, forces):
     """Keep the most that kicks have given the hub beyond forces: as contacts open and close, or repay energy."""
     x, y, pair = 0.0, 0.0, bodies.cage
@@ -63,7 +55,7 @@ def note_beyond(bodies, forces):
         if pair.ring is not None and pair.cage.guide is not None:
             if pair.ring.turns:
                 more = pair.cage.guide.kick[0] - pair.cage.guide.force[0]
-                x, y = more * pair.cage.guide.normal[0, 0], more * pair.cage.guide.normal[1, 0]
+                x, y = -more * pair.cage.guide.normal[0, 0], -more * pair.cage.guide.normal[1, 0]
     for j in range(bodies.n):
         # What a kick P gives beyond the force Q that a sample holds, N, each with the damper's.
         Q = forces.force[INNER, j]
@@ -86,9 +78,15 @@ def write_energies(step, out):
     hub, n, columns = bodies.hub_velocity, bodies.n, bodies.columns
     moving, spinning, pushed, lifted, stored = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     if contacts.coupling is not None:  # leave in `gained`, which the next step fills anew, what raceways feel around
-        _repeat(forces.force, forces.gained, forces, n, columns)
-        if contacts.tilted is not None:
-            _repeat(forces.tilted.moment, forces.tilted.gained, forces, n, columns)
+        for row in range(2):
+            for group in range(0, n, WIDTH):
+                here, to = row * columns + group, row * forces.gained.shape[1] + forces.halo + group
+                store(forces.gained, to, load(forces.force, here))
+                if contacts.tilted is not None:
+                    store(forces.tilted.gained, to, load(forces.tilted.moment, here))
+            wrap(forces.gained, row, n, forces.halo)
+            if contacts.tilted is not None:
+                wrap(forces.tilted.gained, row, n, forces.halo)
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, columns + group
         square = load(before.velocity, group) * load(bodies.velocity, group)
@@ -115,14 +113,6 @@ def write_energies(step, out):
 
 
 @part
-def _repeat(array, gained, forces, n, columns):
-    for row in range(2):
-        for group in range(0, n, WIDTH):
-            store(gained, row * gained.shape[1] + forces.halo + group, load(array, row * columns + group))
-        wrap(gained, row, n, forces.halo)
-
-
-@part
 def _contact_energy(step, group):
     """Energy of eight rollers' contacts, as steps conserve it, J: of laws, between contacts, of tractions."""
     contacts, forces, columns = step.contacts, step.forces, step.bodies.columns
@@ -133,18 +123,18 @@ def _contact_energy(step, group):
         own = load(forces.tilted.energy, group) + load(forces.tilted.energy, columns + group)
         if coupling is not None:
             M_i, M_o = load_pair(forces.tilted.moment, group, columns)
-            more = 0.5 * along_ring(coupling, forces, forces.tilted.gained, INNER, group) * M_i
-            more += 0.5 * along_ring(coupling, forces, forces.tilted.gained, OUTER, group) * M_o
-            own += more * tilted.share
+            turn_i, turn_o = along_rings(coupling, forces, forces.tilted.gained, group)
+            own += (0.5 * turn_i * M_i + 0.5 * turn_o * M_o) * tilted.share
     for row in range(2):
-        own += _curved(step, row, group) - _yet_to_give(step, row, group)
+        own += _by_steps(step, row, group)
     if coupling is not None:
-        own += coupling.across * load(forces.force, group) * load(forces.force, columns + group)
+        Q_i, Q_o = load_pair(forces.force, group, columns)
+        less_i, less_o = along_rings(coupling, forces, forces.gained, group)
+        lift_i, lift_o = load_pair(forces.lifted, group, columns)
+        own += coupling.across * Q_i * Q_o + (lift_i + 0.5 * less_i) * Q_i + (lift_o + 0.5 * less_o) * Q_o
         for row in range(2):
-            at = row * columns + group
-            Q, T = load(forces.force, at), load(forces.traction, at)
-            others = load(forces.lifted, at) + 0.5 * along_ring(coupling, forces, forces.gained, row, group)
-            own += others * Q + select(Q > 0.0, (0.5 * coupling.tangential[row]) * T * T, 0.0)
+            Q, T = load(forces.force, row * columns + group), load(forces.traction, row * columns + group)
+            own += select(Q > 0.0, (0.5 * coupling.tangential[row]) * T * T, 0.0)
         at = ROLLER * columns + group
         Q, T = load(forces.force, at), load(forces.traction, at)
         energy = law_energy(coupling.between, Q, load(forces.approach, at), None)
@@ -160,42 +150,24 @@ def _stored(law, forces, at):
 
 
 @part
-def _curved(step, row, group):
-    """Part of the energy that steps along a chord conserve, J: the force times half the rise between chord and circle.
+def _by_steps(step, row, group):
+    """What energies of eight contacts that steps conserve have beside those of laws, J.
 
-    Work at both ends of a step, along normals that turn by v dt/ρ, is the force's times the change of its overlap but
-    for ¼·(v² dt²/ρ)·(the change of the force). Of eight contacts.
+    The force times half the rise between chord and circle: work at both ends of a step, along normals that turn by
+    v dt/ρ, is the force's times the change of its overlap but for ¼·(v² dt²/ρ)·(the change of the force). And what
+    kicks give beyond their forces has worked on the way here; in the step ahead it works once more.
     """
-    bodies, forces, before = step.bodies, step.forces, step.before
-    columns = bodies.columns
+    bodies, forces, before, half = step.bodies, step.forces, step.before, 0.5 * step.drive.dt
+    columns, place, (past, next_) = bodies.columns, ring_place(bodies.housing), ring_rates(bodies.housing)
+    at, sign = row * columns + group, 1.0
+    if row == INNER:
+        hub, was, now, sign = bodies.hub, before.hub_velocity, bodies.hub_velocity, -1.0
+        place, past, next_ = (hub[0], hub[1]), (was[0], was[1]), (now[0], now[1])
     nx, ny = load_pair(forces.normal, 2 * row * columns + group, columns)
     x, y = load_pair(bodies.centre, group, columns)
-    vx = load(before.velocity, group) + load(bodies.velocity, group)
-    vy = load(before.velocity, columns + group) + load(bodies.velocity, columns + group)
-    if row == INNER:
-        x, y = x - bodies.hub[0], y - bodies.hub[1]
-        vx = vx - (before.hub_velocity[0] + bodies.hub_velocity[0])
-        vy = vy - (before.hub_velocity[1] + bodies.hub_velocity[1])
-    else:
-        ring_x, ring_y = ring_place(bodies.housing)
-        past, next_ = ring_rates(bodies.housing)
-        x, y = x - ring_x, y - ring_y
-        vx, vy = vx - (past[0] + next_[0]), vy - (past[1] + next_[1])
-    along = (0.5 * step.drive.dt) * (vy * nx - vx * ny)
-    risen = 0.25 * along * along / (x * nx + y * ny) * load(forces.force, row * columns + group)
-    return -risen if row == INNER else risen
-
-
-@part
-def _yet_to_give(step, row, group):
-    """What kicks give beyond their forces has worked on the way here; in the step ahead it works once more, J."""
-    bodies, forces, columns = step.bodies, step.forces, step.bodies.columns
-    beyond = load(forces.kick, row * columns + group) - load(forces.force, row * columns + group)
-    vx, vy = load_pair(bodies.velocity, group, columns)
-    if row == INNER:
-        vx, vy = bodies.hub_velocity[0] - vx, bodies.hub_velocity[1] - vy
-    else:
-        ring_vx, ring_vy = ring_rates(bodies.housing)[1]
-        vx, vy = vx - ring_vx, vy - ring_vy
-    nx, ny = load_pair(forces.normal, 2 * row * columns + group, columns)
-    return (0.5 * step.drive.dt) * beyond * (vx * nx + vy * ny)
+    vx, vy = load_pair(before.velocity, group, columns)
+    wx, wy = load_pair(bodies.velocity, group, columns)
+    wx, wy, Q = wx - next_[0], wy - next_[1], load(forces.force, at)
+    along = half * ((vy - past[1] + wy) * nx - (vx - past[0] + wx) * ny)
+    risen = 0.25 * along * along / ((x - place[0]) * nx + (y - place[1]) * ny) * Q
+    return sign * (risen - half * (load(forces.kick, at) - Q) * (wx * nx + wy * ny))

@@ -8,7 +8,7 @@ from math import cos, sin
 
 from fem.kernels.drive import SPEED, TURN, outer_of, speed_of, with_outer
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_functions import cosine_and_sine, load_pair, store_pair
 from fem.kernels.lanes import count_from, load, select, splat, store, total
 from fem.kernels.mounts import ring_place
 from fem.kernels.profiles import lowered_ring, lowered_rollers
@@ -60,26 +60,15 @@ def keep_edges(step, group, met, inner, outer):
     forces, columns = step.forces, step.bodies.columns
     ring, own, ring_o, own_o = met[0]
     if step.contacts.tilted is None:
-        _keep(forces.soft, 0, columns, group, ring[2] + own[2], ring_o[2] + own_o[2])
+        store_pair(forces.soft, group, columns, ring[2] + own[2], ring_o[2] + own_o[2])
     else:
         sunken = forces.tilted.sunken
-        _keep(forces.tilted.edges, NOW, columns, group, ring[2] + own[2], ring_o[2] + own_o[2])
+        store_pair(forces.tilted.edges, 2 * NOW * columns + group, columns, ring[2] + own[2], ring_o[2] + own_o[2])
         if sunken is not None:
             a, b, c, d = met[1]
-            _keep(sunken, SUNK, columns, group, -a[0] - b[0], -c[0] - d[0])
-            _keep(sunken, PART_EDGES, columns, group, a[2] + b[2], c[2] + d[2])
+            store_pair(sunken, 2 * SUNK * columns + group, columns, -a[0] - b[0], -c[0] - d[0])
+            store_pair(sunken, 2 * PART_EDGES * columns + group, columns, a[2] + b[2], c[2] + d[2])
     return inner + ring[0] + own[0], outer + ring_o[0] + own_o[0]
-
-
-@part
-def _keep(array, what, columns, group, inner, outer):
-    store(array, 2 * what * columns + group, inner)
-    store(array, (2 * what + 1) * columns + group, outer)
-
-
-@part
-def _kept(array, what, columns, group):
-    return load(array, 2 * what * columns + group), load(array, (2 * what + 1) * columns + group)
 
 
 @part
@@ -89,31 +78,31 @@ def keep_slopes(step, group, met, Q_i, Q_o):
     ring, own, ring_o, own_o = met[0]
     soft_i, soft_o = 0.5 * Q_i, 0.5 * Q_o
     if contacts.tilted is not None:
-        soft_i, soft_o = _kept(forces.tilted.edges, FALL, columns, group)
+        soft_i, soft_o = load_pair(forces.tilted.edges, 2 * FALL * columns + group, columns)
     elif contacts.coupling is not None:  # by the forces of the kick: see `push_along`
         soft_i, soft_o = splat(0.0), splat(0.0)
-        _keep(forces.softening, 0, columns, group, ring[3] + own[3], own[3])
-        _keep(forces.softening, 1, columns, group, ring_o[3] + own_o[3], own_o[3])
+        store_pair(forces.softening, group, columns, ring[3] + own[3], own[3])
+        store_pair(forces.softening, 2 * columns + group, columns, ring_o[3] + own_o[3], own_o[3])
     turning, turning_o = own[1] - soft_i * own[3], own_o[1] - soft_o * own_o[3]
     both, both_o = ring[1] - soft_i * ring[3] + turning, ring_o[1] - soft_o * ring_o[3] + turning_o
     if contacts.tilted is not None:
         if forces.tilted.sunken is not None:
             ring, own, ring_o, own_o = met[1]
-            share_i, share_o = _kept(forces.tilted.sunken, SUNK + FALL, columns, group)
-            soft_i, soft_o = _kept(forces.tilted.sunken, PART_EDGES + FALL, columns, group)
+            share_i, share_o = load_pair(forces.tilted.sunken, 2 * (SUNK + FALL) * columns + group, columns)
+            soft_i, soft_o = load_pair(forces.tilted.sunken, 2 * (PART_EDGES + FALL) * columns + group, columns)
             more, more_o = share_i * own[1] - soft_i * own[3], share_o * own_o[1] - soft_o * own_o[3]
             both += share_i * ring[1] - soft_i * ring[3] + more
             both_o += share_o * ring_o[1] - soft_o * ring_o[3] + more_o
             turning, turning_o = turning + more, turning_o + more_o
-    _keep(forces.slope, 0, columns, group, both, turning)
-    _keep(forces.slope, 1, columns, group, both_o, turning_o)
+    store_pair(forces.slope, group, columns, both, turning)
+    store_pair(forces.slope, 2 * columns + group, columns, both_o, turning_o)
 
 
 @part
 def _distances(bodies, forces, group):
     """Of eight rollers' centres from those of hub and outer ring, m."""
     columns = bodies.columns
-    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+    x, y = load_pair(bodies.centre, group, columns)
     ring_x, ring_y = ring_place(bodies.housing)
     ix, iy, ox, oy = normals(forces, group, columns)
     out = (x - ring_x) * ox + (y - ring_y) * oy
@@ -136,10 +125,10 @@ def push_along(step, group, P, Q):
     columns, slope, soft = bodies.columns, forces.slope, forces.softening
     away, out = _distances(bodies, forces, group)
     half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
-    both = P[0] * load(slope, group) - half * load(soft, group)
-    own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
-    both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
-    own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
+    (both, own), (soft_both, soft_own) = load_pair(slope, group, columns), load_pair(soft, group, columns)
+    both, own, at = P[0] * both - half * soft_both, P[0] * own - half * soft_own, 2 * columns + group
+    (both_o, own_o), (soft_both, soft_own) = load_pair(slope, at, columns), load_pair(soft, at, columns)
+    both_o, own_o = P[1] * both_o - half_o * soft_both, P[1] * own_o - half_o * soft_own
     drive.sums[1] -= speed_of(drive) * drive.dt * total(both - own)
     outer = None if drive.history is None else drive.history.outer
     if outer is not None:
@@ -163,12 +152,11 @@ def passing_rates(step, group, motion):
         return splat(0.0), splat(0.0)
     columns, slope, (hub, velocity, spin, ring) = bodies.columns, forces.slope, motion
     away, out = _distances(bodies, forces, group)
-    vx, vy, turn = load(velocity, group), load(velocity, columns + group), load(spin, group)
+    (vx, vy), turn = load_pair(velocity, group, columns), load(spin, group)
     ix, iy, ox, oy = normals(forces, group, columns)
     around = ((vy - hub[1]) * ix - (vx - hub[0]) * iy) / away
     around_o = ((vy - ring[1]) * ox - (vx - ring[0]) * oy) / out
-    both, own = load(slope, group), load(slope, columns + group)
-    both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
+    (both, own), (both_o, own_o) = load_pair(slope, group, columns), load_pair(slope, 2 * columns + group, columns)
     inner = both * around - own * turn - (both - own) * speed_of(drive)
     outer = both_o * around_o - own_o * turn
     return inner, with_outer(drive, outer, own_o - both_o, SPEED)

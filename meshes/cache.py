@@ -23,9 +23,7 @@ RECIPE = 3  # raise it when `shapes` makes other meshes of the same shape
 def mesh_of(shape: Shape) -> Mesh:
     """The mesh of a shape: from the package, from the user's cache, or made by gmsh now.
 
-    Errors
-    ------
-    RuntimeError: it must be made and gmsh can't be loaded (the message says what to install).
+    Errors: RuntimeError: it must be made and gmsh can't be loaded (the message says what to install).
     """
     name, folders = file_name(shape), [Path(str(resources.files("meshes"))) / "data"]
     with suppress(OSError):

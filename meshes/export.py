@@ -27,8 +27,6 @@ def write_fields(
 ) -> None:
     """Write a plane mesh with its fields, atomically, in the format of the name's ending.
 
-    Parameters
-    ----------
     points : (n_points, 2), m; blocks : cells of one kind each, (n_cells, 3) or (n_cells, 4)
     point_data : (n_points,) or (n_points, k); cell_data : one array for each block
     """

@@ -33,19 +33,14 @@ class GradedDisc:
     layers: int  # the surface has 6·layers nodes; a multiple of 2^levels
     levels: int
 
-    @property
-    def surface_nodes(self) -> int:
-        return 6 * self.layers
+    surface_nodes = property(lambda self: 6 * self.layers)
 
     @property
     def surface_spacing(self) -> float:
         """Arc between neighbouring surface nodes, m."""
         return 2.0 * pi * self.radius / self.surface_nodes
 
-    @property
-    def repeats(self) -> int:
-        """How many times the mesh looks the same in one turn."""
-        return 6
+    repeats = property(lambda self: 6)  # How many times the mesh looks the same in one turn
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -88,10 +83,7 @@ class GradedAnnulus:
         depth *= thickness / depth[-1]
         return raceway - depth[::-1] if self.raceway_outside else raceway + depth
 
-    @property
-    def layers(self) -> int:
-        """Radial element layers."""
-        return len(self.radii) - 1
+    layers = property(lambda self: len(self.radii) - 1)  # Radial element layers
 
 
 def graded_disc(radius: float, spacing: float) -> GradedDisc:

@@ -29,9 +29,7 @@ class Disc:
     radius: float  # m
     layers: float  # a multiple of ½
 
-    @property
-    def surface_nodes(self) -> int:
-        return round(6 * self.layers)
+    surface_nodes = property(lambda self: round(6 * self.layers))
 
     @property
     def surface_spacing(self) -> float:
@@ -55,9 +53,7 @@ class Disc:
         last = len(counts) - 1
         return [Row(radii[k], counts[k], 0.5 * ((last - k) % 2)) for k in range(len(counts))]
 
-    @property
-    def n_cells(self) -> int:
-        return int(6 * self.layers**2)
+    n_cells = property(lambda self: int(6 * self.layers**2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,9 +85,7 @@ class Mesh:
 def make(shape: Shape) -> Mesh:
     """Mesh a shape with gmsh; nodes ordered by radius, then by angle from 0.
 
-    Errors
-    ------
-    RuntimeError: gmsh can't be loaded or returned a mesh other than the shape asks for.
+    Errors: RuntimeError: gmsh can't be loaded or returned a mesh other than the shape asks for.
     """
     # a layer of the disc has the nodes of its two circles and no others between them
     with gmsh_session(INITIAL_MESH_ONLY) as gmsh:
@@ -111,9 +105,7 @@ def make(shape: Shape) -> Mesh:
 def gmsh_session(algorithm: int):
     """A silent gmsh with an empty model, for as long as the context lasts; `algorithm` of its meshes in the plane.
 
-    Errors
-    ------
-    RuntimeError: gmsh can't be loaded.
+    Errors: RuntimeError: gmsh can't be loaded.
     """
     gmsh = _load_gmsh()
     gmsh.initialize(readConfigFiles=False, interruptible=False)

@@ -47,8 +47,7 @@ def on(body, **keys):
 def test_statics_over_a_spall_agree_with_exact_series(body, depth_um):
     """Measured: 0.02 % at 1 mm, whether the sunk roller carries 371 N or, below 5.1 µm, nothing."""
     scene = read_scene(None, on(body, depth_um=depth_um, width_mm=1.0))
-    error = static_error(model_of(scene), scene.ideal_operation())
-    assert error.hub < 0.003 and error.largest_force < 0.003
+    assert max(static_error(model_of(scene), scene.ideal_operation())) < 0.003
     exact = exact_statics(scene.ideal_bearing(), 2000.0, DOWN)
     assert exact.hub[1] < exact_statics(PAPER, 2000.0, DOWN).hub[1] - 0.5e-6
     assert (exact.outer_force[0] > 0.0) == (depth_um < 5.0)

@@ -3,7 +3,6 @@
 Equation (9) of docs/method.md.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, inf, log2, sqrt
 
@@ -50,9 +49,7 @@ def critical_time_step(
     own springs k on its mass m add at most k/m to any ω², and so do a shaft's on the mass, kg, that moves with the
     hub; of both the larger counts. `further`, 1/s², is added too.
 
-    Errors
-    ------
-    Lanczos approaches the largest ω² from below; its tolerance is added.
+    Errors: Lanczos approaches the largest ω² from below; its tolerance is added.
     """
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
@@ -81,9 +78,7 @@ def next_rung(force: float) -> float:
 def _found(
     model: Model, force: float, housing: Housing | None, of_mount: float, mass: ReciprocalMass, sticks: bool
 ) -> float:
-    springs, ring = model.springs(force), model.outer_ring
-    if sticks:
-        springs |= {name: sparse.hstack([springs[name], more]) for name, more in model.shear_springs(force).items()}
+    springs, ring = model.springs(force, sticks), model.outer_ring
     if isinstance(ring, BoredRing):
         springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
         of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
@@ -97,20 +92,18 @@ def _found(
     if isinstance(ring, BoredRing):
         steps.append(2.0 / sqrt(FINELY * ring.stiffness / ring.row_mass[ring.held_row]))
     if len(elastic) < len(springs):
-        steps.extend(2.0 / sqrt(limit + of_mount) for limit in _rigid_limits(model, force, housing, sticks))
+        # largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass
+        inner, outer, between = model.stiffnesses(force, sticks)
+        roller, limits = model.roller, []
+        if roller.material.rigid:  # a disc along its surface turns, too
+            lightness = (1.0 + 2.0 * sticks) / roller.total_mass
+            limits.append((HEAVY * (inner + outer) + 2.0 * EVENLY * between) * lightness)
+        if model.inner_ring.material.rigid:
+            limits.append(model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass)
+        if ring.material.rigid and housing is not None:
+            limits.append(model.bearing.n_rollers * HEAVY * outer / (housing.mass + ring.total_mass))
+        steps.extend(2.0 / sqrt(limit + of_mount) for limit in limits)
     return min(steps)
-
-
-def _rigid_limits(model: Model, force: float, housing: Housing | None, sticks: bool) -> Iterator[float]:
-    """Largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass."""
-    inner, outer, between = np.maximum(model.stiffnesses(force), model.shear_stiffnesses(force) if sticks else 0.0)
-    if model.roller.material.rigid:
-        lightness = (1.0 + 2.0 * sticks) / model.roller.total_mass  # of a disc along its surface, that turns, too
-        yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) * lightness
-    if model.inner_ring.material.rigid:
-        yield model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass
-    if model.outer_ring.material.rigid and housing is not None:
-        yield model.bearing.n_rollers * HEAVY * outer / (housing.mass + model.outer_ring.total_mass)
 
 
 def _waves(body: DiscBody | RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:

@@ -54,16 +54,6 @@ class Motion:
         """Rotation of the bodies, from which the place on a surface with defects follows."""
         return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn, outer_ring=self.outer_turn)
 
-    @property
-    def ring_turns(self) -> tuple[float, float]:
-        """Of the inner ring's frame and of the outer one's, rad."""
-        return self.ring_turn, self.outer_turn
-
-    def lines_of_centres(self, place: np.ndarray) -> np.ndarray:
-        """Directions of inner, then outer contacts, (2 n_rollers,), rad; `place`: hub, radii, (n_rollers + 2,), m."""
-        to_roller = self.radial * place[2:, None] - place[:2]
-        return np.concatenate([np.arctan2(to_roller[:, 1], to_roller[:, 0]), self.roller_angle])
-
 
 def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
     """Nothing turns; the first roller's angle from +x, rad."""
@@ -71,15 +61,6 @@ def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
         roller_angle=roller_angles(bearing, first_roller_angle), roller_turn=np.zeros(bearing.n_rollers), ring_turn=0.0,
         cage_speed=0.0, roller_speed=0.0, ring_speed=0.0,
     )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class PressurePoints:
-    """Points that carry the forces of all contacts: those of inner ones first, then of outer ones."""
-
-    contact: np.ndarray  # (n_points,), whose point it is
-    closing: np.ndarray  # (n_points,), m, by other loads, less how far the surfaces lie apart when the contact touches
-    compliance: np.ndarray  # (n_points, n_points), m/N
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,21 +73,25 @@ class Unloaded:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reduced(PressurePoints):
-    """A bearing of finite elements reduced to such points, and the nodes that they push."""
+class Reduced:
+    """A bearing of finite elements reduced to points that carry its contacts' forces, and the nodes that they push."""
 
+    contact: np.ndarray  # (n_points,), whose point it is: inner contacts first, then outer ones
+    closing: np.ndarray  # (n_points,), m, by other loads, less how far the surfaces lie apart when the contact touches
+    compliance: np.ndarray  # (n_points, n_points), m/N
     free: Unloaded
     across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
     bodies: tuple[DiscBody, RingBody, RingBody]  # roller, inner and outer ring
     loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
 
+    def sums(self, forces: np.ndarray) -> np.ndarray:
+        """Forces of contacts, (2 n_rollers,), N, by those of points."""
+        return np.bincount(self.contact, forces, minlength=2 * (len(self.loads) - 2))
+
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacements under the points' forces, N: both rings', polar, and the rollers', (n_rollers, n_nodes, 2)."""
-        disc, *rings = self.bodies
-        fields = []
-        for ring, growth, (mine, nodes, push) in zip(
-            rings, (self.free.inner_growth, self.free.outer_sag), self.loads[:2], strict=True
-        ):
+        (disc, *rings), free, fields = self.bodies, (self.free.inner_growth, self.free.outer_sag), []
+        for ring, growth, (mine, nodes, push) in zip(rings, free, self.loads, strict=False):
             nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
             nodal[ring.raceway_row][:, nodes] = -(push @ forces[mine]).reshape(-1, 2).T
             fields.append(growth + ring.held(nodal))
@@ -124,14 +109,11 @@ def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
     mass, roller = np.repeat(disc.mass, 2), np.zeros(2 * disc.mass.size)
     for _ in range(1 + GROWN_PASSES):  # what spins carries around what it has grown by
         roller = disc.relaxed(motion.roller_speed**2 * mass * (disc.points.ravel() + roller))
-    turns = motion.outer_speed != 0.0 or motion.outer_turn != 0.0
-    return Unloaded(
-        inner_growth=_spun(inner, motion.ring_speed) + inner.held(inner.body_load(gravity, motion.ring_turn)),
-        outer_sag=_spun(outer, motion.outer_speed) + outer.held(outer.body_load(gravity, motion.outer_turn))
-        if turns
-        else outer.sag(gravity),
-        roller_growth=roller,
-    )
+    sag = outer.sag(gravity)
+    if motion.outer_speed != 0.0 or motion.outer_turn != 0.0:
+        sag = _spun(outer, motion.outer_speed) + outer.held(outer.body_load(gravity, motion.outer_turn))
+    growth = _spun(inner, motion.ring_speed) + inner.held(inner.body_load(gravity, motion.ring_turn))
+    return Unloaded(inner_growth=growth, outer_sag=sag, roller_growth=roller)
 
 
 def _spun(ring: RingBody, speed: float) -> np.ndarray:
@@ -186,8 +168,6 @@ class Model:
     def build(cls, bearing: Bearing, mesh_size: float, expected, contact) -> "Model":
         """Mesh and assemble a bearing at a surface spacing, m.
 
-        Parameters
-        ----------
         expected : has `largest`, the largest static force of a contact, N; contact : the scene's [contact]
         """
         raise NotImplementedError
@@ -209,9 +189,10 @@ class Model:
         `forces` : (2 n_rollers,), N, expected, of inner contacts and then of outer ones; not asked for by all models
         """
         n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
-        line, each = motion.lines_of_centres(place), self.places(forces)
+        to_roller, each = motion.radial * place[2:, None] - place[:2], self.places(forces)
+        line = np.concatenate([np.arctan2(to_roller[:, 1], to_roller[:, 0]), motion.roller_angle])
         across, contact = np.concatenate(each), np.repeat(np.arange(2 * n), [some.size for some in each])
-        kind, j, turn = contact // n, contact % n, np.array(motion.ring_turns)
+        kind, j, turn = contact // n, contact % n, np.array([motion.ring_turn, motion.outer_turn])
         radii = np.array([law.pair.radii for law in self.laws])[kind].T
         angles = np.arcsin(across / np.abs(radii))
         on_ring = line[contact] + angles[0] - turn[kind]
@@ -246,62 +227,57 @@ class Model:
             loads=loads, free=free,
         )  # fmt: skip
 
-    def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+    def springs(self, force: float, sticks: bool = False) -> dict[str, sparse.csc_matrix]:
         """Closed contacts on each kind of body at a force, N: columns that make `column @ column.T` a stiffness, N/m.
 
-        A roller has one contact of each kind, apart from each other. Of points those over CLOSED_NODES nodes.
+        A roller has one contact of each kind, apart from each other. Of points those over CLOSED_NODES nodes. Where
+        contacts stick, their tangential springs too, if the model has such.
         """
-        disc, half = self.roller, POINTS_PER_NODE * CLOSED_NODES // 2
-        on_roller = []
+        disc, half, on_roller, found = self.roller, POINTS_PER_NODE * CLOSED_NODES // 2, [], {}
+
+        def embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:
+            """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
+            rows = np.stack([first, first + apart], axis=1).ravel()
+            place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
+            own = np.linalg.inv(law.local_compliance(push.shape[1]))
+            return place @ sparse.csc_matrix(push @ np.linalg.cholesky(EVENLY * own))
+
         for kind, law in enumerate(self.laws):
             angle = law.places(half) / disc.shape.radius + 2.0 * pi * kind / 3.0
             nodes, push = disc_push(disc, angle, 1.0, self.shares)
-            on_roller.append(_embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, law))
-        found = {"roller": sparse.hstack(on_roller).tocsc()}
-        for name, ring, law in (
-            ("inner_ring", self.inner_ring, self.inner_law),
-            ("outer_ring", self.outer_ring, self.outer_law),
-        ):
+            on_roller.append(embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, law))
+        for name, law in (("inner_ring", self.inner_law), ("outer_ring", self.outer_law)):
+            ring = getattr(self, name)
             nodes, push = ring_push(ring, law.places(half) / ring.raceway_radius, 1.0, self.shares)
             first = ring.raceway_row * 2 * ring.n_sectors + nodes
-            found[name] = _embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
-        return found
+            found[name] = embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
+        return {"roller": sparse.hstack(on_roller).tocsc()} | found
 
     def kernel_data(self, largest_force: float) -> KernelData:
         """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""
-        found = points(self.laws, largest_force, self.bearing.n_rollers)
-        units, pairs = self._patch_units(found), [law.pair for law in self.laws]
+        found, pairs = points(self.laws, largest_force, self.bearing.n_rollers), [law.pair for law in self.laws]
+        nodes = self.inner_ring.n_sectors, self.outer_ring.n_sectors, self.roller.shape.surface_nodes
+        places = zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
+        widest = max(np.abs(found.shift[at]).max() * count / pi for at, count in places)
+        # as many entries as patches need units of six nodes: a power of two, as each is compiled for itself
+        units = (0,) * 2 ** max(0, ceil(log2((widest + self.nodes_beyond) / N_NODES)))
         return KernelData(
             laws=tuple(Law(0.0, 0.0, 0.0, pair.half_width_factor, 1.0 / pair.relative_radius) for pair in pairs),
             ripples=(np.zeros(0),) * 3, units=units, points=found, shear_levels=None, neighbourly=N_NODES * len(units),
             facet_depth=float(np.abs(found.sagitta).sum(axis=1).max()),
         )  # fmt: skip
 
-    def _patch_units(self, found: Points) -> tuple[int, ...]:
-        """As many entries as patches need units of six nodes: a power of two, as each is compiled for itself."""
-        nodes = self.inner_ring.n_sectors, self.outer_ring.n_sectors, self.roller.shape.surface_nodes
-        widest = max(
-            2.0 * np.abs(found.shift[kind, side]).max() * count / (2.0 * pi)
-            for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
-        )
-        return (0,) * 2 ** max(0, ceil(log2((widest + self.nodes_beyond) / N_NODES)))
-
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
         """Nodes of a surface that carry a contact force, N, at an angle, their shares, and the angle less theirs."""
         half_width = self.laws[kind].pair.half_width(abs(force))
         return hertz_patch(n_surface, angle, half_width / radius, self.shares)
 
-    def stiffnesses(self, force: float) -> list[float]:
-        """Stiffnesses of an inner, an outer and a roller's contact, N/m, at a force, N, where bodies may be rigid."""
+    def stiffnesses(self, force: float, sticks: bool) -> np.ndarray:
+        """Stiffnesses of an inner, an outer and a roller's contact, (3,), N/m, at a force, N; bodies may be rigid.
+
+        Where contacts stick it is the larger of the normal and the tangential one.
+        """
         raise NotImplementedError
-
-    def shear_springs(self, force: float) -> dict[str, sparse.csc_matrix]:
-        """The same of the tangential springs of contacts that stick; empty where they have none."""
-        return {}
-
-    def shear_stiffnesses(self, force: float) -> list[float]:
-        """Those springs' stiffnesses, N/m, as `stiffnesses`."""
-        return [0.0, 0.0, 0.0]
 
     def smeared(self, spacing: float, half_width: float) -> float | None:
         """Node spacing, m, of the patch that pictures exchange for Hertz's pressure; None: the mesh has that."""
@@ -315,10 +291,7 @@ class Model:
         """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
         return 0.0
 
-    @property
-    def laws(self) -> tuple[Any, Any, Any]:
-        """Laws by kind of contact."""
-        return self.inner_law, self.outer_law, self.roller_law
+    laws = property(lambda self: (self.inner_law, self.outer_law, self.roller_law))  # by kind of contact
 
     @property
     def n_nodes(self) -> int:
@@ -329,8 +302,8 @@ class Model:
     @property
     def degrees_of_freedom(self) -> int:
         """Number of free ones: two per node off the held circles, two of the hub, three of a rigid roller."""
-        rings = sum(ring.n_free_nodes for ring in self._elastic_rings)
         of_a_roller = 3 if self.roller.material.rigid else 2 * self.roller.n_nodes
+        rings = sum(ring.n_free_nodes for ring in self._elastic_rings)
         return self.bearing.n_rollers * of_a_roller + 2 * rings + 2
 
     @property
@@ -352,11 +325,3 @@ def assembled_bodies(bearing: Bearing, shapes: BearingShapes) -> dict[str, DiscB
         "outer_ring": ring_body(shapes.outer_ring, bearing.outer_ring.elastic, thickness, held_inside=False),
     }
     return {name: rigid_body(body) if getattr(bearing, name).rigid else body for name, body in bodies.items()}
-
-
-def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:
-    """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
-    rows = np.stack([first, first + apart], axis=1).ravel()
-    place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
-    own = np.linalg.inv(law.local_compliance(push.shape[1]))
-    return place @ sparse.csc_matrix(push @ np.linalg.cholesky(EVENLY * own))

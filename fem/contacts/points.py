@@ -6,6 +6,7 @@ are what differs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, pi
 from typing import Any, ClassVar
 
@@ -77,29 +78,20 @@ def disc_patch_traction(disc: DiscBody, angle: float) -> np.ndarray:
     return force.ravel()
 
 
-def patches(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of the patches around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
+def _shares(angle: np.ndarray, n_nodes: int, first: int, weigh: Callable) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
     position = angle * n_nodes / (2.0 * pi)
     base = np.floor(position)
-    weight = np.array([weights(beyond) for beyond in position - base])
-    found = (first_node(0) + base[:, None].astype(int) + np.arange(N_NODES)) % n_nodes
+    weight = np.array([weigh(beyond) for beyond in position - base])
+    found = (first + base[:, None].astype(int) + np.arange(weight.shape[1])) % n_nodes
     nodes, where = np.unique(found, return_inverse=True)
     share = np.zeros((nodes.size, angle.size))
-    np.add.at(share, (where.ravel(), np.repeat(np.arange(angle.size), N_NODES)), weight.ravel())
+    np.add.at(share, (where.ravel(), np.repeat(np.arange(angle.size), weight.shape[1])), weight.ravel())
     return nodes, share
 
 
-def hats(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two nodes beside each of some points instead; as `patches`."""
-    position = angle * n_nodes / (2.0 * pi)
-    base = np.floor(position).astype(int)
-    beyond = position - base
-    nodes = np.unique(np.concatenate([base, base + 1]) % n_nodes)
-    share = np.zeros((nodes.size, angle.size))
-    column = np.arange(angle.size)
-    np.add.at(share, (np.searchsorted(nodes, base % n_nodes), column), 1.0 - beyond)
-    np.add.at(share, (np.searchsorted(nodes, (base + 1) % n_nodes), column), beyond)
-    return nodes, share
+patches = partial(_shares, first=first_node(0), weigh=weights)  # of the patches around some points
+hats = partial(_shares, first=0, weigh=lambda beyond: (1.0 - beyond, beyond))  # of the two nodes beside each instead
 
 
 def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:

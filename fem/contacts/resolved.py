@@ -1,7 +1,5 @@
 """Contacts of pressure points on a layer that keeps the surfaces apart, or each spread over a patch of the mesh.
 
-Contacts on a mesh about as fine as they are wide: pressure points, each spread over a patch of the mesh.
-
 Where the mesh is far coarser than a contact, one patch carries it all and Hertz's formula gives what the mesh can't see
 (`subgrid`). Where it is finer, the pressure is found at points instead. The force q_j of a point is spread over a patch
 like that one, the overlap at a point is read with the same patch, and what the mesh lacks between two points is
@@ -47,7 +45,6 @@ from meshes import bearing_shapes, graded_shapes
 
 LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/crossover.md for what it costs
 COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
-WIDE = "pressure points reach as far as static loads need, and an impact may have made a contact wider"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +69,10 @@ class ResolvedModel(Model):
     shapes: ClassVar = staticmethod(graded_shapes)
     shares: ClassVar = staticmethod(hats)
     coarsest: ClassVar[float] = COARSEST
-    failure_hint: ClassVar[str] = f"{WIDE}: a coarser numerics.mesh_size_mm has no such limit; or "
+    failure_hint: ClassVar[str] = (
+        "pressure points reach as far as static loads need, and an impact may have made a contact wider: a coarser "
+        "numerics.mesh_size_mm has no such limit; or "
+    )
     stress_note: ClassVar[str] = "contacts resolved"
 
     @classmethod
@@ -122,24 +122,20 @@ class SpreadLaw(PointLaw):
 
     @staticmethod
     def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
-        return filled(
-            Spread,
-            {"pairs": 3, "n": n_rollers, "n_points": n_points},
-            missing=np.stack([law.missing_compliance for law in laws]),
-            inverse=np.stack([law.inverses() for law in laws]),
-        )
+        missing, inverse = zip(*((law.missing_compliance, law.inverses()) for law in laws), strict=True)
+        sizes = {"pairs": 3, "n": n_rollers, "n_points": n_points}
+        return filled(Spread, sizes, missing=np.stack(missing), inverse=np.stack(inverse))
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpreadModel(Model):
+class SpreadModel(ResolvedModel):
     """Contacts whose points push patches of nodes, and what the mesh lacks between them."""
 
-    shapes: ClassVar = staticmethod(graded_shapes)
     shares: ClassVar = staticmethod(patches)
     nodes_beyond: ClassVar[float] = 3.0 + N_NODES
     coarsest: ClassVar[float] = ONE_PATCH
     is_made_for_a_force: ClassVar[bool] = True
-    failure_hint: ClassVar[str] = f"{WIDE}: a coarser numerics.mesh_size_mm has no such limit; or "
+    stress_note: ClassVar[None] = None
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected, contact=None) -> Model:
@@ -149,53 +145,46 @@ class SpreadModel(Model):
     def of_force(cls, bearing: Bearing, mesh_size: float, largest_force: float) -> Model:
         """Mesh and assemble a bearing at a surface spacing, m; the largest static force of a contact in N."""
         bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
-        return cls(bearing=bearing, **bodies, **named(spread_laws(bearing, bodies, largest_force)))
+        laws = []
+        for pair, name in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
+            spacing = pair.half_width(largest_force) / POINTS_PER_HALF_WIDTH  # as dense as each one's width needs
+            apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
+            missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
+            laws.append(SpreadLaw(pair=pair, spacing=spacing, missing_compliance=missing))
+        return cls(bearing=bearing, **bodies, **named(laws))
 
     def smeared(self, spacing: float, half_width: float) -> float:
         """See `Model.smeared`: pressure smeared out by a patch is about a patch with the sum of the variances."""
         return 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))  # (2h)²/12 and b²/4
 
 
-def spread_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody], largest_force: float) -> list[SpreadLaw]:
-    """Laws by kind of contact; the largest static force in N. Points stand as dense as each one's width needs."""
-    found = []
-    for pair, name in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
-        spacing = pair.half_width(largest_force) / POINTS_PER_HALF_WIDTH
-        apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
-        missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
-        found.append(SpreadLaw(pair=pair, spacing=spacing, missing_compliance=missing))
-    return found
-
-
 def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
     """G of one body at distances `apart`, m/N."""
-    unit = line_compliance(body.material, thickness)
+    unit, cell = line_compliance(body.material, thickness), apart[1]
     section = body.section.squeezed if isinstance(body, DiscBody) else body.section
     width = 0.01 * section.loaded  # any narrow one
     constant = hertz_approach(section, width) / thickness + unit * (log(width) + HERTZ_LOG_MOMENT - MEAN_BELOW_CENTRE)
-    return constant - unit * _cells_log(apart) - _answer(body, apart)
 
-
-def _cells_log(apart: np.ndarray) -> np.ndarray:
-    """Mean of ln|s − s'| over two cells as wide as the distances' spacing."""
-    width = apart[1]
-
-    def twice(x):  # second antiderivative of ln|x|
+    def twice(x):
+        """Second antiderivative of ln|x|."""
         size = np.abs(x)
         return 0.5 * size**2 * np.log(np.where(size > 0.0, size, 1.0)) - 0.75 * size**2
 
-    return (twice(apart + width) - 2.0 * twice(apart) + twice(apart - width)) / width**2
+    # mean of ln|s − s'| over two cells as wide as the distances' spacing
+    logarithm = (twice(apart + cell) - 2.0 * twice(apart) + twice(apart - cell)) / cell**2
+    return constant - unit * logarithm - _answer(body, apart)
 
 
 def _answer(body: DiscBody | RingBody, apart: np.ndarray) -> np.ndarray:
     """Mean motion of a patch at distances from a unit force, of a disc one of two opposite ones, m/N; over places."""
-    if isinstance(body, DiscBody):
+    count, disc = PLACES_PER_NODE, isinstance(body, DiscBody)
+    if disc:
         nodes, radius = body.shape.surface_nodes, body.shape.radius
         first = np.unique(np.arange(PLACES) * (nodes // body.shape.repeats) // PLACES)
     else:
         nodes, radius, first = body.n_sectors, body.raceway_radius, np.zeros(1)
-    angles = 2.0 * pi / nodes * (first[:, None] + np.arange(PLACES_PER_NODE) / PLACES_PER_NODE).ravel()
-    if isinstance(body, DiscBody):
+    angles = 2.0 * pi / nodes * (first[:, None] + np.arange(count) / count).ravel()
+    if disc:
         loads = [disc_patch_force(body, angle) + disc_patch_force(body, angle + pi) for angle in angles]
         motion = body.relaxed(np.stack(loads, axis=-1)).reshape(body.n_nodes, 2, -1)[body.first_surface_node :]
     else:
@@ -205,7 +194,7 @@ def _answer(body: DiscBody | RingBody, apart: np.ndarray) -> np.ndarray:
     for k, angle in enumerate(angles):
         for i, there in enumerate(angle + apart / radius):
             on, weight, offset = patch(nodes, there)
-            turn = there if isinstance(body, DiscBody) else offset
+            turn = there if disc else offset
             found[i] += weight @ (motion[on, 0, k] * np.cos(turn) + motion[on, 1, k] * np.sin(turn))
     return found / angles.size
 

@@ -19,7 +19,7 @@ Equation (3) of docs/method.md.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import log, pi
 from typing import ClassVar
 
 import numpy as np
@@ -38,7 +38,6 @@ from fem.contacts.points import (
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
 from fem.elastic.continuum import Section, hertz_approach, roller_section, stick_approach
-from fem.kernels.columns import INNER, OUTER
 from fem.kernels.elements.surfaces import ONE
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from lagrange import Bearing
@@ -82,15 +81,14 @@ class SubgridModel(Model):
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-        names = "roller", "inner_ring", "outer_ring"
-        roller, inner, outer = (_kept_surface(bodies[name], thickness, half_width) for name in names)
+        roller, inner, outer = (_kept_surface(body, thickness, half_width) for body in bodies.values())
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
-            between = unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
+            between = _unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
         met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
         return cls(
             bearing=bearing, **bodies, **named(contact_law(*sides, pair) for sides, pair in met),
-            whole_levels=tuple(_level(*sides, pair, sum(side.whole for side in sides)) for sides, pair in met),
+            whole_levels=tuple(_level(*sides, pair, "whole") for sides, pair in met),
             shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met), roller_surface=roller,
             inner_surface=inner, outer_surface=outer,
         )  # fmt: skip
@@ -100,40 +98,39 @@ class SubgridModel(Model):
 
     def beside(self, kind: int, on_ring: np.ndarray, on_roller: np.ndarray) -> np.ndarray:
         """See `Model.beside`: the ripples of both surfaces."""
-        ring, surface = (
-            (self.inner_ring, self.inner_surface) if kind == INNER else (self.outer_ring, self.outer_surface)
-        )
-        of_ring = _ripples(surface, on_ring, ring.n_sectors)
-        return np.diag(of_ring + _ripples(self.roller_surface, on_roller, self.roller.shape.surface_nodes))
+        rings = (self.inner_surface, self.inner_ring), (self.outer_surface, self.outer_ring)
+        (surface, ring), found = rings[kind], np.zeros(on_ring.size)
+        roller = self.roller_surface, on_roller, self.roller.shape.surface_nodes
+        for ripple, angles, nodes in ((surface, on_ring, ring.n_sectors), roller):
+            places = np.mod(angles * nodes / (2.0 * pi), nodes)
+            found += [ripple_at(place, ripple.ripple)[0] for place in places]
+        return np.diag(found)
 
-    def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
-        """See `Model.springs`: one on each patch, stiffer the larger the force; so are those of `shear_springs`."""
-        return self._on_patches(self.stiffnesses(force), disc_patch_force, ring_patch_force)
+    def springs(self, force: float, sticks: bool = False) -> dict[str, sparse.csc_matrix]:
+        """See `Model.springs`: one on each patch, stiffer the larger the force; so are those of contacts that stick."""
+        rings, found = (self.inner_ring, self.outer_ring), {"roller": [], "inner_ring": [], "outer_ring": []}
+        ends = [LIGHT if self.roller.material.rigid or ring.material.rigid else EVENLY for ring in rings]
+        kinds = (self._normal(force), disc_patch_force, ring_patch_force), (
+            self._tangential(force), disc_patch_traction, ring_patch_traction,
+        )  # fmt: skip
+        for stiffness, on_disc, on_ring in kinds[: 1 + sticks]:
+            sizes = np.sqrt(np.array([*ends, EVENLY]) * stiffness)
+            found["roller"] += [size * on_disc(self.roller, 2.0 * pi * k / 3.0) for k, size in enumerate(sizes)]
+            for name, ring, size in zip(("inner_ring", "outer_ring"), rings, sizes, strict=False):
+                found[name].append(size * on_ring(ring, 0.0).ravel())
+        return {name: sparse.csc_matrix(np.stack(columns, axis=1)) for name, columns in found.items()}
 
-    def shear_springs(self, force: float) -> dict[str, sparse.csc_matrix]:
-        return self._on_patches(self.shear_stiffnesses(force), disc_patch_traction, ring_patch_traction)
+    def stiffnesses(self, force: float, sticks: bool) -> np.ndarray:
+        return np.maximum(self._normal(force), self._tangential(force) if sticks else 0.0)
 
-    def _on_patches(self, stiffnesses: list[float], on_disc: Callable, on_ring: Callable):
-        """Springs, N/m, by kind, on a patch each, by what unit forces do to a body's nodes."""
-        ends = [
-            EVENLY if not (self.roller.material.rigid or ring.material.rigid) else LIGHT
-            for ring in (self.inner_ring, self.outer_ring)
-        ]
-        sizes = [sqrt(share * k) for share, k in zip((*ends, EVENLY), stiffnesses, strict=True)]
-        angles = 2.0 * np.pi * np.arange(3) / 3.0
-        on_roller = [size * on_disc(self.roller, a) for size, a in zip(sizes, angles, strict=True)]
-        return {
-            "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
-            "inner_ring": sparse.csc_matrix(sizes[INNER] * on_ring(self.inner_ring, 0.0).reshape(-1, 1)),
-            "outer_ring": sparse.csc_matrix(sizes[OUTER] * on_ring(self.outer_ring, 0.0).reshape(-1, 1)),
-        }
+    def _normal(self, force: float) -> np.ndarray:
+        return np.array([law.stiffness(min(force, law.Q_line)) for law in self.laws])
 
-    def stiffnesses(self, force: float) -> list[float]:
-        return [law.stiffness(min(force, law.Q_line)) for law in self.laws]
-
-    def shear_stiffnesses(self, force: float) -> list[float]:
+    def _tangential(self, force: float) -> np.ndarray:
         found = zip(self.laws, self.shear_levels, strict=True)
-        return [1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found]
+        return np.array([
+            1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found
+        ])  # fmt: skip
 
     def kernel_data(self, largest_force: float) -> KernelData:
         return KernelData(
@@ -156,19 +153,18 @@ class SubgridModel(Model):
 
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
     """Law of two calibrated surfaces, ripples apart."""
-    level = _level(first, second, pair, first.missing + second.missing)
-    return ContactLaw.of_level(first.unit + second.unit, level, pair)
+    return ContactLaw.of_level(first.unit + second.unit, _level(first, second, pair, "missing"), pair)
 
 
 def shear_level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> float:
     """Level of what the mesh lacks of two surfaces' tangential compliance, A (level − ½ ln Q)."""
-    return _level(first, second, pair, first.missing_shear + second.missing_shear)
+    return _level(first, second, pair, "missing_shear")
 
 
-def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, missing: float) -> float:
-    """Level of a compliance A (level − ½ ln Q) that is `missing`, m/N, at the surfaces' half-widths."""
-    wide = 0.5 * log(pair.half_width_factor)
-    AB = missing + sum(s.unit * (log(s.half_width) - wide) for s in (first, second))
+def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, what: str) -> float:
+    """Level of one of the surfaces' compliances together, A (level − ½ ln Q)."""
+    wide, sides = 0.5 * log(pair.half_width_factor), (first, second)
+    AB = sum(getattr(side, what) + side.unit * (log(side.half_width) - wide) for side in sides)
     return AB / (first.unit + second.unit)
 
 
@@ -219,11 +215,11 @@ def rigid_surface(half_width: float) -> SurfaceCompliance:
     return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
 
 
-def unmeshed_disc(disc: Section, thickness: float, half_width: float) -> SurfaceCompliance:
-    """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
-    exact = hertz_approach(disc.squeezed, half_width) / thickness
-    sticking = stick_approach(disc, half_width) / thickness
-    return _missing(exact, np.zeros(KNOTS_PER_NODE), sticking, half_width, line_compliance(disc.material, thickness))
+def _unmeshed_disc(disc: Section, thickness: float, half_width: float) -> SurfaceCompliance:
+    """All of the exact disc's compliance under two opposite Hertz pressures."""
+    exact, sticking = hertz_approach(disc.squeezed, half_width), stick_approach(disc, half_width)
+    none, unit = np.zeros(KNOTS_PER_NODE), line_compliance(disc.material, thickness)
+    return _missing(exact / thickness, none, sticking / thickness, half_width, unit)
 
 
 def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:
@@ -234,8 +230,3 @@ def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float
         whole=float(exact), missing=float(exact - found.mean()), half_width=half_width, unit=unit, ripple=ripple,
         spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0, missing_shear=float(sticking),
     )  # fmt: skip
-
-
-def _ripples(surface: SurfaceCompliance, angles, nodes: int) -> np.ndarray:
-    positions = np.mod(angles * nodes / (2.0 * pi), nodes)
-    return np.array([ripple_at(position, surface.ripple)[0] for position in positions])

@@ -21,9 +21,9 @@ WIDTHS = 2.1  # half-widths of a contact that a coupled slice is wide at least; 
 ANY_WIDTH = 0.01  # of a roller's radius: across it the width of a contact does not count
 ROUND_OFF = 1e-9
 SLOPES = 5e-4  # rad: tables are made for multiples, so that they serve other scenes too
-
-
 NOTHING = 0.0, 0.0
+SIDES = "inner", "outer"
+GRID = "first_approach", "approach_step", "first_slope", "slope_step"
 
 
 def tilted_tables(
@@ -36,8 +36,6 @@ def tilted_tables(
 ) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
     """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
 
-    Parameters
-    ----------
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way
     meshed : m/N, what meshes have of both contacts' compliances; tables are of the rest
     """
@@ -45,36 +43,29 @@ def tilted_tables(
     force, slope = rounded_range(largest_force, largest_slope)
 
     def make() -> dict[str, np.ndarray]:
-        widths = coupled_width(bearing, axial)
-        curved = slice_law(laws[0], widths), slice_law(laws[1], widths)
-        tables = contact_tables(sound, axial, curved, force, slope, _below(couplings(bearing, axial), meshed))
-        found = {side: table.coefficients for side, table in zip(SIDES, tables, strict=True)}
-        grids = {f"{side}_grid": np.array([getattr(table, name) for name in GRID])
-                 for side, table in zip(SIDES, tables, strict=True)}  # fmt: skip
-        return found | grids
+        tables = contact_tables(sound, axial, *_slices(bearing, axial, laws, meshed, (force, slope)))
+        grids = [np.array([getattr(table, name) for name in GRID]) for table in tables]
+        found = zip(SIDES, tables, grids, strict=True)
+        return {name: kept for side, table, grid in found
+                for name, kept in ((side, table.coefficients), (f"{side}_grid", grid))}  # fmt: skip
 
     key = repr((sound, axial, laws, force, slope, *(() if meshed == NOTHING else meshed)))
     arrays, parts = kept("tilted", key, make), axial.parts(bearing)
-
-    def whole(side: str) -> ContactTable:
-        grid = dict(zip(GRID, map(float, arrays[f"{side}_grid"]), strict=True))
-        return ContactTable(**grid, coefficients=np.ascontiguousarray(arrays[side]))
+    grids = [dict(zip(GRID, arrays[f"{side}_grid"].tolist(), strict=True)) for side in SIDES]
+    tables = [ContactTable(**grid, coefficients=np.ascontiguousarray(arrays[side]))
+              for grid, side in zip(grids, SIDES, strict=True)]  # fmt: skip
 
     def make_rest() -> dict[str, np.ndarray]:
-        slices = zip(SIDES, tilted_slices(bearing, axial, laws, meshed), strict=True)
-        return {side: without_part(own, whole(side)).coefficients for side, own in slices if own.part is not None}
+        slices = zip(SIDES, tilted_slices(bearing, axial, laws, meshed), tables, strict=True)
+        return {side: without_part(own, table).coefficients for side, own, table in slices if own.part is not None}
 
-    rests = {}
     if any(part is not None for part in parts):
         rests = kept("tilted", key + repr([part if part is None else part.tolist() for part in parts]), make_rest)
-
-    def table(side: str, part: np.ndarray | None) -> ContactTable | SpalledTable:
-        if part is None:
-            return whole(side)
-        rest = replace(whole(side), coefficients=np.ascontiguousarray(rests[side]))
-        return SpalledTable(whole=whole(side), rest=rest, share=float(part.mean()))
-
-    return table("inner", parts[0]), table("outer", parts[1])
+        for k, part in enumerate(parts):
+            if part is not None:
+                rest = replace(tables[k], coefficients=np.ascontiguousarray(rests[SIDES[k]]))
+                tables[k] = SpalledTable(whole=tables[k], rest=rest, share=float(part.mean()))
+    return tables[0], tables[1]
 
 
 def rounded_range(largest_force: float, largest_slope: float) -> tuple[float, float]:
@@ -96,9 +87,7 @@ class MeshedContact:
         whole = self.table.whole if isinstance(self.table, SpalledTable) else self.table
         return whole.last_approach + self.meshed * float(whole.at(whole.last_approach, 0.0).force)
 
-    @property
-    def has_part(self) -> bool:
-        return self.table.has_part
+    has_part = property(lambda self: self.table.has_part)
 
     def at(self, approach, slope, *spalls) -> TiltedContact:
         """See `ContactTable.at` and `SpalledTable.at`."""
@@ -109,27 +98,19 @@ class MeshedContact:
         return found._replace(edges=own.edges, part_edges=own.part_edges)
 
 
-SIDES = "inner", "outer"
-GRID = "first_approach", "approach_step", "first_slope", "slope_step"
-
-
 def tilted_slices(
     bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], meshed: tuple[float, float] = NOTHING
 ) -> tuple[Slices, Slices]:
     """The slices that the tables stand for: forces along a roller by its approach and slope; `meshed` as there."""
-    width = coupled_width(bearing, axial)
-    curved = slice_law(laws[0], width), slice_law(laws[1], width)
-    return contact_slices(bearing, axial, curved, _below(couplings(bearing, axial), meshed))
+    return contact_slices(bearing, axial, *_slices(bearing, axial, laws, meshed))
 
 
-def _below(coupled: tuple[np.ndarray, np.ndarray], meshed: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Coupling compliances less those of meshes, which know a contact's force as a whole."""
-    return coupled[0] - meshed[0], coupled[1] - meshed[1]
-
-
-def coupled_width(bearing: Bearing, axial: Axial) -> float | None:
-    """Of slices that know each other, m; None: each is alone."""
-    return bearing.roller_length / axial.slices if axial.coupling else None
+def _slices(bearing: Bearing, axial: Axial, laws, meshed: tuple[float, float], within: tuple = ()) -> tuple:
+    """Laws of slices, what a table is made for, and coupling compliances less those of meshes, which know a contact's
+    force as a whole."""
+    width = bearing.roller_length / axial.slices if axial.coupling else None  # of slices that know each other
+    coupled = tuple(all_of - mesh for all_of, mesh in zip(couplings(bearing, axial), meshed, strict=True))
+    return (slice_law(laws[0], width), slice_law(laws[1], width)), *within, coupled
 
 
 def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
@@ -139,27 +120,21 @@ def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
     return (
         f"axial.slices = {axial.slices} are {1e3 * bearing.roller_length / axial.slices:.3g} mm wide, less than "
         f"{WIDTHS:g} half-widths of the contact, {1e3 * half_width:.3g} mm, below which coupled slices have no sure "
-        f"equilibrium; use at most {_most_slices(bearing, half_width)}, or axial.coupling = false"
+        f"equilibrium; use at most {int(bearing.roller_length / (WIDTHS * half_width))}, or axial.coupling = false"
     )
-
-
-def _most_slices(bearing: Bearing, half_width: float) -> int:
-    return int(bearing.roller_length / (WIDTHS * half_width))
 
 
 def no_narrower(bearing: Bearing, axial: Axial, forces: tuple[np.ndarray, np.ndarray]) -> Axial:
     """With no more coupled slices than inner and outer forces, N, allow that are even along the rollers."""
     pairs = zip(contact_pairs(bearing), forces, strict=False)
     widest = max(pair.half_width(max(float(force.max()), 1e-3)) for pair, force in pairs)
-    return replace(axial, slices=max(min(axial.slices, _most_slices(bearing, widest)), FEWEST))
+    return replace(axial, slices=max(min(axial.slices, int(bearing.roller_length / (WIDTHS * widest))), FEWEST))
 
 
 def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:
     """The plane law δ = A Q (B − ½ ln Q) as slices take it, straight beyond what they may carry.
 
-    Parameters
-    ----------
-    width : of `coupled_width`
+    width : m, of slices that know each other; None: each is alone
     """
     largest = law.Q_line
     if width is not None:
@@ -175,8 +150,11 @@ def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
     The force of a roller's other contact is coupled to it as a whole; by as much as slices differ they squeeze the
     roller one by one. That is all where `axial.coupling` is off.
     """
-    length, n = bearing.roller_length, axial.slices
-    squeezed = across_roller(bearing) * n / length * (np.eye(n) - 1.0 / n)
+    length, n, across = bearing.roller_length, axial.slices, 0.0
+    if not bearing.roller.rigid:  # of one contact by an even line load on the other: squeezed less one that is pushed
+        roller, width = roller_section(bearing), ANY_WIDTH * bearing.roller_radius
+        across = hertz_approach(roller.squeezed, width) - hertz_approach(roller, width)
+    squeezed = across * n / length * (np.eye(n) - 1.0 / n)
     if not axial.coupling:
         return squeezed, squeezed
 
@@ -187,11 +165,3 @@ def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:
 
     found = kept("slices", repr((bearing, n, axial.ring_width)), make)
     return found["inner"] + squeezed, found["outer"] + squeezed
-
-
-def across_roller(bearing: Bearing) -> float:
-    """Approach of one contact by an even line load on the other, m per N/m: squeezed roller less one that is pushed."""
-    if bearing.roller.rigid:
-        return 0.0
-    roller, width = roller_section(bearing), ANY_WIDTH * bearing.roller_radius
-    return hertz_approach(roller.squeezed, width) - hertz_approach(roller, width)

@@ -27,13 +27,9 @@ STARTED = 30  # orders above the last from which ratios of I_n are recurred down
 def axial_difference(body: Section, k: float) -> float:
     """D(k), m per N/m: displacement under a line load cos kz less that under an even one; positive into the body.
 
-    Parameters
-    ----------
     k : 1/m, > 0
 
-    Errors
-    ------
-    5e-5 of 1/(π E'), of the closed sum of high harmonics.
+    Errors: 5e-5 of 1/(π E'), of the closed sum of high harmonics.
     """
     if body.material.rigid:
         return 0.0
@@ -51,13 +47,9 @@ def axial_difference(body: Section, k: float) -> float:
 def slice_compliance(body: Section, length: float, width: float, slices: int) -> np.ndarray:
     """What slices' forces add to their displacements beyond the plane law, mean over a slice, (slices, slices), m/N.
 
-    Parameters
-    ----------
     length : m, on which the slices lie; width : m, of the body, whose end faces are free of shear and lie still
 
-    Errors
-    ------
-    1e-6 of 1/(π E' h), h the slices' width, of short waves.
+    Errors: 1e-6 of 1/(π E' h), h the slices' width, of short waves.
     """
     if body.material.rigid:
         return np.zeros((slices, slices))
@@ -88,8 +80,6 @@ def axial_limit(material: Material) -> float:
 def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     """C_n(k), m/Pa: displacement into the body per unit pressure cos nθ cos kz.
 
-    Parameters
-    ----------
     n : ndarray of int, 0 ... with even steps; k : 1/m, > 0
     """
     R, nu = body.loaded, body.material.poisson_ratio
@@ -106,13 +96,9 @@ def harmonic_compliance(body: Section, n: np.ndarray, k: float) -> np.ndarray:
     if not alone.all():
         m = n[~alone]
         loaded = np.concatenate([free[~alone], _fields(m, k, R, nu, _scaled(m, k, R, body.held, grow), grow)], axis=2)
-        still = np.concatenate(
-            [
-                _fields(m, k, body.held, nu, _scaled(m, k, body.held, R, decay), decay),
-                _fields(m, k, body.held, nu, _functions(m, k, body.held, grow), grow),
-            ],
-            axis=2,
-        )
+        falling = _fields(m, k, body.held, nu, _scaled(m, k, body.held, R, decay), decay)
+        growing = _fields(m, k, body.held, nu, _functions(m, k, body.held, grow), grow)
+        still = np.concatenate([falling, growing], axis=2)
         both = np.concatenate([loaded[:, 3:], still[:, :3]], axis=1)
         scale = np.abs(both).max(axis=1, keepdims=True)
         right = np.broadcast_to(np.concatenate([pushed, np.zeros((3, 1))]), (m.size, 6, 1))
@@ -133,29 +119,24 @@ def _fields(n: np.ndarray, k: float, r: float, nu: float, functions, decay: bool
     zero = np.zeros(f.shape)
     first = k * up, k * up, -k * f, k * d_up, k * d_up, -k * df, zero
     second = k * down, -k * down, -k * f, k * d_down, -k * d_down, -k * df, zero
-    if decay:
-        other, d_other, c, sign = down, d_down, -(n - s), 1.0
-    else:
-        other, d_other, c, sign = up, d_up, n + s, -1.0
+    other, d_other, c, sign = (down, d_down, -(n - s), 1.0) if decay else (up, d_up, n + s, -1.0)
     swelling = -4.0 * nu * k * k * f  # λ/μ div u
     third = (
         k * (x * f - c * other), sign * c * k * other, -k * x * other,
         k * (k * f + x * df - c * d_other), sign * c * k * d_other, -k * (k * other + x * d_other), swelling,
     )  # fmt: skip
-    columns = []
-    for U, V, W, dU, dV, dW, swelling in (first, second, third):
-        columns.append(np.stack([U, V, W, swelling + 2.0 * dU, dV - (V + n * U) / r, dW - k * U], axis=1))
+    columns = [
+        np.stack([U, V, W, swelling + 2.0 * dU, dV - (V + n * U) / r, dW - k * U], axis=1)
+        for U, V, W, dU, dV, dW, swelling in (first, second, third)
+    ]
     return np.stack(columns, axis=2)
 
 
 def _functions(n: np.ndarray, k: float, r: float, decay: bool):
     """f_n = 1 and its neighbours at r: (f_n, f_{n+1}, f_{n−1}), as `_fields` takes them."""
-    x = k * r
-    ratio = _ratios(int(n.max()) + 1, x, decay)  # f_{j+1}/f_j without signs
+    ratio, sign = _ratios(int(n.max()) + 1, k * r, decay), -1.0 if decay else 1.0  # f_{j+1}/f_j without signs
     up, down = ratio[n], 1.0 / ratio[np.maximum(n, 1) - 1]
-    down = np.where(n == 0, up, down)
-    sign = -1.0 if decay else 1.0
-    return np.ones(n.shape), sign * up, sign * down
+    return np.ones(n.shape), sign * up, sign * np.where(n == 0, up, down)
 
 
 def _scaled(n: np.ndarray, k: float, r: float, other: float, decay: bool):

@@ -4,7 +4,7 @@ A stress is (..., 3): xx, yy, xy, Pa; zz = ν (xx + yy). Bodies declared rigid a
 keep shape, mass and, for what is drawn and stored, the mesh; all that is asked of their elasticity is 0.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -23,17 +23,12 @@ QUADRILATERAL = 0.25 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1
 def stress_operator(points: np.ndarray, cells: np.ndarray, material: Material) -> sparse.csr_matrix:
     """Matrix from nodal displacements to nodal stresses in plane strain: the elements' ones, averaged by area.
 
-    Parameters
-    ----------
     points : (n_nodes, 2), m; cells : (n_cells, 3 or 4)
 
-    Returns
-    -------
-    csr_matrix, (3 n_nodes, 2 n_nodes), Pa/m, of vectors with the node as slow index
+    Returns: csr_matrix, (3 n_nodes, 2 n_nodes), Pa/m, of vectors with the node as slow index
 
-    Errors
-    ------
-    Exact for a uniform strain. One stress per element, at its centre: on a surface it lags half an element behind.
+    Errors: exact for a uniform strain. One stress per element, at its centre: on a surface it lags half an element
+    behind.
     """
     n_nodes, corners = len(points), cells.shape[1]
     shape, size = TRIANGLE if corners == 3 else QUADRILATERAL
@@ -93,27 +88,11 @@ class DiscBody:
     mass: np.ndarray  # (n_nodes,), kg
     stiffness: sparse.csr_matrix  # (2 n_nodes, 2 n_nodes), N/m
 
-    @property
-    def n_nodes(self) -> int:
-        return len(self.mass)
-
-    @property
-    def section(self) -> Section:
-        """The circle itself, without a mesh."""
-        return Section(self.shape.radius, 0.0, self.material)
-
-    @property
-    def first_surface_node(self) -> int:
-        return self.n_nodes - self.shape.surface_nodes
-
-    @property
-    def total_mass(self) -> float:
-        return float(self.mass.sum())
-
-    @property
-    def polar_inertia(self) -> float:
-        """Σ m |X|², kg m²."""
-        return float(self.mass @ np.sum(self.points**2, axis=1))
+    n_nodes = property(lambda self: len(self.mass))
+    section = property(lambda self: Section(self.shape.radius, 0.0, self.material))  # The circle itself, without a mesh
+    first_surface_node = property(lambda self: self.n_nodes - self.shape.surface_nodes)
+    total_mass = property(lambda self: float(self.mass.sum()))
+    polar_inertia = property(lambda self: float(self.mass @ np.sum(self.points**2, axis=1)))  # Σ m |X|², kg m²
 
     def blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Stiffness in 2 x 2 blocks: row starts (n_nodes + 1,), column nodes (n_blocks,), blocks (n_blocks, 2, 2)."""
@@ -147,30 +126,20 @@ class DiscBody:
         zeros = np.zeros((3, *force.shape[1:]))
         return self._factor.solve(np.concatenate([balanced, zeros]))[: force.shape[0]]
 
-    @cached_property
-    def _responses(self) -> dict[int, np.ndarray]:
-        return {}
-
-    def _response(self, block: int) -> np.ndarray:
-        """Motion of all surface nodes by unit forces, one row for each of a block of their components, m/N.
-
-        Solved by the block, kept, and therefore the same bits whatever was asked for before.
-        """
-        if block not in self._responses:
-            first, size = 2 * self.first_surface_node, 2 * self.shape.surface_nodes
-            pushed = np.arange(block * RESPONSES, min((block + 1) * RESPONSES, size))
-            force = np.zeros((2 * self.n_nodes, len(pushed)))
-            force[first + pushed, np.arange(len(pushed))] = 1.0
-            self._responses[block] = self.relaxed(force)[first:].T.copy()
-        return self._responses[block]
+    _responses = cached_property(lambda self: {})  # motion of all surface nodes by unit forces, by blocks of these, m/N
 
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """Compliance between surface nodes, (2 m, 2 m), m/N, of the freely accelerating disc; x and y of each node."""
-        dofs = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
-        blocks, found = dofs // RESPONSES, np.empty((len(dofs), len(dofs)))
-        for block in np.unique(blocks):
+        dofs, first = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel(), 2 * self.first_surface_node
+        blocks, found, known = dofs // RESPONSES, np.empty((len(dofs), len(dofs))), self._responses
+        for block in np.unique(blocks).tolist():
+            if block not in known:  # solved by the block, and therefore the same bits whatever was asked for before
+                pushed = np.arange(block * RESPONSES, min((block + 1) * RESPONSES, 2 * self.shape.surface_nodes))
+                force = np.zeros((2 * self.n_nodes, len(pushed)))
+                force[first + pushed, np.arange(len(pushed))] = 1.0
+                known[block] = self.relaxed(force)[first:].T.copy()
             mine = np.flatnonzero(blocks == block)
-            found[mine] = self._response(int(block))[np.ix_(dofs[mine] - block * RESPONSES, dofs)]
+            found[mine] = known[block][np.ix_(dofs[mine] - block * RESPONSES, dofs)]
         return found
 
 
@@ -187,18 +156,15 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
 
     The mass the polygon lacks is spread over all nodes.
 
-    Errors
-    ------
-    Polar inertia of a `GradedDisc`: at most 1e-3 too large on meshes finer than a fiftieth of the radius.
+    Errors: Polar inertia of a `GradedDisc`: at most 1e-3 too large on meshes finer than a fiftieth of the radius.
     """
     mesh, stiffness, lumped = _assembled(shape, material, thickness)
     full = material.density * thickness * np.pi * shape.radius**2
     mass = lumped * (full / lumped.sum())
     if isinstance(shape, Disc):
         mass = _end_corrected(mass, mesh.points, shape)
-    return DiscBody(
-        shape=shape, material=material, points=mesh.points, cells=mesh.cells, mass=mass, stiffness=stiffness
-    )
+    nodes = {"points": mesh.points, "cells": mesh.cells, "mass": mass}
+    return DiscBody(shape=shape, material=material, stiffness=stiffness, **nodes)
 
 
 def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
@@ -280,52 +246,27 @@ class RingBody:
     stencil: np.ndarray  # (n_rows, 3, 3, 2, 2), N/m
     held_row: int  # 0 (inner ring) or n_rows − 1 (outer ring)
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences where the mesh holds the ring otherwise than the scene asks for."""
-        return ()
-
-    @property
-    def n_rows(self) -> int:
-        return len(self.radii)
-
-    @property
-    def n_sectors(self) -> int:
-        return self.shape.sectors
-
-    @property
-    def raceway_row(self) -> int:
-        return self.n_rows - 1 - self.held_row
-
-    @property
-    def raceway_radius(self) -> float:
-        return float(self.radii[self.raceway_row])
+    warnings = property(lambda self: ())  # Sentences where the mesh holds the ring otherwise than the scene asks for
+    n_rows = property(lambda self: len(self.radii))
+    n_sectors = property(lambda self: self.shape.sectors)
+    raceway_row = property(lambda self: self.n_rows - 1 - self.held_row)
+    raceway_radius = property(lambda self: float(self.radii[self.raceway_row]))
 
     @property
     def section(self) -> Section:
         """The ring itself, without a mesh."""
         return Section(self.raceway_radius, float(self.radii[self.held_row]), self.material)
 
-    @property
-    def free_rows(self) -> np.ndarray:
-        return np.delete(np.arange(self.n_rows), self.held_row)
+    free_rows = property(lambda self: np.delete(np.arange(self.n_rows), self.held_row))
 
     @property
     def free_places(self) -> np.ndarray:
         """Places of the free components among the rows of `matrix`."""
         return (2 * self.n_sectors * self.free_rows[:, None] + np.arange(2 * self.n_sectors)).ravel()
 
-    @property
-    def n_free_nodes(self) -> int:
-        return (self.n_rows - 1) * self.n_sectors
-
-    @property
-    def total_mass(self) -> float:
-        return float(self.n_sectors * self.row_mass.sum())
-
-    @property
-    def angles(self) -> np.ndarray:
-        return 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors
+    n_free_nodes = property(lambda self: (self.n_rows - 1) * self.n_sectors)
+    total_mass = property(lambda self: float(self.n_sectors * self.row_mass.sum()))
+    angles = property(lambda self: 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors)
 
     @cached_property
     def stress(self) -> sparse.csr_matrix:
@@ -381,9 +322,8 @@ class RingBody:
 
     @cached_property
     def _harmonic_compliance(self) -> np.ndarray:
-        harmonics = np.arange(self.n_sectors // 2 + 1)
         keep = (2 * self.free_rows[:, None] + np.arange(2)).ravel()
-        return np.linalg.inv(self.harmonic_stiffness(harmonics)[:, keep][:, :, keep])
+        return np.linalg.inv(self.harmonic_stiffness(np.arange(self.n_sectors // 2 + 1))[:, keep][:, :, keep])
 
     def held(self, force: np.ndarray) -> np.ndarray:
         """Displacement of the held ring under nodal forces; both (n_rows, 2, n_sectors, ...), polar, m and N."""
@@ -421,9 +361,7 @@ class RingBody:
 def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: float, held_inside: bool) -> RingBody:
     """Assemble a ring and reduce it to one sector.
 
-    Errors
-    ------
-    RuntimeError: the mesh's sectors are not equal to 1e-9.
+    Errors: RuntimeError: the mesh's sectors are not equal to 1e-9.
     """
     mesh, stiffness, lumped = _assembled(shape, material, thickness)
     rows, sectors = shape.layers + 1, shape.sectors
@@ -487,8 +425,7 @@ class RigidRing(_Unstrained, RingBody):
 
 def rigid_body(body: DiscBody | RingBody) -> RigidDisc | RigidRing:
     """The rigid body of an elastic one's shape and mass."""
-    own = {field.name: getattr(body, field.name) for field in fields(body)}
-    own["material"] = replace(body.material, rigid=True)
+    own = vars(replace(body)) | {"material": replace(body.material, rigid=True)}
     if isinstance(body, DiscBody):
         return RigidDisc(**own | {"stiffness": sparse.csr_matrix(body.stiffness.shape)})
     return RigidRing(**own | {"stencil": np.zeros_like(body.stencil)})

@@ -26,8 +26,6 @@ LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill th
 def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     """The named arrays that `make` makes, from the user's cache where they are there.
 
-    Parameters
-    ----------
     kind : of entry; key : everything the arrays depend on beside the program, as text
     """
     name = f"{kind}-{_digest(key, _program())}.npz"

@@ -50,9 +50,7 @@ class Section(NamedTuple):
     material: Material
     loads: int = 1  # evenly spaced around, all alike: two squeeze a disc, one accelerates it
 
-    @property
-    def squeezed(self) -> "Section":
-        return self._replace(loads=2)
+    squeezed = property(lambda self: self._replace(loads=2))
 
     @property
     def elastic(self) -> "Section":
@@ -64,9 +62,7 @@ class Section(NamedTuple):
         """Of the loaded surface: 1 as a disc's, −1 as a hole's in a plate."""
         return 1 if self.loaded > self.held else -1
 
-    @property
-    def thickness(self) -> float:
-        return abs(self.loaded - self.held)
+    thickness = property(lambda self: abs(self.loaded - self.held))
 
 
 def roller_section(bearing: Bearing) -> Section:
@@ -84,15 +80,9 @@ def ring_sections(bearing: Bearing) -> tuple[Section, Section]:
 def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
     """Surface displacement per unit normal pressure cos nθ on the loaded circle.
 
-    Parameters
-    ----------
     n : ndarray of int, >= 0
-    Returns
-    -------
-    ndarray, shape of n, m/Pa; positive into the body
-    Errors
-    ------
-    Round-off, at most 1e-11 relative at any n for the rings of a bearing.
+    Returns: ndarray, shape of n, m/Pa; positive into the body
+    Errors: round-off, at most 1e-11 relative at any n for the rings of a bearing.
     """
     loaded, held, material, _ = section
     if loaded <= 0.0 or held < 0.0 or loaded == held:
@@ -109,8 +99,6 @@ def plane_compliance(section: Section, n: np.ndarray) -> np.ndarray:
 def _surface(section: Section, n: np.ndarray, sign: float, first, stress, component: int, towards: int) -> np.ndarray:
     """Displacement of the loaded circle per unit stress, m/Pa; of a disc relative to its mean one.
 
-    Parameters
-    ----------
     sign : of the part with κ, where the held circle is too far away to count, as in any disc
     first : for n = 0, and for n = 1 of a disc, over the radius
     stress, component, towards : of `annulus_surface`, and the sign of what is meant there
@@ -142,12 +130,8 @@ def weight_sag(section: Section, gravity: float) -> float:
     downwards, x the depth below the centre, of which u_r has ¾ c r² cos θ; solutions without weight free the one
     circle and hold the other.
 
-    Parameters
-    ----------
     gravity : float, m/s²
-    Errors
-    ------
-    Round-off.
+    Errors: round-off.
     """
     loaded, held, material, _ = section
     if held == 0.0:
@@ -178,31 +162,19 @@ def hertz_patch(n: np.ndarray, half_width: float, radius: float) -> np.ndarray:
 
 
 def patch_displacement(
-    compliance: np.ndarray,
-    transform_load: np.ndarray,
-    transform_probe: np.ndarray | float,
-    radius: float,
+    compliance: np.ndarray, transform_load: np.ndarray, transform_probe: np.ndarray | float, radius: float,
     angle: float = 0.0,
-) -> float:
+) -> float:  # fmt: skip
     """Displacement at `angle` from the middle of a loaded patch, per unit line load.
 
-    Parameters
-    ----------
     compliance : ndarray, (n_harmonics,), m/Pa, of n = 0, 1, 2, ...
     transform_load : ndarray, (n_harmonics,), of the load patch
-    transform_probe : ndarray, (n_harmonics,), or 1.0
-        Of the patch over which the displacement is averaged; 1.0 for the displacement at a point.
-    radius : float, m, of the loaded surface
-    angle : float, rad, from the middle of the load to the probe
-    Returns
-    -------
-    float, m per N/m; positive into the body at the probe
-    Errors
-    ------
-    Truncation, below SUM_TOLERANCE of the sum of the absolute terms: it is estimated by fading out the last
-    half of the terms, and too few are refused. A spline patch of half-width a on both sides needs some
-    15 R/a harmonics; Hertz pressure probed at a point 150 R/b: for its centre, rather take
-    `hertz_approach`.
+    transform_probe : the same of the patch over which the displacement is averaged; 1.0 : of a point
+    radius : m, of the loaded surface; angle : rad, from the middle of the load to the probe
+    Returns: float, m per N/m; positive into the body at the probe
+    Errors: truncation, below SUM_TOLERANCE of the sum of the absolute terms: it is estimated by fading out the last
+    half of the terms, and too few are refused. A spline patch of half-width a on both sides needs some 15 R/a
+    harmonics; Hertz pressure probed at a point 150 R/b: for its centre, rather take `hertz_approach`.
     """
     n = np.arange(compliance.size)
     amplitude = compliance * transform_load * transform_probe
@@ -211,10 +183,8 @@ def patch_displacement(
     truncation = abs(np.sum(terms * (1.0 - _fade(n))))
     limit = SUM_TOLERANCE * np.sum(np.abs(amplitude))
     if not truncation <= limit:
-        raise ValueError(
-            f"{n.size} harmonics leave an error of about {truncation:.1e} m/Pa in the sum, "
-            f"above {limit:.1e}; give more harmonics"
-        )
+        left = f"{n.size} harmonics leave an error of about {truncation:.1e} m/Pa in the sum"
+        raise ValueError(f"{left}, above {limit:.1e}; give more harmonics")
     return float(np.sum(terms)) / (pi * radius)
 
 
@@ -223,10 +193,8 @@ def patch_slope(compliance: np.ndarray, transform_load: np.ndarray, radius: floa
 
     Parameters are those of `patch_displacement`.
 
-    Errors
-    ------
-    Terms fall slowly, as n^-3/2, but change their signs outside the patch: fading out the last half leaves less than
-    1e-8 of slopes from 0.3 rad to 1 rad away.
+    Errors: terms fall slowly, as n^-3/2, but change their signs outside the patch: fading out the last half leaves less
+    than 1e-8 of slopes from 0.3 rad to 1 rad away.
     """
     return patch_crossing(np.arange(compliance.size) * compliance, transform_load, radius, angle)
 
@@ -309,25 +277,16 @@ def annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray
     x, y = r / outer, inner / r
     n = n.astype(float)
     grow, decay = x ** (n - 1), y ** (n - 1)
-    grow_bend = (n + 1) * (1.0 - x**2) * grow
-    decay_bend = (n - 1) * (1.0 - y**2) * decay
-
-    modes = np.empty((n.size, 4, 4))
-    modes[:, 0, 0] = kappa * x**2 * grow + grow_bend
-    modes[:, 1, 0] = kappa * x**2 * grow - grow_bend
-    modes[:, 2, 0] = ((n + 1) * x**2 * grow + (n - 1) * grow_bend) / r
-    modes[:, 3, 0] = ((n + 1) * x**2 * grow - (n - 1) * grow_bend) / r
-    modes[:, 0, 1] = -grow
-    modes[:, 1, 1] = grow
-    modes[:, 2, 1] = -(n - 1) * grow / r
-    modes[:, 3, 1] = (n - 1) * grow / r
-    modes[:, 0, 2] = kappa * decay + decay_bend
-    modes[:, 1, 2] = -kappa * decay + decay_bend
-    modes[:, 2, 2] = -((n - 1) * decay + (n + 1) * decay_bend) / r
-    modes[:, 3, 2] = ((n - 1) * decay - (n + 1) * decay_bend) / r
-    modes[:, :2, 3] = -(y**2 * decay)[:, None]
-    modes[:, 2:, 3] = ((n + 1) * y**2 * decay / r)[:, None]
-
+    grow_bend, decay_bend = (n + 1) * (1.0 - x**2) * grow, (n - 1) * (1.0 - y**2) * decay
+    grown, decayed = x**2 * grow, y**2 * decay
+    modes = np.array([
+        [kappa * grown + grow_bend, kappa * grown - grow_bend,
+         ((n + 1) * grown + (n - 1) * grow_bend) / r, ((n + 1) * grown - (n - 1) * grow_bend) / r],
+        [-grow, grow, -(n - 1) * grow / r, (n - 1) * grow / r],
+        [kappa * decay + decay_bend, -kappa * decay + decay_bend,
+         -((n - 1) * decay + (n + 1) * decay_bend) / r, ((n - 1) * decay - (n + 1) * decay_bend) / r],
+        [-decayed, -decayed, (n + 1) * decayed / r, (n + 1) * decayed / r],
+    ]).T.copy()  # fmt: skip
     log_r = 2.0 * kappa * log(r)
     modes[n == 1, :, 2] = (log_r - 1.0, -log_r - 1.0, (3.0 + kappa) / r, (1.0 - kappa) / r)
     return modes
@@ -354,13 +313,9 @@ def moving_softening(material: Material, speed: float) -> float:
     1 + 0.74 (v/c₂)² of slow ones, c₂ the speed of shear waves: 1e-6 in the paper's bearing, per cents in soft ones that
     turn fast.
 
-    Parameters
-    ----------
     speed : float, m/s, of the load along the surface
 
-    Errors
-    ------
-    Of bodies of finite size: what it takes their waves to settle, and their slowest harmonics.
+    Errors: of bodies of finite size: what it takes their waves to settle, and their slowest harmonics.
     UsageError: a speed beyond FASTEST.
 
     Source: Cole and Huth, J. Appl. Mech. 25 (1958) 433.

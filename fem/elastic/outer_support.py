@@ -1,9 +1,8 @@
 """An outer ring held by its outside: in a bore with play or pressed in, or at some nodes only."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -20,29 +19,23 @@ OFF = 0.1  # of the width asked for: held widths further off are warned of
 class LooseRing(RingBody):
     """A `RingBody` of whose held row not all nodes stand still: those that do not are as free as any."""
 
-    @property
-    def free_rows(self) -> np.ndarray:
-        return np.arange(self.n_rows)
+    free_rows = property(lambda self: np.arange(self.n_rows))
 
     def on_held_row(self, component: int) -> np.ndarray:
         """Places of one component of the held row's nodes among the rows of `matrix`, (n_sectors,)."""
         return (2 * self.held_row + component) * self.n_sectors + np.arange(self.n_sectors)
 
-    @cached_property
-    def _influences(self) -> dict[bytes, np.ndarray]:
-        return {}
+    _influences = cached_property(lambda self: {})  # by nodes
 
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """As `RingBody.surface_influence`; kept: contacts stay over their nodes while an equilibrium is found."""
         nodes = np.asarray(nodes)
-        key = nodes.tobytes()
-        if key not in self._influences:
+        if (key := nodes.tobytes()) not in self._influences:
             self._influences[key] = self._influence(nodes)
         return self._influences[key]
 
     def _influence(self, nodes: np.ndarray) -> np.ndarray:
-        force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
-        each = np.arange(nodes.size)
+        force, each = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size)), np.arange(nodes.size)
         for component in range(2):
             force[self.raceway_row, component, nodes, 2 * each + component] = 1.0
         found = self.held(force)[self.raceway_row][:, nodes]  # (component, node, unit force)
@@ -57,19 +50,12 @@ class SupportedRing(LooseRing):
     held_nodes: np.ndarray  # (n_points,), of each point
     width: float  # m, of each, as the scene asks for
 
-    @property
-    def n_free_nodes(self) -> int:
-        return self.n_rows * self.n_sectors - len(self.held_sectors)
+    n_free_nodes = property(lambda self: self.n_rows * self.n_sectors - len(self.held_sectors))
 
-    @property
-    def held_width(self) -> np.ndarray:
-        """Width that the nodes of each point stand for, half an edge beyond either end, (n_points,), m."""
-        return self.held_nodes * self.edge
-
-    @property
-    def edge(self) -> float:
-        """Between nodes of the outside, m."""
-        return 2.0 * np.pi * float(self.radii[self.held_row]) / self.n_sectors
+    # width that the nodes of each point stand for, half an edge beyond either end, (n_points,), m
+    held_width = property(lambda self: self.held_nodes * self.edge)
+    # between nodes of the outside, m
+    edge = property(lambda self: 2.0 * np.pi * float(self.radii[self.held_row]) / self.n_sectors)
 
     @property
     def words(self) -> str:
@@ -115,14 +101,9 @@ def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
         within = np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist()
         held.append({*within, *np.argsort(apart, kind="stable")[:FEWEST].tolist()})
     return SupportedRing(
-        **own_fields(ring), held_sectors=np.array(sorted(set().union(*held))),
+        **vars(replace(ring)), held_sectors=np.array(sorted(set().union(*held))),
         held_nodes=np.array([len(nodes) for nodes in held]), width=points.width,
     )  # fmt: skip
-
-
-def own_fields(ring: RingBody) -> dict[str, Any]:
-    """What a `RingBody` is made of."""
-    return {field.name: getattr(ring, field.name) for field in fields(RingBody)}
 
 
 LOOSE_SPRING = 1.0  # N/m along x and along y, keeps in place a ring that nothing holds
@@ -145,9 +126,7 @@ class BoredRing(LooseRing):
     touching: np.ndarray  # (n_sectors,), bool, where springs are taken to act
     surrounded: "BoredRing | None" = None  # the same ring with every spring, of which all sectors are alike
 
-    @property
-    def n_free_nodes(self) -> int:
-        return self.n_rows * self.n_sectors
+    n_free_nodes = property(lambda self: self.n_rows * self.n_sectors)
 
     @cached_property
     def _factor(self):
@@ -173,9 +152,7 @@ class BoredRing(LooseRing):
     def _influence(self, nodes: np.ndarray) -> np.ndarray:
         """As `LooseRing._influence`: that of every spring, less those that do not act.
 
-        Errors
-        ------
-        Round-off, over the share of all springs' stiffness, along an axis, that is left.
+        Errors: round-off, over the share of all springs' stiffness, along an axis, that is left.
 
         Source: Woodbury's formula; Hager, SIAM Review 31 (1989) 221.
         """
@@ -215,22 +192,17 @@ class BoredRing(LooseRing):
     def settled(self, displacement: np.ndarray) -> "BoredRing":
         """The ring with springs where it is in the bore, displaced so, (n_rows, 2, n_sectors), m; itself if it was."""
         touching = displacement[self.held_row, 0] > self.play
-        if np.array_equal(touching, self.touching):
-            return self
-        return replace(self, touching=touching)
+        return self if np.array_equal(touching, self.touching) else replace(self, touching=touching)
 
     def rested(self, force: np.ndarray) -> np.ndarray:
         """As `RingBody.rested`.
 
-        Errors
-        ------
-        UsageError: where it touches is not found.
+        Errors: UsageError: where it touches is not found.
         """
         ring = self
         for _ in range(MOST_SETTLINGS):
             found = ring.held(force + ring._by_play)
-            following = ring.settled(found)
-            if following is ring:
+            if (following := ring.settled(found)) is ring:
                 return found
             ring = following
         raise UsageError(NOT_SETTLED)
@@ -261,7 +233,7 @@ def bored_ring(ring: RingBody, bore: Bore, thickness: float) -> BoredRing:
     area = 2.0 * pi * radius / ring.n_sectors * thickness
     from_below = np.abs(np.angle(np.exp(1j * (ring.angles + 0.5 * pi))))
     whole = BoredRing(
-        **own_fields(ring), play=play, stiffness=area * bore.stiffness_around(radius, ring.material.lame_mu),
+        **vars(replace(ring)), play=play, stiffness=area * bore.stiffness_around(radius, ring.material.lame_mu),
         touching=np.full(ring.n_sectors, True),
     )  # fmt: skip
     first = whole.touching if play <= 0.0 else from_below < FIRST_ARC

@@ -75,8 +75,14 @@ def _of_order(
     n: int, section: Section, thickness: float, hub: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies, rad/s, of all modes of n waves around, slowest first; `Modes.shape` and `carried` of each."""
-    stiffness, mass = _matrices(n, section, thickness)
-    free = _admitted(n, section, hub is not None)
+    (stiffness, mass), every, at = _matrices(n, section, thickness), np.eye(2 * (DEGREE + 1)), _held_point(section)
+    # motions, as columns, that keep a disc whole at its centre, or a held circle in its place; the first of a single
+    # wave around on a hub, or in a disc, moves the held circle or the centre along +x
+    free = every[:, _free(section)]
+    if n == 0:
+        free = free[:, :DEGREE]  # nothing moves around
+    elif n == 1 and (section.held == 0.0 or hub is not None):
+        free = np.column_stack([every[:, at] - every[:, DEGREE + 1 + at], free])
     stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
     held_by_hub = hub is not None and n == 1
     if held_by_hub:
@@ -85,7 +91,7 @@ def _of_order(
     root = np.linalg.cholesky(mass)
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, stiffness).T))
     vectors = np.linalg.solve(root.T, vectors)
-    into = -section.convexity * (free[DEGREE - _held_point(section)] @ vectors)
+    into = -section.convexity * (free[DEGREE - at] @ vectors)
     carried = vectors[0] if held_by_hub else np.zeros_like(into)
     return np.sqrt(np.maximum(values, 0.0)), into, carried
 
@@ -97,24 +103,7 @@ def _held_point(section: Section) -> int:
 
 def _free(section: Section) -> np.ndarray:
     """What moves of U and V at the points where a held circle or the centre does not, whole."""
-    at = _held_point(section)
-    return np.delete(np.arange(2 * (DEGREE + 1)), [at, DEGREE + 1 + at])
-
-
-def _admitted(n: int, section: Section, on_hub: bool) -> np.ndarray:
-    """Motions that keep a disc whole at its centre, or a held circle in its place, as columns (2 (DEGREE + 1), ...).
-
-    The first one of a single wave around on a hub, or in a disc, moves the held circle or the centre along +x.
-    """
-    at = _held_point(section)
-    kept = np.eye(2 * (DEGREE + 1))
-    moved = kept[:, at] - kept[:, DEGREE + 1 + at]
-    others = kept[:, _free(section)]
-    if n == 0:
-        return others[:, :DEGREE]  # nothing moves around
-    if n == 1 and (section.held == 0.0 or on_hub):
-        return np.column_stack([moved, others])
-    return others
+    return np.delete(np.arange(2 * (DEGREE + 1)), [_held_point(section), DEGREE + 1 + _held_point(section)])
 
 
 @lru_cache

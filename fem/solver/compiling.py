@@ -108,10 +108,7 @@ class CompiledPlan(Plan):
     compiling_seconds = 30.0  # of one core of a server, before what this machine takes is known
     finer = "lower numerics.time_step_safety or numerics.mesh_size_mm"  # what keeps the energy better
 
-    @property
-    def pressed_energy(self) -> float:
-        """What a press fit stores, J, and no motion can take out again."""
-        return 0.0
+    pressed_energy = property(lambda self: 0.0)  # What a press fit stores, J, and no motion can take out again
 
     @property
     def compiling(self) -> str:
@@ -140,9 +137,7 @@ class CompiledPlan(Plan):
             remember(key, self.compiling_seconds * pace(key), took)
         return state
 
-    @property
-    def notices(self) -> tuple[str, ...]:
-        return tuple(kernel_folder.notices)
+    notices = property(lambda self: tuple(kernel_folder.notices))
 
     def versions(self) -> dict[str, str]:
         return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}

@@ -87,10 +87,7 @@ class ErrorEstimate:
     coarse: ElementPlan
     fine: ElementPlan | None = None  # on the finished run's mesh; None: that was of the reduced model
 
-    @property
-    def mesh_size(self) -> float:
-        """Of the second run, m."""
-        return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
+    mesh_size = property(lambda self: 1e-3 * self.coarse.scene.numerics.mesh_size_mm)  # Of the second run, m
 
     def find(
         self,

@@ -110,9 +110,7 @@ class RunState(ABC):
         self.void_steps = 0  # of what was restarted
         self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
 
-    @property
-    def steps_per_sample(self) -> int:
-        return self.plan.stride
+    steps_per_sample = property(lambda self: self.plan.stride)
 
     @contextmanager
     def timed(self) -> Iterator[None]:
@@ -153,10 +151,7 @@ class RunState(ABC):
         """Warnings of the run, printed at its end and kept in the result file with the plan's."""
         return ()
 
-    @property
-    def notices(self) -> tuple[str, ...]:
-        """Notes of the run, printed at its end even with --quiet."""
-        return ()
+    notices = property(lambda self: ())  # Notes of the run, printed at its end even with --quiet
 
     @property
     def progress(self) -> Progress:
@@ -188,10 +183,7 @@ class Plan(ABC):
     model_name: str  # "finite elements"
     lacks: str  # what the model leaves out of a bearing
 
-    @property
-    def interval(self) -> float:
-        """Between samples, s."""
-        return 1e-6 * self.scene.numerics.output_interval_us
+    interval = property(lambda self: 1e-6 * self.scene.numerics.output_interval_us)  # Between samples, s
 
     @property
     @abstractmethod

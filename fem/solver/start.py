@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.contacts.tilted import NOTHING, no_narrower, slice_law, tilted_slices, tilted_tables, too_narrow
+from fem.contacts.tilted import NOTHING, no_narrower, tilted_slices, tilted_tables, too_narrow
 from fem.statics import contact_balance as statics
 from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standing_ring
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
@@ -23,7 +23,7 @@ from lagrange.mounting import HELD
 from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED, Turns
 
-NEWTON_STEPS = 20
+NEWTON_STEPS = 30
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds
 LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
 Tables = tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]  # of the inner and the outer contacts
@@ -56,9 +56,7 @@ class Balanced(NamedTuple):
     place: np.ndarray  # (n_rollers + 2,), m, hub and radii
     forces: np.ndarray  # (2 n_rollers,), N
 
-    @property
-    def hub(self) -> np.ndarray:
-        return self.place[:2]
+    hub = property(lambda self: self.place[:2])
 
 
 def unloaded(operation: Operation) -> Operation:
@@ -102,10 +100,9 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
         return _start(model, operation, *balanced, ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     contacts = model.at(roller_angles(bearing, operation.first_roller_angle), UNTURNED)
-    edges = np.diag(statics.edge_compliances(bearing, contacts.radial, place))
-    contacts = replace(contacts, compliance=contacts.compliance + edges)
-    overlap = statics.geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing
-    return _start(model, operation, place, _forces_at(contacts, overlap), ring, steady=False)
+    held = statics.Held(contacts, statics.Loads(0.0), place, np.zeros(2 * n))
+    forces = _forces_at(replace(contacts, compliance=held.compliance), held.overlap)
+    return _start(model, operation, place, forces, ring, steady=False)
 
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
@@ -116,18 +113,13 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     """Forces, (2 n_rollers,), N, at overlaps, m: Newton's method on the contacts that are closed."""
-    n, closed = contacts.bearing.n_rollers, np.flatnonzero(overlap > 0.0)
-    laws = [contacts.inner_law if c < n else contacts.outer_law for c in closed]
+    law, closed, force = contacts.law, np.flatnonzero(overlap > 0.0), np.where(overlap > 0.0, 1.0, 0.0)
     compliance = contacts.compliance[np.ix_(closed, closed)]
-    force = np.array([float(slice_law(law, None).force(overlap[c])) for law, c in zip(laws, closed, strict=True)])
     for _ in range(NEWTON_STEPS):
-        approach = np.array([float(law.approach(q)) for law, q in zip(laws, force, strict=True)])
-        soft = np.array([float(law.softness(q)) for law, q in zip(laws, force, strict=True)])
-        step = np.linalg.solve(compliance + np.diag(soft), overlap[closed] - compliance @ force - approach)
-        force = np.maximum(force + step, 0.1 * force)
-    found = np.zeros(2 * n)
-    found[closed] = force
-    return found
+        soft = compliance + np.diag(law.softness(np.where(force > 0.0, force, 1.0))[closed])
+        left = overlap - contacts.compliance @ force - law.approach(force)
+        force[closed] = np.maximum(force[closed] + np.linalg.solve(soft, left[closed]), 0.1 * force[closed])
+    return force
 
 
 def _balanced(model: ReducedBearing, operation: Operation, time: float, middle=None, ring=NOWHERE) -> Balanced:

@@ -1,7 +1,7 @@
 """The balance of hub and rollers on elastic contacts that may open and close.
 
-Every body is condensed to the compliance between its contacts; where that comes from (finite elements, exact series) is
-not known here.
+Every body is condensed to the compliance between its contacts, or between points of them that push or stand open; where
+that comes from (finite elements, exact series) is not known here.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from lagrange import Bearing, Operation
-from lagrange.equations import nothing_carries, overlaps
+from lagrange.equations import Overlaps, nothing_carries, overlaps
 from lagrange.errors import UsageError
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
 from lagrange.load_history import LONGEST_LOOK, SLOWEST
@@ -97,8 +97,6 @@ def passing(
     cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do not
     follow each other a run starts without velocities.
 
-    Parameters
-    ----------
     at : the equilibrium, with a `hub`, at a time, s; stiffness : of the hub, (2, 2), N/m, at the start
     way : m, that contacts roll meanwhile
     """
@@ -107,9 +105,8 @@ def passing(
         return None, None
     if followed(stiffness(), bearing, operation)[0].size < 2:
         return None, SOFT
-    time = min(
-        way / speed, inf if operation.history is None else LONGEST_LOOK
-    )  # far beyond its table it is of no sense
+    # far beyond its table it is of no sense
+    time = min(way / speed, inf if operation.history is None else LONGEST_LOOK)
     try:
         found = Passing(at(-time), at(time), time)
     except NotFound:
@@ -125,18 +122,19 @@ class Condensed:
     radial: np.ndarray  # (n_rollers, 2), unit, from the outer ring's centre to the rollers
     inner_law: ContactLaw | NoLaw  # of the approach that `compliance` leaves out
     outer_law: ContactLaw | NoLaw
-    compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N
-    closing: np.ndarray  # (2 n_rollers,), m, of each contact by other loads: beside the surfaces' overlap
+    compliance: np.ndarray  # (n_points, n_points), m/N
+    closing: np.ndarray  # (n_points,), m, of each by other loads, beside the overlap of its contact's surfaces
     turns: Turns = UNTURNED  # of the bodies, which matter where their surfaces are not perfect
+    contact: np.ndarray | None = None  # (n_points,), whose point each is; None: every contact is one, (2 n_rollers,)
 
     @cached_property
     def law(self) -> ContactLaw | NoLaw:
         """Both laws as one, of the forces of all contacts, (2 n_rollers,): its constants are arrays."""
-        inner, outer, n = self.inner_law, self.outer_law, self.bearing.n_rollers
-        if isinstance(inner, NoLaw) or isinstance(outer, NoLaw):
-            return inner
-        A, B, Q_line = np.repeat([(law.A, law.B, law.Q_line) for law in (inner, outer)], n, axis=0).T.copy()
-        return replace(inner, A=A, B=B, Q_line=Q_line)
+        laws, n = (self.inner_law, self.outer_law), self.bearing.n_rollers
+        if isinstance(laws[0], NoLaw):
+            return laws[0]
+        A, B, Q_line = np.repeat([(law.A, law.B, law.Q_line) for law in laws], n, axis=0).T.copy()
+        return replace(laws[0], A=A, B=B, Q_line=Q_line)
 
 
 def first_guess(bearing: Bearing, radial, load: float, side_load: float = 0.0) -> np.ndarray:
@@ -162,22 +160,15 @@ def springs_of(bearing: Bearing, spring: HubSpring | None) -> tuple[np.ndarray, 
 def hub_stiffness(contacts: Condensed, place: np.ndarray, forces: np.ndarray, spring: HubSpring | None) -> np.ndarray:
     """Of the hub in equilibrium as rollers follow it, (2, 2), N/m; negative across a roller that it balances on.
 
-    Parameters
-    ----------
     place : (n_rollers + 2,), m; forces : (2 n_rollers,), N
 
-    Errors
-    ------
-    Weight and centrifugal force of rollers are left out.
+    Errors: weight and centrifugal force of rollers are left out.
     """
-    bearing, n = contacts.bearing, contacts.bearing.n_rollers
-    forces, turns = closed_forces(forces), contacts.turns
-    directions = geometry(bearing, contacts.radial, place, turns, forces)[1]
-    closed = np.flatnonzero(forces > 0.0)
-    own = edge_compliances(bearing, contacts.radial, place, turns)
-    own = own + contacts.law.softness(np.where(forces > 0.0, forces, 1.0))
-    soft = (contacts.compliance + np.diag(own))[np.ix_(closed, closed)]
-    whole = np.diag(springs_of(bearing, spring)[0]) + directions[closed].T @ np.linalg.solve(soft, directions[closed])
+    bearing, n, forces = contacts.bearing, contacts.bearing.n_rollers, closed_forces(forces)
+    held, closed = Held(contacts, Loads(0.0, spring=spring), place, forces), np.flatnonzero(forces > 0.0)
+    soft, directions = np.diag(contacts.law.softness(np.where(forces > 0.0, forces, 1.0))), held.directions
+    soft = (held.compliance + soft)[np.ix_(closed, closed)]
+    whole = np.diag(held.springs) + directions[closed].T @ np.linalg.solve(soft, directions[closed])
     normal = directions[:n, :2]
     across = np.zeros((n, n + 2))  # the inner contacts' ways along their tangents, by which their normals turn
     across[:, :2] = np.column_stack([-normal[:, 1], normal[:, 0]])
@@ -194,115 +185,90 @@ def closed_forces(forces: np.ndarray) -> np.ndarray:
 def balance(
     contacts: Condensed, loads: Loads, start: np.ndarray, near: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Hub and radii, (n_rollers + 2,), and inner and outer forces, (2 n_rollers,), in equilibrium.
+    """Hub and radii, (n_rollers + 2,), and the forces of inner and outer contacts, or of points, in equilibrium.
 
     With the directions of the contacts held the problem is convex, however many contacts open or close: the least
     potential energy of elastic bodies that may not pull. That is solved, the directions are set anew, and so on; they
     move by microradians, or by a roller's pitch where a hub in clearance rolls over to the next roller.
 
-    Parameters
-    ----------
-    start : (n_rollers + 2,), m; near : (2 n_rollers,), N, forces of an equilibrium that is near, where there is one
+    start : (n_rollers + 2,), m; near : (n_points,), N, forces of an equilibrium that is near, where there is one
 
-    Errors
-    ------
-    NotFound. The balance is exact to about 1e-9 of the load.
+    Errors: NotFound. The balance is exact to about 1e-9 of the load.
     """
     bearing, position = contacts.bearing, start
-    forces = np.zeros(2 * bearing.n_rollers) if near is None else near
+    forces = np.zeros(contacts.closing.size) if near is None else near
     for _ in range(MAX_TURNS):
-        held = _Held.at(contacts, loads, position, closed_forces(forces))
-        moved, forces = _closed_alone(held, closed_forces(forces)) or _convex(held, loads)
+        held = Held(contacts, loads, position, closed_forces(forces))
+        moved, forces = _closed_alone(held, closed_forces(forces)) or _convex(held)
         change = np.abs(moved - position).max()
         position = moved
         if change <= SETTLED * bearing.pitch_radius:
             return position, forces
         if np.hypot(position[0], position[1]) > bearing.roller_radius + abs(bearing.radial_clearance):
-            raise _not_found("the hub sinks by more than a roller's radius", contacts, loads)
-    why = f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts"
-    raise _not_found(why, contacts, loads)
+            raise held.not_found("the hub sinks by more than a roller's radius")
+    raise held.not_found(f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts")
 
 
-def _not_found(why: str, contacts: Condensed, loads: Loads) -> NotFound:
-    return NotFound(
-        bare_of(contacts.bearing, contacts.radial, loads)
-        or f"no static equilibrium under {loads.hub:.4g} N at the hub: {why}; lower operation.radial_load_N or take a "
-        "stiffer material"
-    )
+class Held:
+    """The convex problem: the contacts' directions are held as they are at a position under the last forces."""
 
-
-def bare_of(bearing: Bearing, radial: np.ndarray, loads: Loads) -> str | None:
-    """`nothing_carries` of rollers along (n_rollers, 2), unit."""
-    return nothing_carries(bearing, np.arctan2(radial[:, 1], radial[:, 0]), (loads.side_load, -loads.hub))
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Held:
-    """The convex problem: the contacts' directions are held as they are at a position."""
-
-    contacts: Condensed
-    position: np.ndarray  # (n_rollers + 2,), m
-    overlap: np.ndarray  # (2 n_rollers,), m, there, of bodies under no contact forces
-    directions: np.ndarray  # (2 n_rollers, n_rollers + 2), its derivatives
-    compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N, without the laws'
-    applied: np.ndarray  # (n_rollers + 2,), N
-    springs: np.ndarray  # (n_rollers + 2,), N/m, to `middle`
-    middle: np.ndarray  # (n_rollers + 2,), m
-
-    @classmethod
-    def at(cls, contacts: Condensed, loads: Loads, position: np.ndarray, last: np.ndarray) -> "_Held":
-        """With the directions that they have at a position under the `last` forces."""
+    def __init__(self, contacts: Condensed, loads: Loads, position: np.ndarray, last: np.ndarray):
         bearing, radial, turns = contacts.bearing, contacts.radial, contacts.turns
+        self.contacts, self.loads, self.position = contacts, loads, position
         overlap, directions = geometry(bearing, radial, position, turns, last)
-        soft = edge_compliances(bearing, radial, position, turns)
+        edges = _met(bearing, radial, position, turns).compliances  # of spalls
+        soft = np.concatenate([np.zeros(bearing.n_rollers) + compliance for compliance in edges])
+        if contacts.contact is not None:
+            overlap, directions, soft = (of_contacts[contacts.contact] for of_contacts in (overlap, directions, soft))
+        self.overlap = overlap + contacts.closing  # (n_points,), m, there, of bodies under no contact forces
+        self.directions = directions  # (n_points, n_rollers + 2), its derivatives
+        self.compliance = contacts.compliance + np.diag(soft)  # (n_points, n_points), m/N, without the laws'
         # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
         on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
-        springs, middle = springs_of(bearing, loads.spring)
-        return cls(
-            contacts=contacts, position=position, overlap=overlap + contacts.closing, directions=directions,
-            compliance=contacts.compliance + np.diag(soft), springs=springs, middle=middle,
-            applied=np.concatenate([[loads.side_load, -loads.hub], on_rollers]),
-        )  # fmt: skip
-
-    @property
-    def size(self) -> float:
-        """Of the applied forces, N."""
-        return max(float(np.abs(self.applied).max()), FAINTEST)
+        self.applied = np.concatenate([[loads.side_load, -loads.hub], on_rollers])  # (n_rollers + 2,), N
+        self.springs, self.middle = springs_of(bearing, loads.spring)
+        self.size = max(float(np.abs(self.applied).max()), FAINTEST)
 
     def unbalanced(self, moved: np.ndarray, force: np.ndarray) -> np.ndarray:
         """Forces on hub and rollers that are left, (n_rollers + 2,), N."""
         return self.applied - self.springs * (moved - self.middle) - self.directions.T @ force
 
-    def through(self, moved: np.ndarray, force: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """How far the bodies' surfaces would lie in each other under these forces, (2 n_rollers,), m."""
-        return self.overlap + self.directions @ (moved - self.position) - self.compliance @ force - approach
+    def through(self, moved: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """How far the bodies' surfaces would lie in each other under these forces, (n_points,), m."""
+        moving = self.directions @ (moved - self.position)
+        return self.overlap + moving - self.compliance @ force - self.contacts.law.approach(force)
+
+    def not_found(self, why: str) -> NotFound:
+        bearing, radial, loads = self.contacts.bearing, self.contacts.radial, self.loads
+        angle = np.arctan2(radial[:, 1], radial[:, 0])
+        return NotFound(
+            nothing_carries(bearing, angle, (loads.side_load, -loads.hub))
+            or f"no static equilibrium under {loads.hub:.4g} N at the hub: {why}; lower operation.radial_load_N or "
+            "take a stiffer material"
+        )
 
 
-def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _closed_alone(held: Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Positions and forces by Newton's method on the contacts that forces near by close; None: it does not get there.
 
     Where no force pulls and no other contact is closed it is the solution, as a convex problem has but one.
     """
-    closed, bearing, law = np.flatnonzero(near > 0.0), held.contacts.bearing, held.contacts.law
+    is_open, radius, law = near <= 0.0, held.contacts.bearing.roller_radius, held.contacts.law
+    closed, n = np.flatnonzero(~is_open), held.applied.size
     if not closed.size:
         return None
-    n, m = bearing.n_rollers + 2, closed.size
-    matrix = np.zeros((n + m, n + m))
-    matrix[range(n), range(n)] = held.springs
+    matrix = np.diag(np.concatenate([held.springs, np.zeros(closed.size)]))
     matrix[:n, n:], matrix[n:, :n] = held.directions[closed].T, -held.directions[closed]
-    own, is_open = held.compliance[np.ix_(closed, closed)], near <= 0.0
+    own = held.compliance[np.ix_(closed, closed)]
     moved, force = held.position, near.copy()
     for done in range(NEWTON_STEPS):
-        through = held.through(moved, force, law.approach(force))
-        unbalanced = held.unbalanced(moved, force)
-        scale = max(held.size, float(force.max()))
+        through, unbalanced = held.through(moved, force), held.unbalanced(moved, force)
         if (
             done > 0  # a hub that could balance on one roller must tip: the least imbalance across it counts
-            and np.abs(unbalanced).max() <= BALANCED * scale
-            and np.abs(through[closed]).max() <= SETTLED * bearing.roller_radius
+            and np.abs(unbalanced).max() <= BALANCED * max(held.size, float(force.max()))
+            and np.abs(through[closed]).max() <= SETTLED * radius
         ):
-            fits = not (through[is_open] > SETTLED * bearing.roller_radius).any()
-            return (moved, force) if fits else None
+            return None if (through[is_open] > SETTLED * radius).any() else (moved, force)
         matrix[n:, n:] = own + np.diag(law.softness(np.where(is_open, 1.0, force))[closed])
         step = np.linalg.solve(matrix, np.concatenate([unbalanced, through[closed]]))
         moved, force[closed] = moved + step[:n], force[closed] + step[n:]
@@ -311,40 +277,43 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return None
 
 
-def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
+def _convex(held: Held) -> tuple[np.ndarray, np.ndarray]:
     """Positions and forces, whatever contacts close.
 
     Primal-dual interior-point method (Nocedal and Wright, Numerical Optimization, 2006, chapter 19): forces q and gaps
     s stay positive while their products shrink to 0.
     """
-    bearing, n, directions = held.contacts.bearing, held.contacts.bearing.n_rollers, held.directions
-    size, law = held.size, held.contacts.law
-    moved, force = held.position.copy(), np.full(2 * n, size)
-    gap, springs = FIRST_GAP * bearing.roller_radius + np.maximum(-held.overlap, 0.0), np.diag(held.springs)
+    directions, radius, law = held.directions, held.contacts.bearing.roller_radius, held.contacts.law
+    moved, force = held.position.copy(), np.full(held.overlap.size, held.size)
+    gap, springs = FIRST_GAP * radius + np.maximum(-held.overlap, 0.0), np.diag(held.springs)
+
+    def room(value: np.ndarray, step: np.ndarray) -> float:
+        """Share of a step that keeps values above 0."""
+        return TO_THE_WALL * float(np.divide(-value, step, out=np.full(len(step), inf), where=step < 0.0).min())
+
     for _ in range(MAX_STEPS):
-        unbalanced, apart = held.unbalanced(moved, force), held.through(moved, force, law.approach(force)) + gap
-        product = float(force @ gap) / (2 * n)
-        scale = max(size, float(force.max()))
+        unbalanced, apart = held.unbalanced(moved, force), held.through(moved, force) + gap
+        product, scale = float(force @ gap) / force.size, max(held.size, float(force.max()))
         if (
             np.abs(unbalanced).max() <= BALANCED * scale
-            and np.abs(apart).max() <= SETTLED * bearing.roller_radius
-            and product <= BARELY * scale * bearing.roller_radius
+            and np.abs(apart).max() <= SETTLED * radius
+            and product <= BARELY * scale * radius
         ):
             return moved, force
         barrier = SHRINK * product
-        wanted = apart + barrier / force - gap
         soft = held.compliance + np.diag(law.softness(force) + gap / force)
-        solved = np.linalg.solve(soft, np.column_stack([directions, wanted]))
+        solved = np.linalg.solve(soft, np.column_stack([directions, apart + barrier / force - gap]))
         step = np.linalg.solve(springs + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1])
         force_step = solved[:, :-1] @ step + solved[:, -1]
         gap_step = (barrier - force * gap - gap * force_step) / force
-        length = min(1.0, _room(force, force_step), _room(gap, gap_step))
+        length = min(1.0, room(force, force_step), room(gap, gap_step))
         moved, force, gap = moved + length * step, force + length * force_step, gap + length * gap_step
-    raise _not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps", held.contacts, loads)
+    raise held.not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps")
 
 
-def _room(value, step) -> float:
-    return TO_THE_WALL * float(np.divide(-value, step, out=np.full(len(step), np.inf), where=step < 0.0).min())
+def _met(bearing: Bearing, radial, position, turns: Turns) -> Overlaps:
+    theta = np.arctan2(radial[:, 1], radial[:, 0])
+    return overlaps(bearing, position[0], position[1], position[2:], theta).on_surfaces(bearing, turns)
 
 
 def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces=None) -> tuple[np.ndarray, np.ndarray]:
@@ -352,20 +321,10 @@ def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces
 
     On soft edges the derivatives are those of the contacts' energy over their `forces`, (2 n,), N.
     """
-    n, j = bearing.n_rollers, np.arange(bearing.n_rollers)
-    found = overlaps(bearing, position[0], position[1], position[2:], np.arctan2(radial[:, 1], radial[:, 0]))
-    found = found.on_surfaces(bearing, turns)
+    n, j, found = bearing.n_rollers, np.arange(bearing.n_rollers), _met(bearing, radial, position, turns)
     if forces is not None:
         found = found.at_force(forces[:n])
     directions = np.zeros((2 * n, n + 2))
     directions[:n, 0], directions[:n, 1], directions[j, 2 + j] = -found.direction_x, -found.direction_y, -found.radial
     directions[n + j, 2 + j] = 1.0
     return np.concatenate([found.inner, found.outer]), directions
-
-
-def edge_compliances(bearing: Bearing, radial, position, turns: Turns = UNTURNED) -> np.ndarray:
-    """What edges of spalls add to the compliance of each contact, (2 n,), m/N."""
-    found = overlaps(bearing, position[0], position[1], position[2:], np.arctan2(radial[:, 1], radial[:, 0]))
-    found = found.on_surfaces(bearing, turns)
-    soft = found.compliances
-    return np.concatenate([np.broadcast_to(each, bearing.n_rollers) for each in soft])

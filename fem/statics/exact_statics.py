@@ -9,27 +9,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import log, pi
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
+from fem.elastic import continuum as series
 from fem.elastic.cache import kept
-from fem.elastic.continuum import (
-    Section,
-    cross_compliance,
-    hertz_approach,
-    hertz_patch,
-    moving_softening,
-    patch_crossing,
-    patch_displacement,
-    patch_slope,
-    plane_compliance,
-    ring_sections,
-    roller_section,
-    stick_approach,
-    weight_sag,
-)
+from fem.elastic.continuum import Section, hertz_approach, plane_compliance, ring_sections, roller_section
 from fem.elastic.vibration import inertia
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
 from lagrange import Bearing, Kinematics, Operation
@@ -43,8 +30,7 @@ N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz p
 LEAST_LOAD = 1e-6  # N; under less, bodies move by less than round-off
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExactStatics:
+class ExactStatics(NamedTuple):
     """Hub position, m, and contact forces, N."""
 
     hub: np.ndarray  # (2,)
@@ -55,19 +41,16 @@ class ExactStatics:
 def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: float) -> ExactStatics:
     """Equilibrium of elastic bodies in Hertz contact under a load along −y, N; angle in rad from +x.
 
-    Errors
-    ------
-    Each contact errs as Hertz's theory does, by (b/R)² of its approach; couplings are exact for loads along the radius.
+    Errors: each contact errs as Hertz's theory does, by (b/R)² of its approach; couplings are exact for loads along the
+    radius.
     NotFound: no equilibrium.
 
     Source: Michell's series for ring and disc (`continuum`); Johnson, Contact Mechanics (1985), chapters 4 and 5.
     """
-    n = bearing.n_rollers
     contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
     start = first_guess(bearing, contacts.radial, radial_load)
     position, forces = balance(contacts, Loads(radial_load), start)
-    forces = closed_forces(forces)
-    return ExactStatics(hub=position[:2], inner_force=forces[:n], outer_force=forces[n:])
+    return ExactStatics(position[:2], *closed_forces(forces).reshape(2, -1))
 
 
 def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
@@ -82,9 +65,9 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     single, squeezed = hertz_approach(roller, half_width), hertz_approach(roller.squeezed, half_width)
     compliance, j, laws = np.zeros((2 * n, 2 * n)), np.arange(n), []
     for k, (ring, pair) in enumerate(zip(ring_sections(bearing), contact_pairs(bearing), strict=False)):
-        series = _loaded_ring(ring, half_width)
+        loaded = _loaded_ring(ring, half_width)
         for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
-            value = patch_displacement(*series, 1.0, ring.loaded, angle[shift] - angle[0])
+            value = series.patch_displacement(*loaded, 1.0, ring.loaded, angle[shift] - angle[0])
             to = (j + shift) % n
             compliance[k * n + j, k * n + to] = compliance[k * n + to, k * n + j] = value
         approach = (hertz_approach(ring, half_width) + single) / length
@@ -105,7 +88,7 @@ def of_present(bearing: Bearing, compliance: np.ndarray) -> np.ndarray:
 def _loaded_ring(ring: Section, half_width: float, compliance: Callable = plane_compliance):
     """Compliance, m/Pa, and transform of the load, by harmonics, (n_harmonics,)."""
     harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * ring.loaded / half_width))
-    return compliance(ring, harmonics), hertz_patch(harmonics, half_width, ring.loaded)
+    return compliance(ring, harmonics), series.hertz_patch(harmonics, half_width, ring.loaded)
 
 
 def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
@@ -115,9 +98,9 @@ def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
     """
     found = []
     for ring in ring_sections(bearing):
-        series = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius)
-        given = [patch_displacement(*series, 1.0, ring.loaded, each) for each in angle]
-        found.append([given, [patch_slope(*series, ring.loaded, each) for each in angle]])
+        loaded = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius)
+        given = [series.patch_displacement(*loaded, 1.0, ring.loaded, each) for each in angle]
+        found.append([given, [series.patch_slope(*loaded, ring.loaded, each) for each in angle]])
     return np.array(found) / bearing.roller_length
 
 
@@ -128,8 +111,8 @@ def crossings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
     """
     found = []
     for ring in ring_sections(bearing):
-        pulled = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius, cross_compliance)
-        found.append([patch_crossing(*pulled, ring.loaded, each) for each in angle])
+        pulled = _loaded_ring(ring, HALF_WIDTH * bearing.roller_radius, series.cross_compliance)
+        found.append([series.patch_crossing(*pulled, ring.loaded, each) for each in angle])
     return np.array(found) / bearing.roller_length
 
 
@@ -140,10 +123,8 @@ def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
     The law takes a body's displacement near a contact for a half-plane's and what a narrow load adds; series have all
     of a body, under Hertz's pressure.
 
-    Errors
-    ------
-    The pressure's own change is not in it: collocation of twenty contacts, of half-widths of 2 to 9 % of the roller's
-    radius and up to 23 % of the ring's thickness, finds 1.6 to 2.4 times as much.
+    Errors: the pressure's own change is not in it: collocation of twenty contacts, of half-widths of 2 to 9 % of the
+    roller's radius and up to 23 % of the ring's thickness, finds 1.6 to 2.4 times as much.
     ValueError: a half-width beyond the roller's radius.
     """
     inner, outer = ring_sections(bearing)
@@ -172,15 +153,12 @@ class ExpectedForces:
     @property
     def bound(self) -> float:
         """Above any contact's force: all the load on one roller, and the preload of rigid rings."""
-        bearing = self.bearing
-        preload = max(0.0, -bearing.radial_clearance)
+        bearing, preload = self.bearing, max(0.0, -self.bearing.radial_clearance)
         bodies = bearing.roller, bearing.inner_ring, bearing.outer_ring
         modulus = max(material.plane_strain_modulus for material in bodies if not material.rigid)
         return self._load + self._centrifugal + modulus * bearing.roller_length * preload
 
-    @property
-    def _load(self) -> float:
-        return self.operation.heaviest + self.operation.inner_mass * self.operation.gravity
+    _load = property(lambda self: self.operation.heaviest + self.operation.inner_mass * self.operation.gravity)
 
     @property
     def _centrifugal(self) -> float:
@@ -189,8 +167,7 @@ class ExpectedForces:
         return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius
 
 
-@dataclass(frozen=True, kw_only=True)
-class UnseenWaves:
+class UnseenWaves(NamedTuple):
     """All modes of a bearing's bodies."""
 
     inertia: tuple[float, float]  # s⁴/kg, Σ s²/ω⁴ of them at an inner and an outer contact
@@ -200,18 +177,16 @@ class UnseenWaves:
 @lru_cache(maxsize=1)
 def unseen_waves(bearing: Bearing, inner_mass: float) -> UnseenWaves:
     """Those of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
-    bearing = replace(bearing, faults=())
-    length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
+    bearing, hub = replace(bearing, faults=()), inner_mass - bearing.inner_ring_mass
 
     def make():
-        inner, outer = ring_sections(bearing)
-        of_inner = inertia(inner, length, hub if bearing.bore_radius > 0.0 else None)
-        return {"inertia": np.array([inertia(roller_section(bearing), length), of_inner, inertia(outer, length)])}
+        sections = roller_section(bearing), *ring_sections(bearing)
+        hubs = None, hub if bearing.bore_radius > 0.0 else None, None
+        found = [inertia(section, bearing.roller_length, on) for section, on in zip(sections, hubs, strict=True)]
+        return {"inertia": np.array(found)}
 
-    table = kept("inertia", repr((bearing, inner_mass)), make)["inertia"]
-    roller, of_inner, of_outer = table[:, 0]
-    both = float(roller + of_inner), float(roller + of_outer)
-    return UnseenWaves(inertia=both, slowest=float(table[:, 1].min()))
+    (roller, inner, outer), frequency = kept("inertia", repr((bearing, inner_mass)), make)["inertia"].T
+    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=float(frequency.min()))
 
 
 def softened(law: ContactLaw, compliance: float) -> ContactLaw:
@@ -249,14 +224,20 @@ def _neighbours(n: int) -> np.ndarray:
     return np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
 
 
-def ring_couplings(bearing: Bearing, series: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
+def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, own: float) -> RingCouplings:
     """Couplings by the rings' series, see `_kept_series`; `own` : m/N, compliance of a contact, over ln Q."""
     h, distance = strays(bearing.n_rollers), _neighbours(bearing.n_rollers)
     ahead, far = distance > 0, np.abs(distance) - 1
-    given, slope = series[:, :, :, far].swapaxes(0, 1)
+    given, slope = around[:, :, :, far].swapaxes(0, 1)
     given = np.where(ahead, given, given[:, ::-1])  # an even function of the angle
     slope = np.where(ahead, slope, -slope[:, ::-1])
-    along, steep, bent = given[:, 1], slope[:, 1], _bent(given, slope, h)
+    along, steep = given[:, 1], slope[:, 1]
+    # coefficients of x² to x⁵ of the polynomials with these values and slopes at −h, 0, h
+    even = 0.5 * (given[:, 2] + given[:, 0]) - along
+    odd = 0.5 * (given[:, 2] - given[:, 0]) - h * steep
+    of_even, of_odd = 0.5 * h * (slope[:, 2] - slope[:, 0]), h * (0.5 * (slope[:, 2] + slope[:, 0]) - steep)
+    fourth, fifth = 0.5 * of_even - even, 0.5 * of_odd - 1.5 * odd
+    bent = np.stack([(even - fourth) / h**2, (odd - fifth) / h**3, fourth / h**4, fifth / h**5], axis=1)
     changed = np.abs(given - given[:, 1:2]).max(axis=1)
     # an odd function of the angle; what pulls a roller along pulls its ring back
     crossed = np.where(ahead, crossed[:, far], -crossed[:, far])
@@ -290,23 +271,13 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
     for place, pockets in enumerate(rings.distance):
         at[apart == pockets] = place
 
-    def counted(counts: np.ndarray) -> np.ndarray:
-        """Neighbours as far as these many pockets."""
+    counted = {}  # neighbours as far as these many pockets
+    for name in ("felt", "crossing"):
+        counts = getattr(rings, name)
         furthest = [np.abs(rings.distance[:count]).max(initial=0) for count in counts.ravel()]
-        return np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp).reshape(counts.shape)
-
-    found = replace(rings, distance=distance, felt=counted(rings.felt), crossing=counted(rings.crossing))
-    return found, at
-
-
-def _bent(given: np.ndarray, slope: np.ndarray, h: float) -> np.ndarray:
-    """Coefficients of x² to x⁵ of the polynomials with values and slopes, (2, 3, neighbours), at −h, 0, h."""
-    even = 0.5 * (given[:, 2] + given[:, 0]) - given[:, 1]
-    odd = 0.5 * (given[:, 2] - given[:, 0]) - h * slope[:, 1]
-    of_even, of_odd = 0.5 * h * (slope[:, 2] - slope[:, 0]), h * (0.5 * (slope[:, 2] + slope[:, 0]) - slope[:, 1])
-    fourth, fifth = 0.5 * of_even - even, 0.5 * of_odd - 1.5 * odd
-    found = (even - fourth) / h**2, (odd - fifth) / h**3, fourth / h**4, fifth / h**5
-    return np.stack(found, axis=1)
+        found = np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp)
+        counted[name] = found.reshape(counts.shape)
+    return replace(rings, distance=distance, **counted), at
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -314,8 +285,6 @@ class ReducedBearing:
     """Compliances of the contacts, rollers at equal angles."""
 
     contacts: Condensed  # whole bodies, rollers from angle 0 on; `closing` by the growth of spinning bodies
-    inner_law: ContactLaw
-    outer_law: ContactLaw
     between: ContactLaw  # of two rollers
     rings: RingCouplings  # by pockets
     across: float  # m/N
@@ -325,10 +294,9 @@ class ReducedBearing:
     sag: tuple[float, float]  # m, of the raceways below hub and outer ring, by the rings' own weight
 
     failure_hint: ClassVar[str] = ""
-
-    @property
-    def bearing(self) -> Bearing:
-        return self.contacts.bearing
+    bearing = property(lambda self: self.contacts.bearing)
+    inner_law = property(lambda self: self.contacts.inner_law)
+    outer_law = property(lambda self: self.contacts.outer_law)
 
     def give(self, load: float) -> float:
         """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
@@ -337,30 +305,27 @@ class ReducedBearing:
     def at(self, angle: np.ndarray, turns: Turns) -> Condensed:
         """The contacts with rollers at angles from +x, (n_rollers,), rad, and bodies turned so far."""
         radial = np.column_stack([np.cos(angle), np.sin(angle)])
-        sag_i, sag_o = self.sag
-        fallen = np.concatenate([-sag_i * np.sin(angle), sag_o * np.sin(angle)])
+        fallen = np.concatenate([-self.sag[0] * np.sin(angle), self.sag[1] * np.sin(angle)])
         return replace(self.contacts, radial=radial, turns=turns, closing=self.contacts.closing + fallen)
 
 
 def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) -> ReducedBearing:
     """Reduce a bearing that rolls, under gravity, m/s², to its contacts.
 
-    Errors
-    ------
-    As of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own growth is
-    that of their rolling speed. What flows through a contact makes its own law softer, but no other compliance.
+    Errors: as of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own
+    growth is that of their rolling speed. What flows through a contact makes its own law softer, but no other
+    compliance.
     UsageError: contacts roll nearly as fast as waves (`moving_softening`).
     """
-    (contacts, between), series, n = kept_contacts(bearing), _kept_series(_sound(bearing)), bearing.n_rollers
+    (contacts, between), found, n = kept_contacts(bearing), _kept_series(_sound(bearing)), bearing.n_rollers
     (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
     laws = {name: _rolling(getattr(contacts, name), bearing, motion) for name in ("inner_law", "outer_law")}
-    inner, outer = ring_sections(bearing)
+    inner, outer = (series.weight_sag(ring, gravity) for ring in ring_sections(bearing))
     return ReducedBearing(
         contacts=replace(contacts, closing=closing, **laws), between=between, across=float(contacts.compliance[0, n]),
-        rings=ring_couplings(bearing.full, series["around"], series["crossed"], laws["inner_law"].A), **laws,
-        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer,
-        sag=(weight_sag(inner, gravity), weight_sag(outer, gravity)),
+        rings=ring_couplings(bearing.full, found["around"], found["crossed"], laws["inner_law"].A),
+        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer, sag=(inner, outer),
     )  # fmt: skip
 
 
@@ -370,7 +335,7 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
     A ring's harmonics that are longer than two rollers' distance stand still with the load zone: they are as they were.
     """
     speed, pair = (motion.cage - motion.outer_ring) * bearing.outer_raceway_radius, law.pair
-    of_ring, of_roller = (moving_softening(material, speed) for material in pair.materials)
+    of_ring, of_roller = (series.moving_softening(material, speed) for material in pair.materials)
     sides = [line_compliance(material, pair.length) for material in pair.materials]
     share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)
     still = _long_waves(_sound(bearing), pair.kind == "inner")
@@ -382,19 +347,16 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
 def _long_waves(bearing: Bearing, inner: bool) -> float:
     """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
     ring = ring_sections(bearing)[0 if inner else 1]
-    series = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
-    series[0] *= 0.5
-    return float(series.sum()) / (np.pi * ring.loaded * bearing.roller_length)
+    harmonics = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
+    harmonics[0] *= 0.5
+    return float(harmonics.sum()) / (pi * ring.loaded * bearing.roller_length)
 
 
 def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
-    angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
-    arrays = _kept_series(_sound(bearing))
-    inner, outer, between = (
-        ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
-        for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
-    )
+    angle, arrays = roller_angles(bearing, 0.0), _kept_series(_sound(bearing))
+    constants = zip(arrays["laws"].tolist(), contact_pairs(bearing), strict=True)
+    inner, outer, between = (ContactLaw(A=A, B=B, Q_line=line, pair=pair) for (A, B, line), pair in constants)
     contacts = Condensed(
         bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
         compliance=of_present(bearing, arrays["compliance"]) if bearing.missing else arrays["compliance"],
@@ -418,10 +380,10 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
         each = hertz_approach(roller_section(bearing).elastic, width)  # of two rollers, accelerated by the other
         between = ContactLaw.of_approach(2.0 * each / bearing.roller_length, width, contact_pairs(bearing)[2])
         laws = found.inner_law, found.outer_law, between
-        n, roller = bearing.n_rollers, stick_approach(roller_section(bearing).elastic, width)
+        n, roller = bearing.n_rollers, series.stick_approach(roller_section(bearing).elastic, width)
         shift = 2.0 * pi / n * np.arange(1, n // 2 + 1)
         angles = np.add.outer(strays(n) * np.array([-1.0, 0.0, 1.0]), shift)
-        others = *(stick_approach(ring, width) for ring in ring_sections(bearing)), roller
+        others = *(series.stick_approach(ring, width) for ring in ring_sections(bearing)), roller
         return {
             "compliance": found.compliance,
             "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
@@ -437,10 +399,8 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
 def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
     """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N.
 
-    Errors
-    ------
-    Known exactly for one half-width, from which it goes with the logarithm: 0.1 % off at half-widths of 5 % of a
-    roller's radius.
+    Errors: known exactly for one half-width, from which it goes with the logarithm: 0.1 % off at half-widths of 5 % of
+    a roller's radius.
     """
     known = HALF_WIDTH * bearing.roller_radius
     found = _kept_series(_sound(bearing))["stick"].copy()

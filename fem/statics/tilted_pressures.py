@@ -42,15 +42,11 @@ def slice_pressures(
 
     Beside it slopes of rollers to the raceway, (n_rollers,), rad.
 
-    Parameters
-    ----------
     slices : of `scene_slices`
     column : gives a sample's forces and moments by the result file's names, and PLACES where spalls take part of the
         length
 
-    Errors
-    ------
-    Those of `pressures_under`.
+    Errors: those of `pressures_under`.
     """
     bearing, axial, spalled, k = scene.perfect_bearing(), scene.ideal_axial(), scene.ideal_bearing(), SIDES.index(side)
     assert axial is not None
@@ -75,25 +71,16 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
 
     def make() -> dict[str, np.ndarray]:
         each = zip(scene_slices(scene), contact_pairs(bearing), profile_ends(bearing, axial), strict=False)
-        tables = [peak_table(*of_contact, *within) for of_contact in each]
-        return {"peaks": np.stack([table.peaks for table in tables])}
+        return {"peaks": np.stack([peak_table(*of_contact, *within).peaks for of_contact in each])}
 
     law = scene.lagrange if scene.model == "lagrange" else None
     peaks = kept("peaks", repr((bearing, axial, law, within)), make)["peaks"]
-    arm = float(axial.centres(bearing)[-1])
-    found = {
-        f"{side}_peak_pressure": PeakTable(root=within[0] ** 0.5, arm=arm, peaks=of).at(
-            samples[f"{side}_force"], samples[f"{side}_moment"]
-        )
-        for side, of in zip(SIDES, peaks, strict=True)
-    }
-    spalled = scene.ideal_bearing()
-    if all(part is None for part in axial.parts(spalled)):
-        return found
-    met = surfaces_met(spalled, scene.ideal_operation(), samples)
-    closed = (samples[f"{side}_force"] > 0.0 for side in SIDES)
-    over = (each.part_sinkage > FLAT for each in met)
-    return {
-        name: np.where(shut & sunk, np.nan, peak)
-        for (name, peak), shut, sunk in zip(found.items(), closed, over, strict=True)
-    }
+    arm, spalled, found = float(axial.centres(bearing)[-1]), scene.ideal_bearing(), {}
+    takes_part = any(part is not None for part in axial.parts(spalled))
+    met = surfaces_met(spalled, scene.ideal_operation(), samples) if takes_part else (None, None)
+    for side, of, sunk in zip(SIDES, peaks, met, strict=True):
+        force = samples[f"{side}_force"]
+        peak = PeakTable(root=within[0] ** 0.5, arm=arm, peaks=of).at(force, samples[f"{side}_moment"])
+        over = False if sunk is None else (force > 0.0) & (sunk.part_sinkage > FLAT)
+        found[f"{side}_peak_pressure"] = np.where(over, np.nan, peak)
+    return found

@@ -14,7 +14,7 @@ from scipy.optimize import brentq, nnls
 
 from fem.contacts.model import Model, Motion
 from fem.statics.contact_balance import Loads
-from fem.statics.equilibrium import _solved
+from fem.statics.equilibrium import solved
 
 # ---- Stress in a half plane under line contacts, from the textbook: the formulas typed in again, and a numerical
 # sum.
@@ -337,7 +337,7 @@ class Pressures(NamedTuple):
 
 def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:
     """Pressures at the points of all contacts under a load, N, weightless: inner ones by roller, then outer ones."""
-    points, _, forces, _ = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
+    points, _, forces, _ = solved(model, motion, Loads(radial_load))
     found = []
     for contact in range(2 * model.bearing.n_rollers):
         law, mine = model.laws[contact // model.bearing.n_rollers], points.contact == contact

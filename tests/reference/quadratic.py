@@ -15,10 +15,8 @@ from skfem.helpers import dot
 from skfem.models.elasticity import linear_elasticity
 
 from fem.contacts.contact_law import NoLaw
-from fem.contacts.model import PressurePoints
 from fem.elastic.continuum import ring_sections
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
-from fem.statics.equilibrium import balance_pressures
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
 from lagrange import Bearing, Material
 from lagrange.contact.hertz import contact_pairs
 from lagrange.kinematics import roller_angles
@@ -371,20 +369,14 @@ def quadratic_statics(
     # how far circles fall apart beside the line of centres, m
     roller, inner, outer = (along**2 / (R + np.sqrt(R**2 - along**2)) for R in (
         bearing.roller_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius))  # fmt: skip
-    points = PressurePoints(
+    points = Condensed(
+        bearing=bearing, radial=radial, inner_law=NoLaw(), outer_law=NoLaw(),
         contact=np.repeat(np.arange(2 * n), along.size), compliance=_compliance(bearing, half_width, per_half_width),
         closing=-np.concatenate([np.tile(fall, n) for fall in (roller + inner, roller - outer)]),
     )  # fmt: skip
-    # where to begin: in equilibrium under pressures of one shape everywhere
     area = length * bearing.roller_length
-    shape = area * np.sqrt(np.maximum(0.0, 1.0 - (along / half_width) ** 2))
-    weights, law = np.kron(np.eye(2 * n), shape[:, None] / shape.sum()), NoLaw()
-    contacts = Condensed(
-        bearing=bearing, radial=radial, inner_law=law, outer_law=law,
-        compliance=weights.T @ points.compliance @ weights, closing=weights.T @ points.closing,
-    )  # fmt: skip
-    start = balance(contacts, Loads(radial_load), first_guess(bearing, radial, radial_load))[0]
-    place, force = balance_pressures(bearing, radial, points, Loads(radial_load), start)
+    place, force = balance(points, Loads(radial_load), first_guess(bearing, radial, radial_load))
+    force = closed_forces(force)
     overlap, _ = geometry(bearing, radial, place)
     pressed = force.reshape(2, n, -1)
     if (pressed[..., [0, -1]] > 0.0).any():

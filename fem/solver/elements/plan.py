@@ -20,21 +20,14 @@ from fem.kernels.elements.tilted import SlicedLaw
 from fem.quantities import largest_loads
 from fem.solver import limits
 from fem.solver.compiling import CompiledPlan, in_words, pace
+from fem.solver.elements import start as starts
 from fem.solver.elements.arrays import Arrays, frame_of, hub_mass, make_arrays, with_axes, with_cage, with_damping
-from fem.solver.elements.start import (
-    Start,
-    Tilting,
-    check_slices,
-    check_slices_unmeshed,
-    equilibrium_start,
-    rest_start,
-    tilting_of,
-)
+from fem.solver.elements.start import Start, equilibrium_start
 from fem.solver.parts import LESS, beyond_tables, cage_seat, cage_springs, time_along_a_knot
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.solver import Block, may_strike, sample_count
 from fem.statics.contact_balance import NotFound
-from fem.statics.equilibrium import TiltedBalance, static_equilibrium, static_error
+from fem.statics.equilibrium import Tilting, static_equilibrium, static_error
 from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces
 from lagrange import Bearing, Operation
 from lagrange.contact.hertz import contact_pairs
@@ -79,15 +72,15 @@ def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
 
 def _contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:
     """The contact model of a scene's name: on a mesh, m, that is fine enough for it."""
-    *finer, usual = MODELS[name]
+    *finer, chosen = MODELS[name]
     pairs = contact_pairs(expected.bearing)[:2]
-
-    def is_fine(force: float) -> bool:
-        return mesh_size < ONE_PATCH * max(pair.half_width(force) for pair in pairs)
-
     # the bound, far above what a roller carries, mostly spares solving the statics
-    module, chosen = finer[0] if finer and is_fine(expected.bound) and is_fine(expected.largest) else usual
-    return getattr(import_module(module), chosen)
+    if finer and all(
+        mesh_size < ONE_PATCH * max(pair.half_width(getattr(expected, name)) for pair in pairs)
+        for name in ("bound", "largest")
+    ):
+        chosen = finer[0]
+    return getattr(import_module(chosen[0]), chosen[1])
 
 
 # one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
@@ -162,10 +155,7 @@ class ElementPlan(CompiledPlan):
     model_name = MODEL_NAMES["fem"]
     lacks = "waves shorter than the mesh"
 
-    @property
-    def interval(self) -> float:
-        """Between samples, s."""
-        return self.stride * self.time_step
+    interval = property(lambda self: self.stride * self.time_step)  # Between samples, s
 
     @property
     def looks(self) -> int:
@@ -173,9 +163,7 @@ class ElementPlan(CompiledPlan):
         fewest = ceil(self.stride / LONGEST_UNWATCHED)
         return next(looks for looks in range(fewest, self.stride + 1) if self.stride % looks == 0)
 
-    @property
-    def steps(self) -> int:
-        return (self.n_samples - 1) * self.stride
+    steps = property(lambda self: (self.n_samples - 1) * self.stride)
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -260,7 +248,7 @@ class ElementPlan(CompiledPlan):
         return arrays if cage is None else with_cage(arrays, bearing, cage, start, self.seat, operation)
 
     @property
-    def resting(self) -> TiltedBalance | None:
+    def resting(self) -> Tilting | None:
         """What balances rollers that tilt in a bearing that stands; None: axes stay parallel."""
         still = replace(self.operation, speed=0.0, outer_speed=0.0, history=None)
         return None if self.tilting is None else self.tilting.at(still, np.zeros(2))
@@ -290,7 +278,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     numerics, axial, tilting, cage = scene.numerics, scene.ideal_axial(), None, scene.ideal_cage()
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     if axial is not None:
-        check_slices_unmeshed(bearing, operation, axial)
+        starts.check_slices_unmeshed(bearing, operation, axial)
     forces, fastest = ExpectedForces(bearing, operation), kinematics_met(bearing, operation)
     limits.check_speed(bearing, fastest)
     model = model_of(scene, forces)
@@ -304,10 +292,10 @@ def make_plan(scene: Scene) -> ElementPlan:
     inner, outer = loaded.equilibrium.inner_force, loaded.equilibrium.outer_force
     expected = max(float(inner.max()), float(outer.max()), 5.0 * operation.heaviest / bearing.n_rollers)
     if axial is not None:
-        tilting = tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
+        tilting = starts.tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
         loaded = equilibrium_start(model, operation, tilting)
-        check_slices(model, axial, loaded)
-    start = rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
+        starts.check_slices(model, axial, loaded)
+    start = starts.rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
     on_bearing, on_cage = cage_springs(bearing, cage, operation)
     springs, sticks = (hub_mass(model.inner_ring, operation), on_bearing), scene.contact.friction_coefficient > 0.0
 

@@ -11,7 +11,7 @@ from fem.elastic.outer_support import BoredRing
 from fem.solver import start as massless
 from fem.solver.start import unloaded
 from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
-from fem.statics.equilibrium import Equilibrium, TiltedBalance, equilibrium
+from fem.statics.equilibrium import Equilibrium, Tilting, equilibrium
 from fem.statics.exact_statics import exact_contacts, kept_contacts, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import Axial
@@ -19,7 +19,7 @@ from lagrange.axial.slices import MORE
 from lagrange.errors import UsageError
 from lagrange.first_state import places_moving, tilts_moving
 from lagrange.kinematics import kinematics, roller_angles, turned
-from lagrange.motion import HubTilt, Tilts, hub_tilt
+from lagrange.motion import Tilts, hub_tilt
 from lagrange.surface.deviation import profiles
 
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
@@ -54,19 +54,6 @@ def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Mot
         roller_speed=ideal.roller, ring_speed=ideal.shaft, outer_turn=way.outer_ring, outer_speed=ideal.outer_ring,
     )  # fmt: skip
     return motion, ideal
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tilting:
-    """What a start of rollers that tilt needs beside that of parallel axes."""
-
-    laws: tuple[MeshedContact, MeshedContact]  # inner and outer contacts
-    hub: HubTilt
-    near: Equilibrium  # of parallel axes, at t = 0
-
-    def at(self, acting: Operation, ring: np.ndarray) -> TiltedBalance:
-        """The balance under what acts at an instant, with the outer ring's centre at a place, (2,), m."""
-        return TiltedBalance(operation=acting, laws=self.laws, hub=self.hub, ring=ring)
 
 
 def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
@@ -176,7 +163,7 @@ def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, n
     inner, outer = (whole.A * (whole.B - law.B) for whole, law in zip(laws, below, strict=True))
     tables = massless.tables_of(bearing, operation, axial, laws, force, (inner, outer))
     met = (MeshedContact(table=tables[0], meshed=inner), MeshedContact(table=tables[1], meshed=outer))
-    return Tilting(laws=met, hub=hub_tilt(operation, axial), near=near)
+    return Tilting(laws=met, hub=hub_tilt(operation, axial), near=near, operation=operation, ring=np.zeros(2))
 
 
 def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) -> None:

@@ -50,10 +50,7 @@ class Sections:
     margin: float  # m, beyond edges, from which on contacts are near
     strike: float  # J, of a roller that falls into a spall
 
-    @property
-    def mean(self) -> float:
-        """Steps of a section, about."""
-        return self.share * self.near + (1.0 - self.share) * self.far
+    mean = property(lambda self: self.share * self.near + (1.0 - self.share) * self.far)  # Steps of a section, about
 
 
 def sections_of(bearing: Bearing, ideal: Kinematics, row: float, short: float, long: float) -> Sections | None:
@@ -137,9 +134,7 @@ class RigidPlan(CompiledPlan):
         """Why tables of contacts that tilt can't go to so many times the force, and what to do; None: they can."""
         return None
 
-    @property
-    def time_step(self) -> float:
-        return self.interval / self.stride
+    time_step = property(lambda self: self.interval / self.stride)
 
     @property
     def long_step(self) -> float:
@@ -337,9 +332,7 @@ class StartState(RunState):
         self._largest, self.done = largest_forces(samples), 1
         return Block(samples=samples)
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        return self._judge.warnings(self._largest)
+    warnings = property(lambda self: self._judge.warnings(self._largest))
 
     @property
     def outcome_attributes(self) -> dict[str, float | str]:
@@ -384,10 +377,7 @@ class LagrangianPlan(RigidPlan):
     def reaching(self, times: int) -> "LagrangianPlan":
         return self.changed(reach=times * self.reach)
 
-    @property
-    def static_energy(self) -> float:
-        """Of contacts at the start, J."""
-        return float(self.begin.samples["energy_contact"][0])
+    static_energy = property(lambda self: float(self.begin.samples["energy_contact"][0]))  # Of contacts at the start, J
 
     @property
     def critical_time_step(self) -> float:

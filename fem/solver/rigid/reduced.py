@@ -5,7 +5,7 @@ finite elements, which must follow elastic waves, and each takes a small part of
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, pi, sqrt
+from math import ceil, pi, sqrt
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from fem.statics.exact_statics import (
 )
 from lagrange import Operation
 from lagrange.axial.slices import MORE
-from lagrange.contact.damping import ContactDamping
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.kinematics import fastest_kinematics, kinematics, kinematics_met
@@ -39,18 +38,6 @@ from lagrange.step_size import fastest_in_machine
 
 LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned
 STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the paper's bearing is 1.2 times
-
-
-def time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:
-    """The longest step, s, in which contacts' dampers, under forces of so many N, take half of a housing's motion.
-
-    Damping forces act on the housing explicitly, after rollers and hub; infinite where the ring stands still.
-    """
-    housing, bearing = operation.mounting.housing, model.bearing
-    if housing is None or not damping.acts:
-        return inf
-    coefficient = float(damping.coefficient(force, 1.0 / float(model.outer_law.softness(force))))
-    return 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient)
 
 
 def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, float]:
@@ -204,7 +191,10 @@ def make_plan(scene: Scene) -> ReducedPlan:
     met, tangential = LOAD_MARGIN * largest, tangential_compliance(bearing, largest)
     critical = critical_with_cage(critical_time_step(model, met, tangential, operation), bearing, cage, operation)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, time_of_dampers(model, met, operation, damping))
+    longest, housing = SHARE * critical, operation.mounting.housing
+    if housing is not None and damping.acts:  # on it these act explicitly, after rollers and hub: half of its motion
+        coefficient = float(damping.coefficient(met, 1.0 / float(model.outer_law.softness(met))))
+        longest = min(longest, 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient))
     longest, on_waves = (
         min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest, spalls)) * numerics.time_step_safety
         for spalls in (True, False)

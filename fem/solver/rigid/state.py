@@ -73,10 +73,11 @@ def rigid_bodies(
     housing = parts.housing_of(mounting, bearing.outer_ring_mass, None, placed["ring"], dt, row_width(n, None))
     if housing is not None:
         housing.velocity[:] = placed["ring_velocity"]
-    of_roller = {"mass": bearing.roller_mass, "radius": bearing.roller_radius, "n": n, "columns": columns}
-    shaft = parts.springs_on(mounting, hub, hub_velocity, np.zeros((2, 2)), mass, n)
-    of_hub = {"hub": hub, "hub_velocity": hub_velocity, "hub_mass": mass, "shaft": shaft, "housing": housing}
-    bodies = filled(RigidBodies, {"columns": columns}, **of_hub, **of_roller, **of_model, cage=None)
+    bodies = filled(
+        RigidBodies, {"columns": columns}, hub=hub, hub_velocity=hub_velocity, hub_mass=mass, housing=housing,
+        shaft=parts.springs_on(mounting, hub, hub_velocity, np.zeros((2, 2)), mass, n), mass=bearing.roller_mass,
+        radius=bearing.roller_radius, n=n, columns=columns, cage=None, **of_model,
+    )  # fmt: skip
     bodies.centre[:, :n], bodies.velocity[:, :n] = placed["centre"], placed["velocity"]
     if cage is None:
         return bodies
@@ -98,20 +99,15 @@ def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.
     pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
     apart = 2.0 * np.pi / bearing.pockets * pocket
 
-    def of_each(values: np.ndarray) -> np.ndarray:
-        """(..., neighbours, columns) of (..., pockets)."""
-        filled_in = np.zeros((*values.shape[:-1], at.shape[0], columns))
-        filled_in[..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
-        return at_line(filled_in)
-
+    compliances = vars(found).copy()
+    for name in ("along", "steep", "bent", "crossed"):  # (..., neighbours, columns) of (..., pockets)
+        values = getattr(rings, name)
+        compliances[name] = at_line(np.zeros((*values.shape[:-1], at.shape[0], columns)))
+        compliances[name][..., : at.shape[1]] = np.where(at >= 0, values[..., at], 0.0)
     return kernels.Coupling(
-        between=model.between.constants,
-        across=model.across,
-        relaxation_factor=relaxation_factor,
-        **vars(found) | {name: of_each(getattr(rings, name)) for name in ("along", "steep", "bent", "crossed")},
-        apart=np.array([np.cos(apart), np.sin(apart)]),
-        tangential=tangential,
-    )
+        between=model.between.constants, across=model.across, relaxation_factor=relaxation_factor, **compliances,
+        apart=np.array([np.cos(apart), np.sin(apart)]), tangential=tangential,
+    )  # fmt: skip
 
 
 def contact_forces(
@@ -483,16 +479,11 @@ class LagrangianState(RigidState):
         bearing, operation, axial = problem.bearing, problem.operation, problem.axial
         n, mounting = bearing.n_rollers, operation.mounting
         of_ring = 1.0 if mounting.housing is None else mounting.housing.mass + bearing.outer_ring_mass
-        names = ("hub", "hub_velocity"), ("centre", "velocity"), ("ring", "ring_velocity")
-        bodies = (
-            begin.hub.behind(dt, float(operation.inner_mass), mounting.shaft),
-            begin.rollers.behind(dt),
-            begin.ring.behind(dt, of_ring, mounting.housing),
-        )
         falling = np.array([0.0, 0.5 * dt * operation.gravity])
         placed = {"angle": begin.angle, "cage": begin.ring.place, "cage_velocity": falling}
-        for name, found in zip(names, bodies, strict=True):
-            placed |= zip(name, found, strict=True)
+        placed["hub"], placed["hub_velocity"] = begin.hub.behind(dt, float(operation.inner_mass), mounting.shaft)
+        placed["centre"], placed["velocity"] = begin.rollers.behind(dt)
+        placed["ring"], placed["ring_velocity"] = begin.ring.behind(dt, of_ring, mounting.housing)
         held, rays = problem.angles == "kinematic", np.zeros((2, columns_for(n)))
         rays[:, :n] = np.cos(begin.angle), np.sin(begin.angle)
         by_shaft, by_outer = kinematics(bearing, 1.0), kinematics(bearing, 0.0, 1.0)

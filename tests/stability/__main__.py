@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 import tomli_w
 from cyclopts import App
 
-from tests.stability.campaign import REFUSED, TIME_LIMIT, Lines, campaign, ended, report
+from tests.stability.campaign import REFUSED, TIME_LIMIT, Lines, Row, campaign, ended, report
 from tests.stability.random_scenes import LONG_FROM, LONG_MS, RANGES, drawn
 
 app = App(help=__doc__, help_format="markdown")
@@ -59,6 +59,8 @@ def main(
     if not resume:
         output.unlink(missing_ok=True)
     lines = Lines(output)
+    if not lines.rows:
+        lines.add(*Row._fields)
     rows = list(campaign(draw, range(count), lines, until))
     failed = report(rows, f"random scenes, seed {seed}, {1.0 if surfaces else duration:g} ms each")
     if not surfaces:

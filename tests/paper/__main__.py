@@ -20,6 +20,13 @@ POLYGONS = "less-soft-facets-1"
 ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
 SIDES = ("(22) Harris, N", "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz")
 SINK = 0.5 * abs(sum(read_off.INNER_Y))  # m, middle of the paper's y
+_SCENE = read_scene()
+_SPRING = _SCENE.operation.radial_load_N / SINK  # N/m
+SINKING = sqrt(_SPRING / _SCENE.operation.inner_ring_and_shaft_kg) / (2.0 * pi)  # Hz, of the hub on it
+# N, of the lowest roller by Harris' law if the hub's SINK is shared by its two contacts
+HARRIS_FORCE = float(contact_laws("harris", _SCENE.ideal_bearing()).inner.force(np.array(0.5 * SINK)))
+# Hz, at which the paper's velocity and acceleration of figure 7 belong together
+RATTLE = read_off.ROLLER_ACCELERATION[1] / read_off.ROLLER_VELOCITY[1] / (2.0 * pi)
 # F and δ* of figure 4. Source: Harris, Rolling Bearing Analysis, table of dimensionless quantities
 HARRIS_POINTS = (
     (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.87366, 0.7169),
@@ -46,28 +53,6 @@ def span(ends: Range, scale: float = 1.0, zero: float = 0.0, digits: int = 3) ->
     return f"{text(scale * (ends[0] - zero), digits)} … {text(scale * (ends[1] - zero), digits)}"
 
 
-def sinking_frequency() -> float:
-    """Frequency of the hub on springs that let it sink by SINK under the load, Hz."""
-    scene = read_scene().operation
-    return sqrt(scene.radial_load_N / (scene.inner_ring_and_shaft_kg * SINK)) / (2.0 * pi)
-
-
-def harris_force() -> float:
-    """Force of the lowest roller by Harris' law if the hub's SINK is shared by its two contacts, N."""
-    return float(contact_laws("harris", read_scene().ideal_bearing()).inner.force(np.array(0.5 * SINK)))
-
-
-def rattle() -> float:
-    """Frequency at which the paper's velocity and acceleration of figure 7 belong together, Hz."""
-    return read_off.ROLLER_ACCELERATION[1] / read_off.ROLLER_VELOCITY[1] / (2.0 * pi)
-
-
-def delta_star_error() -> float:
-    """Largest deviation of δ* from Harris' table, which the paper's figure 4 plots, relative."""
-    F, wanted = np.array(HARRIS_POINTS).T
-    return float(np.max(np.abs(delta_star(F[1:-1]) / wanted[1:-1] - 1.0)))
-
-
 def paper(folder: Path = Path("runs/paper-variants"), /):
     from tests.paper.figures import draw_records, draw_variants
 
@@ -87,7 +72,7 @@ def paper(folder: Path = Path("runs/paper-variants"), /):
     yield "paper", "Figures", figures_table(fine, titles, sparse)
     options = [[v.title, " ".join(f"`--set {s}`" for s in v.settings) or "none"] for v, _ in measured]
     heads = ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"]
-    rows = [[*PAPER, f"{text(rattle(), 4)} (fig. 7)", ""], *(run_row(*each) for each in measured)]
+    rows = [[*PAPER, f"{text(RATTLE, 4)} (fig. 7)", ""], *(run_row(*each) for each in measured)]
     settings = markdown_table(["run", "options of run-fem"], options)
     yield "paper", "Runs", FITTED, markdown_table(heads, rows), settings
     cases = [read_off.held(outside, name) for outside in read_off.OUTSIDE_MM for name in read_off.SUPPORTS]
@@ -127,11 +112,13 @@ def figures_table(run: dict[str, Measured], titles: dict[str, str], sparse: dict
     """The paper's figures, ours, and the run that makes such numbers."""
     ours, soft, facets, polygon = (run[name] for name in ("ours", NEAREST, SIDEWAYS, POLYGONS))
     stepped, coarse = run["soft"], sparse[SIDEWAYS]
+    F, wanted = np.array(HARRIS_POINTS).T
+    off = float(np.max(np.abs(delta_star(F[1:-1]) / wanted[1:-1] - 1.0)))
     return markdown_table(
         ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
         [
             ["4", "δ* over F of a point contact", "Harris' curve",
-             f"the same within {text(100 * delta_star_error(), 2)} %", "no difference"],
+             f"the same within {text(100 * off, 2)} %", "no difference"],
             ["6", "y of the inner ring, µm", "−220 … −80", span(ours.y, 1e6),
              f"contacts forty times too soft. *{titles[NEAREST]}*: {span(soft.y, 1e6)}, {soft.usual} rollers loaded"],
             ["6", "x of the inner ring, µm", "−80 … 60", span(ours.x, 1e6),
@@ -144,7 +131,7 @@ def figures_table(run: dict[str, Measured], titles: dict[str, str], sparse: dict
              f"the hub swings on soft contacts. *{titles[NEAREST]}*: {span(soft.velocity, 1e3)}, "
              f"at {text(soft.frequency, 4)} Hz, and about the paper's in its first load zone (picture)"],
             ["7", "ρ″, m/s²", "−5000 … 5000", span(ours.acceleration),
-             f"as ρ′: the paper's two ranges belong together at {text(rattle(), 3)} Hz. The same run: "
+             f"as ρ′: the paper's two ranges belong together at {text(RATTLE, 3)} Hz. The same run: "
              f"{span(soft.acceleration, digits=2)}, of rollers that hit the rings; with a sample every "
              f"{10 * COARSE} µs only {span(sparse[NEAREST].acceleration, digits=2)}"],
             ["text", "rollers loaded", "6–7", f"{ours.loaded[0]}–{ours.loaded[1]}",

@@ -168,7 +168,8 @@ def campaign(
     until : time.monotonic() after which no further scene begins
     group : of a number; with another one a new process begins, without the memory of kernels and runs before
     """
-    done = {row.number: row for row in map(Row.read, lines.rows[lines.rows[:1] == [list(Row._fields)] :])}
+    kept = [row for row in lines.rows if row != list(Row._fields)]  # but for its heading
+    done = {row.number: row for row in map(Row.read, kept)}
     worker, before = Worker(_tried), None
     for number in numbers:
         if number not in done:

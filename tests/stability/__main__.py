@@ -63,13 +63,14 @@ def main(
         lines.add(*Row._fields)
     rows = list(campaign(draw, range(count), lines, until))
     failed = report(rows, f"random scenes, seed {seed}, {1.0 if surfaces else duration:g} ms each")
-    if not surfaces:
+    if long and not surfaces:
         slow, rows = TIME_LIMIT * LONG_MS / 5.0, []
-        for row in campaign(draw, numbers_from(LONG_FROM), lines, until, limit=slow) if long else ():
+        for row in campaign(draw, numbers_from(LONG_FROM), lines, until, limit=slow):
             rows.append(row)
             if sum(row.ending != REFUSED for row in rows) >= long:
                 break
         failed |= report(rows, f"random scenes, seed {seed}, {LONG_MS:g} ms each")
+    if not surfaces:
         print("drawn from:", ", ".join(f"{key} {low:g} … {high:g}" for key, (low, high) in RANGES.items()))
     if step_limit and not surfaces:
         from tests.stability import step_limit as limit

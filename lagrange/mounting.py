@@ -25,10 +25,6 @@ class Housing:
     stiffness: float  # N/m, along either axis
     damping: float  # N s/m
 
-    @property
-    def words(self) -> str:
-        return f"{self.mass:.4g} kg without the ring, on {self.stiffness:.4g} N/m, {self.damping:.4g} N s/m"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
@@ -66,10 +62,6 @@ class Shaft:
     stiffness: float  # N/m, along either axis
     damping: float  # N s/m
 
-    @property
-    def words(self) -> str:
-        return f"{self.stiffness:.4g} N/m, {self.damping:.4g} N s/m parallel to the bearing"
-
     def force(self, place, velocity):
         """On the hub along an axis, N, at its place, m, and velocity, m/s, along it; any shape."""
         return -self.stiffness * place - self.damping * velocity
@@ -93,10 +85,6 @@ class Bore:
 
     clearance: float  # m, its diameter less the ring's; negative: a press fit
     stiffness: float | None = None  # N/m³, pressure over displacement; None: of a thick wall
-
-    @property
-    def words(self) -> str:
-        return f"{1e6 * abs(self.clearance):.4g} µm of {'play' if self.clearance >= 0.0 else 'press fit'} in its bore"
 
     def stiffness_around(self, radius: float, lame_mu: float) -> float:
         """Its stiffness, N/m³, around a ring of an outside radius R, m; without one of its own that of a thick wall.
@@ -129,8 +117,16 @@ class Mounting:
     @property
     def rows(self) -> dict[str, str]:
         """What --dry-run shows of it, name and value."""
-        parts = {"housing": self.housing, "fit of the outer ring": self.bore, "springs of the shaft": self.shaft}
-        return {name: part.words for name, part in parts.items() if part is not None}
+        found, h, bore, shaft = dict[str, str](), self.housing, self.bore, self.shaft
+        if h is not None:
+            found["housing"] = f"{h.mass:.4g} kg without the ring, on {h.stiffness:.4g} N/m, {h.damping:.4g} N s/m"
+        if bore is not None:
+            kind = "play" if bore.clearance >= 0.0 else "press fit"
+            found["fit of the outer ring"] = f"{1e6 * abs(bore.clearance):.4g} µm of {kind} in its bore"
+        if shaft is not None:
+            springs = f"{shaft.stiffness:.4g} N/m, {shaft.damping:.4g} N s/m"
+            found["springs of the shaft"] = f"{springs} parallel to the bearing"
+        return found
 
     @property
     def centre(self) -> tuple[str, ...]:

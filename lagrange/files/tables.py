@@ -150,7 +150,6 @@ class TextTable:
             return None
 
     def _row(self, number: int, line: str, wanted: Sequence[int]) -> list[float]:
-        """Numbers of a line, cell by cell."""
         cells, width = _cells(line, self.delimiter), len(self.names)
         too_few = len(cells) <= max(wanted) or (self.delimiter is None and len(cells) < width)
         if any(cells[width:]) or (self.keyed and too_few):

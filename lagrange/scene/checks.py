@@ -74,7 +74,6 @@ def _fit(scene: "Scene") -> Iterator[str]:
 
 
 def _tables(scene: "Scene") -> Iterator[str]:
-    """Tables of speeds and loads that end before the run does."""
     duration, o = scene.numerics.duration_ms, scene.operation
     for name in o.FILES:
         if (found := o.read(name)) is not None and exceeds(duration, end := found[0][-1]):
@@ -100,13 +99,11 @@ def _axial(scene: "Scene") -> Iterator[str]:
 
 
 def _bore(scene: "Scene") -> str | None:
-    """A ring's fit as the scene writes it."""
     clearance = None if scene.support is None else scene.support.fit_clearance_um
     return None if clearance is None else f"support.fit_clearance_um = {clearance:g}"
 
 
 def _of_rollers(scene: "Scene") -> str | None:
-    """A roller's surface, but for its size."""
     found = (f'{name}.{i}.body = "roller"' for name in surfaces.SURFACES for i, table in enumerate(getattr(scene, name))
              if getattr(table, "body", None) == "roller")
     return next(found, None)

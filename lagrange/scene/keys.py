@@ -67,7 +67,6 @@ def name_in_words(name: str) -> str:
 
 
 def _limits(field: FieldInfo) -> str:
-    """Choices, or the range of a number."""
     kinds = [field.annotation, *get_args(field.annotation)]
     for kind in kinds:
         if get_origin(kind) is Literal:

@@ -165,7 +165,6 @@ def _ideal(o: OperationTable) -> Operation:
 
 @lru_cache(maxsize=16)
 def _first_speed(text: str, decimal: str | None, shape: Curve | None) -> float:
-    """Speed of a table at t = 0, rpm. ValueError."""
     time, values = SPEEDS.read(text, decimal or ".")
     return float(joined(time, values, shape or "smooth")(0.0)[0])
 
@@ -459,6 +458,5 @@ def per_roller(quantity: str) -> bool:
 
 
 def _split(name: str) -> tuple[str, str | None]:
-    """Bare name and unit of "name [unit]"."""
     match = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", name)
     return (match[1], match[2].strip()) if match else (name, None)

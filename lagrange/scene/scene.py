@@ -206,7 +206,6 @@ class Scene(Table):
         return replace(self.perfect_bearing(), faults=self._faults() + self.films())
 
     def _faults(self) -> tuple[Fault, ...]:
-        """Of its surfaces, without films."""
         return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
 
     def perfect_bearing(self) -> Bearing:

@@ -320,7 +320,7 @@ def start_seconds(repeats: int = 7) -> tuple[float, float]:
     """Wall and processor time of a whole `run-fem` of one sample at 1 mm, caches warm, medians, s."""
     walls, processors = [], []
     with tempfile.TemporaryDirectory() as folder:
-        run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
+        run_fem = [sys.executable, "-m", "fem"]
         command = [*run_fem, "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
         for attempt in range(repeats + 1):
             before, began = processor_seconds(resource.RUSAGE_CHILDREN), time.perf_counter()

@@ -26,8 +26,8 @@ import numpy as np
 
 from fem.quantities import Quantity, labels, run_quantities
 from fem.rating.answers import rating
+from fem.result import store
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
-from fem.result.store import ResultFile, events_of, readable, sinkages, variables_of
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, Samples
 from lagrange import mounting
@@ -45,20 +45,9 @@ if TYPE_CHECKING:
     from residual import Evaluation
 
 __all__ = [
-    "Progress",
-    "Result",
-    "RunFailed",
-    "Scene",
-    "SceneError",
-    "Statics",
-    "UsageError",
-    "frequencies",
-    "open_result",
-    "rating",
-    "read_scene",
-    "simulate",
-    "statics",
-]
+    "Progress", "Result", "RunFailed", "Scene", "SceneError", "Statics", "UsageError", "frequencies", "open_result",
+    "rating", "read_scene", "simulate", "statics",
+]  # fmt: skip
 
 MOMENTS = {"mean": "mean", "rms": "rms", "std": "standard deviation"}
 LINES = ("FTF", "shaft", "BSF", "BPFO", "BPFI")
@@ -83,59 +72,13 @@ def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
         levels = {level.name: level.rms for level in direction.levels}
         found |= {f"error_{moment}_{direction.name}": float(getattr(direction.error, moment)) for moment in MOMENTS}
         found |= {f"{line.lower()}_{direction.name}": float(levels.get(line, nan)) for line in LINES}
-    measured = evaluation.y.vibration
-    amplitudes = {line.name: line.amplitude for line in measured.lines}
-    found |= {
-        "sensor_rms": measured.level.rms,
-        "sensor_crest": nan if measured.level.crest is None else measured.level.crest,
-        "sensor_kurtosis": nan if measured.level.kurtosis is None else measured.level.kurtosis,
-        "sensor_bpfo": amplitudes.get("BPFO", nan),
-        "sensor_bpfi": amplitudes.get("BPFI", nan),
-    }
+    level, lines = evaluation.y.vibration.level, evaluation.y.vibration.lines
+    found |= {f"sensor_{line}": nan for line in ("bpfo", "bpfi")}
+    found |= {f"sensor_{line.name.lower()}": line.amplitude for line in lines}
+    for name in ("rms", "crest", "kurtosis"):
+        value = getattr(level, name)
+        found[f"sensor_{name}"] = nan if value is None else value
     return [Quantity(name, *about, found[name]) for name, about in OF_CHECK.items()]
-
-
-class Memory(Mapping[str, np.ndarray]):
-    """A run's samples as they come, in the place of a result file; a column is put together when it is asked for."""
-
-    def __init__(self, plan: Plan):
-        self._scene, self._count = plan.scene, 0
-        self._parts = {
-            name: [np.empty((0, plan.scene.bearing.present) if column.dimensions == PER_ROLLER else 0)]
-            for name, column in variables_of(plan.scene).items()
-        }
-        self.frames: list[Frame] = []
-
-    def append(self, samples: Samples) -> None:
-        """Add a block of samples."""
-        self._count += len(samples)
-        for name in samples.keys() & self._parts.keys():
-            self._parts[name].append(np.ascontiguousarray(samples[name]))
-
-    def restart(self, reason: str) -> None:
-        """Forget all samples so far: the run goes on from its start."""
-        self._count = 0
-        self.frames.clear()
-        for parts in self._parts.values():
-            del parts[1:]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """All samples of a column, by the result file's names."""
-        parts = self._parts[name]
-        if len(parts) > 1:
-            parts[:] = [np.concatenate(parts)]
-        elif len(parts[0]) < self._count:  # follows from the others
-            parts[:] = [sinkages(self._scene.ideal_bearing(), self._scene.ideal_operation(), self)[name]]
-        return parts[0]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._parts
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._parts)
-
-    def __len__(self) -> int:
-        return len(self._parts)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,8 +86,7 @@ class Result:
     """A simulated scene: samples by the result file's names, in SI, time first; `result["inner_y"]` is one of them.
 
     Of `simulate` nothing is on a disk until `save` writes the file that `run-fem` would have written; `open_result` has
-    it from such a file.
-    """
+    it from such a file."""
 
     values: Mapping[str, np.ndarray] = field(repr=False)  # (n_times,) or (n_times, n_rollers); see README
     status: str  # "complete", or "interrupted" where `stop` said so
@@ -160,20 +102,15 @@ class Result:
     def __getitem__(self, name: str) -> np.ndarray:
         if name in self.values:
             return self.values[name]
-        if name in readable(self.scene):
+        if name in (known := store.readable(self.scene)):
             return self.pressures[name]
-        raise KeyError(f"{name}: no variable of this run; it has {', '.join(readable(self.scene))}")
+        raise KeyError(f"{name}: no variable of this run; it has {', '.join(known)}")
 
     @cached_property
     def pressures(self) -> dict[str, np.ndarray]:
         """Hertz pressures, Pa, and half-widths, m, of every contact, (n_times, n_rollers), by `DERIVED`'s names.
 
-        Of rollers that tilt the largest pressures along them, by `OF_TILTED`'s.
-
-        Errors
-        ------
-        Unavailable: of a ball bearing.
-        """
+        Of rollers that tilt the largest pressures along them, by `OF_TILTED`'s. Unavailable: of a ball bearing."""
         if self.scene.axial is not None:
             from fem.statics.tilted_pressures import peak_columns  # loads meshes' modules
 
@@ -194,7 +131,7 @@ class Result:
     def events(self) -> list[SpallEvent]:
         """Entries, strikes and exits of rollers at spalls, by time; empty without spalls."""
         bearing, operation = self.scene.ideal_bearing(), self.scene.ideal_operation()
-        return events_of(bearing, operation, self.values, len(self.time)) if spalls(bearing) else []
+        return store.events_of(bearing, operation, self.values, len(self.time)) if spalls(bearing) else []
 
     @property
     def labels(self) -> dict[str, float | str]:
@@ -204,8 +141,7 @@ class Result:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
-        bearing, operation = self.scene.ideal_bearing(), self.scene.ideal_operation()
-        ideal = mean_kinematics(bearing, operation, float(self.time[-1]))
+        ideal = mean_kinematics(self.scene.ideal_bearing(), self.scene.ideal_operation(), float(self.time[-1]))
         pressures = self.pressures if self.scene.bearing.type == "roller" else {}
         samples = ChainMap(pressures, self.values)  # type: ignore[arg-type]  # nothing is written into them
         return {each.name: each for each in run_quantities(ideal, samples)}
@@ -216,37 +152,29 @@ class Result:
 
         found = {
             name: (dimensions, self[name], {"units": unit, "long_name": meaning})
-            for name, (dimensions, unit, meaning) in readable(self.scene).items()
+            for name, (dimensions, unit, meaning) in store.readable(self.scene).items()
         }
         about = {"scene": self.scene.to_toml(), "status": self.status, **self.outcome_attributes}
         return xarray.Dataset(found, attrs=about).set_coords("time")
 
     def save(self, path: str | Path) -> Path:
         """Write the result file that `run-fem` writes, its variables equal bit for bit; no checkpoint.
-
-        Errors
-        ------
-        UsageError: another program has the file open. OSError: it can't be written.
-        """
-        path = Path(path)
-        refuse_no_place(path)
+        UsageError: another program has the file open. OSError: it can't be written."""
+        refuse_no_place(path := Path(path))
         if self.path is not None:
             return Path(shutil.copyfile(self.path, path))
-        with ResultFile(path, cast("Plan", self.plan), self.setup_seconds, None, **self.outcome_attributes) as store:
+        attributes, plan = self.outcome_attributes, cast("Plan", self.plan)
+        with store.ResultFile(path, plan, self.setup_seconds, None, **attributes) as file:
             checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
             for frame in self.frames:
-                store.keep(frame)
-            store.append(self.values)
-            store.finish(self.status, **self.outcome_attributes)
+                file.keep(frame)
+            file.append(self.values)
+            file.finish(self.status, **attributes)
         return path
 
     def residual(self, law: str | None = None, start: float | None = None, order: int = 6) -> "Evaluation":
         """Put the run into equations (22) and (23), as `check-residual` does; arguments as `residual.evaluate`.
-
-        Errors
-        ------
-        residual.InputError: fewer than 32 samples, an unknown law.
-        """
+        residual.InputError: fewer than 32 samples, an unknown law."""
         from residual import evaluate, read_result
 
         with self._as_file() as path:
@@ -254,18 +182,12 @@ class Result:
 
     def render(self, target: str | Path, time: float | None = None, **request: Any) -> Path:
         """Draw one instant, s (None: the last one), as PNG, as `render-fem` does.
-
-        `request` : fields of `fem.pictures.look.Request`
-
-        Errors
-        ------
-        UsageError: the request does not suit the run.
-        """
-        from fem.pictures.recover import StoredRun
+        `request` : fields of `fem.pictures.look.Request`. UsageError: the request does not suit the run."""
         from lagrange.files.output import load_matplotlib
 
         load_matplotlib()
         from fem.pictures.look import Request
+        from fem.pictures.recover import StoredRun
         from fem.pictures.views import draw
 
         with self._as_file() as path:
@@ -285,68 +207,62 @@ class Result:
 
 def open_result(path: str | Path) -> Result:
     """A stored run as the result that `simulate` gives; its columns are read when they are asked for.
-
-    Errors
-    ------
-    UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used.
-    """
+    UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used."""
     from fem.result.run_file import RunFile
 
     run = RunFile(Path(path))
     about = run.attributes
     return Result(
-        values=run,
-        status=str(about["status"]),
-        warnings=tuple(str(about["warnings"]).splitlines()),
-        setup_seconds=float(about["setup_seconds"]),
-        wall_seconds=float(about["wall_seconds"]),
-        scene=run.scene,
+        values=run, status=str(about["status"]), warnings=tuple(str(about["warnings"]).splitlines()), scene=run.scene,
+        setup_seconds=float(about["setup_seconds"]), wall_seconds=float(about["wall_seconds"]), path=run.path,
         outcome_attributes=about,
-        path=run.path,
-    )
+    )  # fmt: skip
 
 
 def simulate(
     scene: Scene, *, progress: Callable[[Progress], None] | None = None, stop: Callable[[], bool] = lambda: False
 ) -> Result:
     """Simulate a scene by the model that it names and keep its samples in memory.
-
-    Parameters
-    ----------
-    progress : is called after each block of samples
-    stop : is asked after each block, and within samples that take long; the result then holds the samples so far
-
-    Errors
-    ------
+    `progress` : is called after each block of samples
+    `stop` : is asked after each block, and within samples that take long; the result then holds the samples so far
     UsageError: the model can't take the scene, or a program it needs is missing. RunFailed: the run went wrong
-    numerically.
-    """
+    numerically."""
     began = time.perf_counter()
     with _PLANNING:
         plan = programs_named(lambda: make_plan(scene))
         state = plan.prepare()
-    setup, memory = time.perf_counter() - began, Memory(plan)
-    run(plan, memory.append, progress or (lambda seen: None), stop, state, memory.frames.append, memory.restart)
+    setup, blocks, frames = time.perf_counter() - began, list[Samples](), list["Frame"]()
+
+    def restart(reason: str) -> None:
+        blocks.clear()
+        frames.clear()
+
+    run(plan, blocks.append, progress or (lambda seen: None), stop, state, frames.append, restart)
     attributes = state.outcome_attributes
     return Result(
-        values=memory,
-        status="complete" if state.done == plan.n_samples else "interrupted",
-        warnings=(*plan.notices, *str(attributes["warnings"]).splitlines(), *state.notices),
-        setup_seconds=setup,
-        wall_seconds=state.wall,
-        scene=scene,
-        plan=plan,
-        outcome_attributes=attributes,
-        frames=tuple(memory.frames),
-    )
+        values=_joined(scene, blocks), status="complete" if state.done == plan.n_samples else "interrupted",
+        warnings=(*plan.notices, *str(attributes["warnings"]).splitlines(), *state.notices), scene=scene, plan=plan,
+        setup_seconds=setup, wall_seconds=state.wall, outcome_attributes=attributes, frames=tuple(frames),
+    )  # fmt: skip
+
+
+def _joined(scene: Scene, blocks: list[Samples]) -> dict[str, np.ndarray]:
+    """All samples of a run by the result file's names, in its order; blocks are emptied one column after the other."""
+    found, columns = {}, store.variables_of(scene)
+    for name, column in columns.items():
+        none = np.empty((0, scene.bearing.present) if column.dimensions == PER_ROLLER else 0)
+        if not blocks or name in blocks[0].keys():
+            found[name] = np.concatenate([none, *(block.values.pop(name) for block in blocks)])
+    if found.keys() < columns.keys():  # sinkages follow from the others
+        found |= store.sinkages(scene.ideal_bearing(), scene.ideal_operation(), found)
+    return {name: found[name] for name in columns}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Statics:
     """A bearing in equilibrium at the start of its scene: under load and weight, and as steady rotation loads it.
 
-    At a contact angle places and forces are the section's, see `lagrange.bearing`; the stiffness is the bearing's.
-    """
+    At a contact angle places and forces are the section's, see `lagrange.bearing`; the stiffness is the bearing's."""
 
     hub: np.ndarray  # (2,), m, from the outer ring's centre
     roller_theta: np.ndarray  # (n_rollers,), rad, from +x
@@ -358,27 +274,17 @@ class Statics:
     @cached_property
     def stiffness(self) -> float:
         """Radial stiffness against the load, N/m: from two more equilibria, under 0.5 % more and less load.
-
-        Errors
-        ------
-        Second order in that share; ValueError: there is no load.
-        """
-        load = self.scene.operation.radial_load_N
+        Errors: second order in that share. ValueError: there is no load."""
+        key, load = "operation.radial_load_N", self.scene.operation.radial_load_N
         if load == 0.0:
-            raise ValueError("operation.radial_load_N = 0: the stiffness needs a load")
-        more, less = (
-            statics(self.scene.varied({"operation.radial_load_N": load * (1.0 + sign * SHARE)})) for sign in (1, -1)
-        )
+            raise ValueError(f"{key} = 0: the stiffness needs a load")
+        more, less = (statics(self.scene.varied({key: load * (1.0 + sign * SHARE)})) for sign in (1, -1))
         return float(2.0 * SHARE * load * self.scene.bearing.cosine / (less.hub[1] - more.hub[1]))
 
 
 def statics(scene: Scene) -> Statics:
     """The static equilibrium of a scene, by the model that it names: the start of its run from equilibrium.
-
-    Errors
-    ------
-    UsageError: no equilibrium; see also `simulate`.
-    """
+    UsageError: no equilibrium; see also `simulate`."""
     found = simulate(scene.varied({"numerics.duration_ms": 0.0, "numerics.start": "equilibrium"}))
     names = "roller_theta", "roller_rho", "inner_force", "outer_force"
     hub = np.array([place[0] for place in mounting.from_outer_ring(found.values, "inner")])
@@ -387,11 +293,7 @@ def statics(scene: Scene) -> Statics:
 
 def frequencies(designation: str, speed_rpm: float) -> dict[str, float]:
     """FTF, BSF, BPFO and BPFI, Hz, of a standard bearing whose inner ring turns, rolling without slip.
-
-    Errors
-    ------
-    SceneError: a designation that is not in the table.
-    """
+    SceneError: a designation that is not in the table."""
     tables = {"model": "lagrange", "bearing": {"designation": designation}, "operation": {"speed_rpm": speed_rpm}}
     found = labels(parse_scene(tables, designation))
     return {name: float(found[f"{name}_Hz"]) for name in ("FTF", "BSF", "BPFO", "BPFI")}

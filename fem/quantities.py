@@ -93,19 +93,16 @@ def moving_quantities(samples: Samples) -> list[Quantity]:
     """Quantities of a record of at least two samples. Means are over time.
 
     The varying compliance is the standard deviation of the hub's path; the cage speed is the slope of the straight line
-    through the rollers' mean angle.
-    """
-    time, force = samples["time"], samples["inner_force"]
+    through the rollers' mean angle."""
+    time, force, found = samples["time"], samples["inner_force"], {}
 
     def mean(values):
         return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
-    found = {}
     for axis, path in zip("xy", from_outer_ring(samples, "inner"), strict=True):
         found[f"hub_mean_{axis}"] = middle = mean(path)
         found[f"hub_std_{axis}"] = mean((path - middle) ** 2) ** 0.5
-    found["largest_force"] = float(force.max())
-    found["mean_largest_force"] = mean(force.max(axis=1))
+    found["largest_force"], found["mean_largest_force"] = float(force.max()), mean(force.max(axis=1))
     found["cage_speed"] = float(np.polyfit(time, samples["roller_theta"].mean(axis=1), 1)[0])
     return [Quantity(name, *about, found[name]) for name, about in OF_MOTION.items()]
 
@@ -115,35 +112,28 @@ def run_quantities(ideal: Kinematics | None, samples: Samples) -> list[Quantity]
 
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that is not there,
     stands, turns both ways or less than once, pressures of balls and at edges, moments and tilts of rollers whose axes
-    stay parallel. Pressures are among the samples.
-    """
+    stay parallel. Pressures are among the samples."""
     time, first, hub = samples["time"], samples["inner_force"][0], from_outer_ring(samples, "inner")
-    found = {
-        "first_hub_x": float(hub[0][0]),
-        "first_hub_y": float(hub[1][0]),
-        "first_largest_force": float(first.max()),
-        "first_loaded_rollers": float(np.count_nonzero(first > LOADED * first.max())),
-    }
-    start = [Quantity(name, *about, found[name]) for name, about in OF_START.items()]
+    loaded = float(np.count_nonzero(first > LOADED * first.max()))
+    values = (float(hub[0][0]), float(hub[1][0]), float(first.max()), loaded)
+    start = [Quantity(n, *about, value) for (n, about), value in zip(OF_START.items(), values, strict=True)]
     if len(time) < 2:
         return start
     rolled = turned = 0.0
     if ideal is not None and "cage_angle" in samples:
         angle = samples["cage_angle"]
         rolled, turned = ideal.cage * float(time[-1] - time[0]), float(angle[-1] - angle[0])
-    zone, width = load_zone(samples), np.ptp(hub, axis=1)
-    off = samples["inner_ay"] - samples["inner_ay"].mean()
+    zone, off = load_zone(samples), samples["inner_ay"] - samples["inner_ay"].mean()
     spread = float(np.mean(off**2))
     found = {
         "load_zone": nan if zone is None else zone,
         "cage_slip": 1.0 - turned / rolled if rolled and abs(turned) >= tau else nan,
-        "acceleration_rms_x": float(np.sqrt(np.mean(samples["inner_ax"] ** 2))),
-        "acceleration_rms_y": float(np.sqrt(np.mean(samples["inner_ay"] ** 2))),
         "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,
-        "peak_to_peak_x": float(width[0]),
-        "peak_to_peak_y": float(width[1]),
         **{name: float(np.abs(samples[of]).max()) if of in samples else nan for name, of in LARGEST.items()},
     }
+    for axis, path in zip("xy", hub, strict=True):
+        found[f"acceleration_rms_{axis}"] = float(np.sqrt(np.mean(samples[f"inner_a{axis}"] ** 2)))
+        found[f"peak_to_peak_{axis}"] = float(np.ptp(path))
     return [*start, *moving_quantities(samples), *(Quantity(n, *about, found[n]) for n, about in OF_RECORD.items())]
 
 
@@ -151,8 +141,7 @@ def labels(scene: "Scene") -> dict[str, float | str]:
     """What a run is an example of, in a data set: speed, load, frequencies of rolling without slip, the first spall.
 
     The spall's body is "none" where there is none. NaN where a table changes them: no number of a run is its speed or
-    its load then.
-    """
+    its load then."""
     acting, operation, first = scene.ideal_operation(), scene.operation, scene.spall[0] if scene.spall else None
     speeds = (nan, nan) if acting.varies_speed else acting.ring_speeds
     lines = kinematics(scene.ideal_bearing(), *speeds).frequencies
@@ -179,10 +168,8 @@ def load_zone(samples: Samples) -> float | None:
 
 def run_summary(bearing: Bearing, ideal: Kinematics | None, samples: Samples, *, tilts: bool = False) -> dict[str, str]:
     """Names and values of what an engineer asks of a run first: where the hub is, what rollers carry, how all turns.
-
     `ideal` : mean motion without slip; None: a ring turns both ways, and no slip or passing frequency has a meaning
-    `tilts` : rollers do, and have no single pressure
-    """
+    `tilts` : rollers do, and have no single pressure"""
 
     def path(x: np.ndarray, y: np.ndarray) -> str:
         mean, swing = (np.round(1e6 * value, 4) + 0.0 for value in (np.mean((x, y), axis=1), np.ptp((x, y), axis=1)))
@@ -206,29 +193,20 @@ def run_summary(bearing: Bearing, ideal: Kinematics | None, samples: Samples, *,
         found[whose] = "the motion reverses: no mean slip, no ball pass frequencies"
     elif ideal is not None and ideal.cage and len(time) > 1:
         angle = samples["cage_angle"] if is_caged else orbited
-        found[whose] = _orbit(float(angle[-1] - angle[0]), ideal.cage * seconds, seconds, is_caged)
+        turned = float(angle[-1] - angle[0])
+        slower = round(100.0 * (1.0 - turned / (ideal.cage * seconds)), 9) + 0.0  # round-off is no slip
+        found[whose] = f"{turned / seconds / tau:.4g} Hz"
+        if is_caged and abs(turned) >= tau:  # within one turn the difference means nothing
+            found[whose] += f", slip {slower:.2g} % of rolling"
+        elif abs(turned) >= tau:
+            way = "slower" if slower > 0.0 else "faster"
+            how = f"{abs(slower):.2g} % {way} than pure rolling (no cage: rollers coast)"
+            found[whose] += f", {how if slower else 'pure rolling'}"
         lines = replace(ideal, cage=float(orbited[-1] - orbited[0]) / seconds).frequencies
         found["ball passes"] = f"outer ring (BPFO) {lines['BPFO']:.4g} Hz, inner ring (BPFI) {lines['BPFI']:.4g} Hz"
     if is_caged:
         found |= cage_rows(samples, 0.0 if ideal is None else seconds)
     return found
-
-
-def _orbit(turned: float, ideal: float, seconds: float, caged: bool) -> str:
-    """Speed of a cage, or of rollers that have none, beside that of rolling, in words; round-off is no slip.
-
-    `turned`, `ideal` : rad, in so many seconds, and in rolling; within one turn the difference means nothing
-    """
-    words = f"{turned / seconds / tau:.4g} Hz"
-    if abs(turned) < tau:
-        return words
-    slower = round(100.0 * (1.0 - turned / ideal), 9) + 0.0
-    if caged:
-        return f"{words}, slip {slower:.2g} % of rolling"
-    if slower == 0.0:
-        return f"{words}, pure rolling"
-    how = "slower" if slower > 0.0 else "faster"
-    return f"{words}, {abs(slower):.2g} % {how} than pure rolling (no cage: rollers coast)"
 
 
 def cage_rows(samples: Samples, seconds: float) -> dict[str, str]:
@@ -249,12 +227,13 @@ def cage_rows(samples: Samples, seconds: float) -> dict[str, str]:
 
 def largest_loads(bearing: Bearing, inner: float, outer: float, *, tilts: bool = False) -> str:
     """The largest force at each raceway, N, in words; unless rollers tilt each with its Hertz pressure."""
-    parts, sides = [], (("inner", float(inner)), ("outer", float(outer)))
-    for row, (raceway, force) in enumerate(cast("tuple[tuple[Side, float], ...]", sides)):
-        pressure = ""
+    parts = []
+    for raceway, force in cast("tuple[tuple[Side, float], ...]", (("inner", float(inner)), ("outer", float(outer)))):
+        words = f"{force:.1f} N"
         if isinstance(bearing, BallBearing):
-            pressure = f" ({1e-6 * ball_pressure(bearing, raceway, force):.0f} MPa)"
+            words += f" ({1e-6 * ball_pressure(bearing, raceway, force):.0f} MPa)"
         elif not tilts:
-            pressure = f" ({1e-6 * contact_pairs(bearing)[row].peak_pressure(force):.0f} MPa)"
-        parts.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
+            pair = contact_pairs(bearing)[0 if raceway == "inner" else 1]
+            words += f" ({1e-6 * pair.peak_pressure(force):.0f} MPa)"
+        parts.append(f"{words} at the {raceway} raceway")
     return ", ".join(parts)

@@ -2,42 +2,34 @@
 
 import signal
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fem.commands.start_up import Outcome, progress_display, stop_signals
 from fem.quantities import run_summary
-from fem.result.checkpoint import (
-    checkpoint_path,
-    load_checkpoint,
-    refuse_no_place,
-    refuse_nothing_to_resume,
-    save_checkpoint,
-)
+from fem.result import checkpoint
+from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.result.run_file import RunFile
 from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
 from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by_trial
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
-from lagrange import Bearing
 from lagrange.bearing import is_plain, section_words
 from lagrange.errors import RunFailed, UsageError
 from lagrange.files.output import remove_left
 from lagrange.kinematics import kinematics, mean_kinematics
-from lagrange.messages import engineering, said_if_long, say, shown, telling
+from lagrange.messages import Section, engineering, print_section, said_if_long, say, shown, telling
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.bearing import default_cage
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from fem.solver.errors import ErrorEstimate
 
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless given
@@ -49,8 +41,7 @@ LARGE_RESULT = 200.0  # MB, of which a run warns
 LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunOptions:
+class RunOptions(NamedTuple):
     """How a scene is to be run."""
 
     resume: bool = False
@@ -59,27 +50,18 @@ class RunOptions:
     checkpoint_seconds: float | None = None  # between checkpoints; None: CHECKPOINT_SECONDS, more on slow disks
 
 
-def show_plan(scene: Scene, name: str) -> Outcome:
-    """Plan a scene and print the plan of a run of that name. UsageError: a solver can't take the scene."""
-    try:
-        _print_plan(_planned(scene, say), name)
-    except RunFailed as error:
-        return _ended(Outcome.FAILED_AT_START, reason=error)
-    return Outcome.COMPLETE
+def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
+    with said_if_long(PATIENCE, PLANNING, tell):
+        return programs_named(lambda: make_plan(scene))
 
 
 def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
-    """Plan a scene, run it into a result file, and estimate its error where that is wished.
-
-    Errors
-    ------
-    UsageError: a solver can't take the scene or estimate its error; there is no place for a checkpoint, or none to
-    resume from; see also `simulate`.
-    """
+    """Plan a scene, run it into a result file, and estimate its error where that is wished. UsageError: a solver can't
+    take the scene or estimate its error; there is no place for a checkpoint, or none to resume from; as `simulate`."""
     began, tell = time.perf_counter(), None if options.quiet else say
-    refuse_no_place(path)
+    checkpoint.refuse_no_place(path)
     if options.resume:
-        refuse_nothing_to_resume(path)
+        checkpoint.refuse_nothing_to_resume(path)
     if options.estimate_error and scene.model == "fem":
         from fem.solver.errors import coarser_scene
 
@@ -95,54 +77,52 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     return _estimate(estimate, path, options.quiet)
 
 
-def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
-    with said_if_long(PATIENCE, PLANNING, tell):
-        return programs_named(lambda: make_plan(scene))
-
-
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
-    """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`).
-
-    Errors
-    ------
-    UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written.
-    """
+    """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`). UsageError: there is
+    nothing to resume, or not by this plan; the file is in use. OSError: it can't be written."""
     try:
         state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
-    with (
-        stop_signals() as stopped,
-        ResultFile(path, plan, setup_seconds, stored, **state.outcome_attributes) as store,
-        _explained(path, store),
-    ):
-        if not options.resume:
-            checkpoint_path(path).unlink(missing_ok=True)
-        remove_left(checkpoint_path(path))
-        checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
-        outcome, reason = Outcome.COMPLETE, None
+    outcome, reason, last = Outcome.COMPLETE, None, checkpoint_path(path)
 
-        def restart(reason: str) -> None:
-            if not options.quiet:
-                say(reason)
-            checkpoints.restart()
-            store.restart(**state.outcome_attributes)
+    def left(in_place: bool) -> str:  # what a run that ends early leaves
+        if not in_place:
+            return f"{store.committed} samples were in {path}, which has been moved or removed; put it back and {GO_ON}"
+        how = GO_ON if last.is_file() else "it can't be resumed, no checkpoint could be saved"
+        return f"{store.committed} samples are in {path}; {how}"
 
+    attributes = state.outcome_attributes
+    with stop_signals() as stopped, ResultFile(path, plan, setup_seconds, stored, **attributes) as store:
         try:
-            with progress_display(plan, options.quiet) as show:
+            if not options.resume:
+                last.unlink(missing_ok=True)
+            remove_left(last)
+            checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
 
-                def watch(progress: Progress) -> None:
-                    with suppress(OSError):  # a terminal that has gone is no reason to stop
-                        show(progress)
-                    checkpoints.save_if_due()
+            def restart(reason: str) -> None:
+                if not options.quiet:
+                    say(reason)
+                checkpoints.restart()
+                store.restart(**state.outcome_attributes)
 
-                run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, restart)
-            checkpoints.save()
-            if stopped and state.done < plan.n_samples:
-                outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
-        except RunFailed as error:
-            outcome, reason = Outcome.FAILED, error
-        store.finish(outcome.status.format(reason=reason), **state.outcome_attributes)
+            try:
+                with progress_display(plan, options.quiet) as show:
+
+                    def watch(progress: Progress) -> None:
+                        with suppress(OSError):  # a terminal that has gone is no reason to stop
+                            show(progress)
+                        checkpoints.save_if_due()
+
+                    run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, restart)
+                checkpoints.save()
+                if stopped and state.done < plan.n_samples:
+                    outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
+            except RunFailed as error:
+                outcome, reason = Outcome.FAILED, error
+            store.finish(outcome.status.format(reason=reason), **state.outcome_attributes)
+        except WriteFailed as error:
+            raise OSError(error.errno, f"{error.strerror}; {left(store.is_in_place)}", error.filename) from None
     for sentence in state.notices:
         say(f"warning: {sentence}")
     if outcome is Outcome.COMPLETE and not options.resume:
@@ -151,7 +131,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         with telling():
             _print_run(state, path)
     reached = 1e3 * state.progress.simulated
-    return _ended(outcome, reason=reason, path=path, time=reached, left=_left(path, store, True))
+    return _ended(outcome, reason=reason, path=path, time=reached, left=left(True))
 
 
 class Checkpoints:
@@ -162,7 +142,6 @@ class Checkpoints:
         self._saved, self._cost = time.monotonic(), 0.0
 
     def save_if_due(self) -> None:
-        """Save when it is time."""
         often = max(CHECKPOINT_SECONDS, self._cost / CHECKPOINT_SHARE) if self._every is None else self._every
         if time.monotonic() - self._saved > often:
             self.save()
@@ -203,34 +182,17 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         terminated = stopped[0] == signal.SIGTERM
         return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
     write_estimates(path, found, estimate.mesh_size)
+    rows = []
+    for each in found:
+        scale, unit = engineering(each.quantity.unit)
+        relative = f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-"
+        value, error = f"{scale * each.quantity.value:.5g} {unit}", f"{scale * each.error:.2g} {unit}"
+        rows.append((each.quantity.meaning, value, error, relative))
     if not quiet:
-        rows = []
-        for each in found:
-            scale, unit = engineering(each.quantity.unit)
-            relative = f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-"
-            value, error = f"{scale * each.quantity.value:.5g} {unit}", f"{scale * each.error:.2g} {unit}"
-            rows.append((each.quantity.meaning, value, error, relative))
         with telling():
-            _print_table(_console(), estimate.title, ("quantity", "value", "may be off by", "relative"), rows)
+            columns = "quantity", "value", "may be off by", "relative"
+            print_section(Section(title=estimate.title, columns=columns, rows=rows))
     return Outcome.COMPLETE
-
-
-@contextmanager
-def _explained(path: Path, store: ResultFile) -> Iterator[None]:
-    """Tell what is left when the disk fails."""
-    try:
-        yield
-    except WriteFailed as error:
-        left = _left(path, store, store.is_in_place)
-        raise OSError(error.errno, f"{error.strerror}; {left}", error.filename) from None
-
-
-def _left(path: Path, store: ResultFile, in_place: bool) -> str:
-    """What a run that ends early leaves."""
-    if not in_place:
-        return f"{store.committed} samples were in {path}, which has been moved or removed; put it back and {GO_ON}"
-    how = GO_ON if checkpoint_path(path).is_file() else "it can't be resumed, no checkpoint could be saved"
-    return f"{store.committed} samples are in {path}; {how}"
 
 
 def _ended(outcome: Outcome, **facts: object) -> Outcome:
@@ -239,45 +201,14 @@ def _ended(outcome: Outcome, **facts: object) -> Outcome:
     return outcome
 
 
-def _console() -> "Console":
+# what is printed
+
+
+def _print(lines: Iterable[str]) -> None:
     from rich.console import Console  # quiet runs do without
 
-    return Console(highlight=False)
-
-
-def _print_table(
-    console: "Console", title: str, headings: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)
-) -> None:
-    """A table; columns of these numbers stand at the left."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(title=escape(shown(title)), title_justify="left")
-    for k, heading in enumerate(headings):
-        table.add_column(heading, justify="left" if k in left else "right")
-    for row in rows:
-        table.add_row(*(escape(shown(cell)) for cell in row))
-    console.print(table)
-
-
-def _print_plan(plan: Plan, name: str) -> None:
-    """What is decided for a run of that name, and its cost. RunFailed: there is no equilibrium to tell of."""
-    console, table, rows, scene = _console(), plan.table(), plan.rows(), plan.scene
-    seconds = seconds_by_trial(plan)
-    if seconds is not None:
-        rows["expected time"] = f"about {seconds:.2g} s (measured on a short piece)"
-    rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
-    if isinstance(plan, CompiledPlan):
-        rows["compilation"] = "none, already cached" if is_compiled(plan) else plan.compiling
-    console.print(f"Plan of {shown(name)}, {plan.model_name}", style="italic", markup=False)
-    if table is not None:
-        console.print(table)
-    if (build_up := scene.operating_clearance()) is not None:
-        _print_table(console, "Diametral clearance", ("part", "µm", ""), build_up.rows(), left=(0, 2))
-    for name, value in (_of_the_bearing(scene) | rows).items():
-        console.print(f"{name + ':':30s} {value}", soft_wrap=True)
-    _print_choices(console, plan, seconds)
-    _print_warnings(console, (*plan.notices, *plan.warnings, *size_warning(plan)))
+    for line in lines:
+        Console(highlight=False).print(line, soft_wrap=True, markup=False)
 
 
 def result_megabytes(plan: Plan) -> float:
@@ -297,30 +228,41 @@ def size_warning(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def show_meshes(scene: Scene, name: str) -> None:
-    """Print statics on meshes, Richardson's values and those of the exact series."""
-    from fem.solver.errors import mesh_table
+def show_plan(scene: Scene, name: str) -> Outcome:
+    """Plan a scene and print what is decided for a run of that name, and its cost. UsageError: a solver can't take the
+    scene."""
+    try:
+        plan = _planned(scene, say)
+        table, rows, seconds = plan.table(), plan.rows(), seconds_by_trial(plan)
+    except RunFailed as error:  # there is no equilibrium to tell of
+        return _ended(Outcome.FAILED_AT_START, reason=error)
+    from rich.console import Console
 
-    found = mesh_table(scene)
-    quantities = found.meshes[0].quantities
-    units = [engineering(quantity.unit) for quantity in quantities]
+    if seconds is not None:
+        rows["expected time"] = f"about {seconds:.2g} s (measured on a short piece)"
+    rows["samples in the result file"] = f"{result_megabytes(plan):.3g} MB"
+    if isinstance(plan, CompiledPlan):
+        rows["compilation"] = "none, already cached" if is_compiled(plan) else plan.compiling
+    Console(highlight=False).print(f"Plan of {shown(name)}, {plan.model_name}", style="italic", markup=False)
+    if table is not None:
+        Console(highlight=False).print(table)
+    if (build_up := scene.operating_clearance()) is not None:
+        print_section(
+            Section(title="Diametral clearance", columns=("part", "µm", ""), rows=build_up.rows()), left=(0, 2)
+        )
+    _print(f"{name + ':':30s} {value}" for name, value in (_of_the_bearing(scene) | rows).items())
+    _print_choices(plan, seconds)
+    _print(f"Warning: {sentence}" for sentence in (*plan.notices, *plan.warnings, *size_warning(plan)))
+    return Outcome.COMPLETE
 
-    def row(values: Iterable[float | None]) -> list[str]:
-        pairs = zip(values, units, strict=True)
-        return ["" if value is None else f"{factor * value:.6g} {unit}" for value, (factor, unit) in pairs]
 
-    rows = [(f"{m.size:.3g}", str(m.nodes), *row(q.value for q in m.quantities)) for m in found.meshes]
-    rows.append(("Richardson", "", *row(found.extrapolated)))
-    if any(value is not None for value in found.exact):
-        rows.append(("exact series", "", *row(found.exact)))
-    headings = "mesh, mm", "nodes", *(quantity.meaning for quantity in quantities)
-    with telling():
-        _print_table(_console(), f"Statics of {name} by mesh", headings, rows, left=())
-
-
-def _of_the_bearing(scene: Scene) -> dict[str, str]:
-    """What the scene alone decides and its file does not say."""
+def _of_the_bearing(scene: Scene) -> dict[str, str]:  # what the scene alone decides and its file does not say
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+
+    def lines(*speeds: float) -> str:
+        found = kinematics(bearing, *speeds).frequencies
+        return ", ".join(f"{name} {value:.4g} Hz" for name, value in found.items())
+
     clearance = round(2e6 * bearing.radial_clearance / bearing.cosine + 1e-9, 3) + 0.0
     rows = {} if scene.fit else {"diametral clearance": f"{clearance:.3f} µm"}
     if not is_plain(bearing):
@@ -337,9 +279,9 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
         at = [np.argmin(inner), np.argmax(inner)] if np.ptp(inner) else [np.argmin(outer), np.argmax(outer)]
         for speed, ring in {(float(inner[k]), float(outer[k])): None for k in at}:
             beside = f", outer ring {ring / RPM:.6g} rpm" if outer.any() else ""
-            rows[f"frequencies at {speed / RPM:.6g} rpm{beside}"] = _frequencies(bearing, speed, ring)
+            rows[f"frequencies at {speed / RPM:.6g} rpm{beside}"] = lines(speed, ring)
     elif operation.fastest:
-        rows["frequencies, without slip"] = _frequencies(bearing, *operation.ring_speeds)
+        rows["frequencies, without slip"] = lines(*operation.ring_speeds)
     if scene.cage is not None:
         rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; the default")
     elif scene.model != "lagrange" or scene.lagrange.angles == "free":
@@ -348,16 +290,9 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     return rows
 
 
-def _frequencies(bearing: Bearing, *speeds: float) -> str:
-    """Kinematic lines at speeds of the inner and of the outer ring, rad/s, in words."""
-    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, *speeds).frequencies.items())
-
-
-def _print_choices(console: "Console", plan: Plan, seconds: float | None) -> None:
+def _print_choices(plan: Plan, seconds: float | None) -> None:
     """What each model takes for the scene, what it errs by and leaves out; what to begin with.
-
-    `seconds` : that the plan's own takes, as far as it has been tried
-    """
+    `seconds` : that the plan's own takes, as far as it has been tried"""
     from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
 
     choices = [
@@ -372,20 +307,41 @@ def _print_choices(console: "Console", plan: Plan, seconds: float | None) -> Non
         if each.hub_error is not None and each.hub_error > LEAST_ERROR:
             error = f"{100 * each.hub_error:.2g} %"
         rows.append((each.model, "-" if each.seconds is None else f"{each.seconds:.2g} s", error, each.lacks))
-    headings = "model", "expected time", "static error of hub", "leaves out"
-    _print_table(console, "Models for this scene", headings, rows, left=(0, 3))
-    console.print(begin, soft_wrap=True, markup=False)
+    columns = "model", "expected time", "static error of hub", "leaves out"
+    print_section(Section(title="Models for this scene", columns=columns, rows=rows), left=(0, 3))
+    _print([begin])
+
+
+def show_meshes(scene: Scene, name: str) -> None:
+    """Print statics on meshes, Richardson's values and those of the exact series."""
+    from fem.solver.errors import mesh_table
+
+    found = mesh_table(scene)
+    quantities = found.meshes[0].quantities
+    units = [engineering(quantity.unit) for quantity in quantities]
+
+    def row(values: Iterable[float | None]) -> list[str]:
+        pairs = zip(values, units, strict=True)
+        return ["" if value is None else f"{factor * value:.6g} {unit}" for value, (factor, unit) in pairs]
+
+    rows = [(f"{m.size:.3g}", str(m.nodes), *row(q.value for q in m.quantities)) for m in found.meshes]
+    rows.append(("Richardson", "", *row(found.extrapolated)))
+    if any(value is not None for value in found.exact):
+        rows.append(("exact series", "", *row(found.exact)))
+    columns = "mesh, mm", "nodes", *(quantity.meaning for quantity in quantities)
+    with telling():
+        print_section(Section(title=f"Statics of {name} by mesh", columns=columns, rows=rows), left=())
 
 
 def _print_run(state: RunState, path: Path) -> None:
     """Print the bearing's quantities from a run's file, and the file's place."""
-    console, plan, progress, samples = _console(), state.plan, state.progress, RunFile(path)
-    bearing = plan.scene.ideal_bearing()
+    plan, progress, samples, scene = state.plan, state.progress, RunFile(path), state.plan.scene
+    bearing = scene.ideal_bearing()
     if plan.n_samples == 1:
-        lines = _static_lines(plan.scene, samples)
+        lines = _static_lines(scene, samples)
     else:
-        ideal = mean_kinematics(bearing, plan.scene.ideal_operation(), progress.simulated)
-        found = run_summary(bearing, ideal, samples, tilts=plan.scene.axial is not None)
+        ideal = mean_kinematics(bearing, scene.ideal_operation(), progress.simulated)
+        found = run_summary(bearing, ideal, samples, tilts=scene.axial is not None)
         lines = [f"{name + ':':14s} {value}" for name, value in found.items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
@@ -393,12 +349,10 @@ def _print_run(state: RunState, path: Path) -> None:
         )
     if words := section_words(bearing):
         lines.insert(0, f"plane section: {words}")
-    if plan.scene.assumed:
-        lines.append(f"{'defaults:':14s} {plan.scene.assumed}")
-    for line in lines:
-        console.print(line, soft_wrap=True)
-    _print_warnings(console, state.warnings)  # the plan's stand at the start
-    console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
+    if scene.assumed:
+        lines.append(f"{'defaults:':14s} {scene.assumed}")
+    lines += [f"Warning: {sentence}" for sentence in state.warnings]  # the plan's stand at the start
+    _print([*lines, f"Result: {shown(path)}"])
 
 
 def _static_lines(scene: Scene, samples: Mapping[str, np.ndarray]) -> list[str]:
@@ -415,8 +369,3 @@ def _static_lines(scene: Scene, samples: Mapping[str, np.ndarray]) -> list[str]:
     force = samples["inner_force"][0]
     forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
     return [hub, f"Loaded rollers: {forces or 'none'} N"]
-
-
-def _print_warnings(console: "Console", warnings: tuple[str, ...]) -> None:
-    for sentence in warnings:
-        console.print(f"Warning: {sentence}", soft_wrap=True, markup=False)

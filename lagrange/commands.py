@@ -10,7 +10,7 @@ from contextlib import suppress
 from importlib import import_module
 from typing import NoReturn
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Parameter
 
 from lagrange.errors import RunFailed, UsageError
 from lagrange.messages import close_output, say, telling
@@ -64,7 +64,7 @@ def new_app(name: str, text: str) -> App:
     """A command."""
     app = App(
         name=name, version=VERSION, suppress_keyboard_interrupt=False, result_action="return_value",
-        help_format="plaintext",
+        help_format="plaintext", default_parameter=Parameter(negative=""),
         help=re.sub(r"(?<!\n)\n(?![\n ])", " ", text),  # a paragraph is a line, which the terminal breaks
     )  # fmt: skip
 

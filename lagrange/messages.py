@@ -99,14 +99,18 @@ class Section:
     kind: str = ""  # of the page's style: "words", "words stacked"
 
 
-def print_section(section: Section) -> None:
-    """Print a table on the terminal, names that hold no blank on one line."""
+def print_section(section: Section, left: Sequence[int] = (0,)) -> None:
+    """Print a table on the terminal, names that hold no blank on one line; columns of these numbers stand at the left.
+
+    In its texts nothing is markup.
+    """
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title=section.title, title_justify="left", caption=section.note or None)
+    table = Table(title=escape(shown(section.title)), title_justify="left", caption=section.note or None)
     for i, column in enumerate(section.columns):
-        table.add_column(column, justify="right" if i else "left", no_wrap=column == "law")
+        table.add_column(column, justify="left" if i in left else "right", no_wrap=column == "law")
     for row in section.rows:
-        table.add_row(*row)
+        table.add_row(*(escape(shown(cell)) for cell in row))
     Console(highlight=False).print(table)

@@ -247,7 +247,7 @@ def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does
     """1.02 MB of result leave no room for a checkpoint of 84 kB and for a second file to finish in."""
     disk, other = tmp_path / "disk", tmp_path / "other.nc"
     disk.mkdir()
-    run = f'"{sys.executable}" -m fem.commands.run_fem {" ".join(OPTIONS)} --output "{disk}/run.nc"'
+    run = f'"{sys.executable}" -m fem {" ".join(OPTIONS)} --output "{disk}/run.nc"'
     script = f"""
         mount -t tmpfs -o size=1m none "{disk}"
         {run} --duration 8.8; echo "exit $?"; cp "{disk}/run.nc" "{tmp_path}"; ls -A "{disk}"
@@ -490,7 +490,7 @@ def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anyth
 @pytest.mark.usefixtures("whole")  # kernels are compiled
 def test_a_closed_standard_error_stops_no_run(tmp_path):
     path = tmp_path / "run.nc"
-    command = f'"{sys.executable}" -m fem.commands.run_fem --mesh-size 2 --duration 2 --output "{path}" 2>&-'
+    command = f'"{sys.executable}" -m fem --mesh-size 2 --duration 2 --output "{path}" 2>&-'
     assert subprocess.run(command, shell=True, env=environment()).returncode == 0
     with h5py.File(path) as file:
         assert file.attrs["status"] == "complete"

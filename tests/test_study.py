@@ -196,7 +196,7 @@ def test_a_full_disk_ends_the_study_and_resume_goes_on(here, monkeypatch, capsys
 def test_a_study_ended_at_any_moment_goes_on_to_the_same_dataset(here, count, moments, sent):
     Path("study.toml").write_text(many(count), encoding="utf-8")
     rng, kept = np.random.default_rng(5), KEPT / "points"
-    program = f"import sys; sys.path[:0] = {PATH!r}; from fem.commands.run_study import run_study; run_study()"
+    program = f"import sys; sys.path[:0] = {PATH!r}; from fem.commands.entry import run_study; run_study()"
     for moment in range(moments):
         words = ["study.toml", "--workers", "1", *(["--quiet", "--resume"] if moments > 1 else [])]
         process = subprocess.Popen([sys.executable, "-c", program, *words], stderr=subprocess.PIPE, text=True)

@@ -2,13 +2,11 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
-
-from fem.commands.run_fem import Designation, Settings, result_name
+from fem.commands.run_fem import result_name
 from fem.commands.start_up import run_app_main, standard_bearing
-from lagrange.commands import entry, new_app
+from lagrange.commands import new_app
 from lagrange.errors import UsageError
 
 CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
@@ -33,34 +31,27 @@ Exit codes: 0 done; 2 unusable input; 130 interrupted; 143 terminated.
 
 @rate_app.default
 def _rate(
-    scene: Annotated[
-        Path | None, Parameter(help="scene file (TOML), or result file of run-fem; default: the paper's bearing")
-    ] = None,
-    /,
-    *,
-    bearing: Designation = None,
-    set: Settings = None,
-    output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
-    ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS to this CSV file")] = None,
-    cycle: Annotated[
-        Path | None,
-        Parameter(help=f"duty cycle: CSV with the columns {', '.join(CYCLE_COLUMNS)} of time; or load_kN, share [%]"),
-    ] = None,
-    decimal: Annotated[Literal[".", ","], Parameter(help="decimal sign of numbers in --cycle")] = ".",
-    viscosity: Annotated[
-        float | None,
-        Parameter(help="kinematic viscosity of the oil in operation, mm²/s; default: the scene's [lubricant]"),
-    ] = None,
-    contamination: Annotated[
-        float | None, Parameter(help="contamination factor e_C, 0 to 1; default: oil filtered in line")
-    ] = None,
-    reliability: Annotated[
-        float, Parameter(help="reliability of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9")
-    ] = 90.0,
-    roughness: Annotated[float | None, Parameter(help="rms roughness of roller and raceway together, µm")] = None,
-    width: Annotated[float | None, Parameter(help="width of the bearing, mm; default: that of its designation")] = None,
-    quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
-) -> int:
+    scene: Path | None = None, /, *, bearing: str | None = None, set: list[str] | None = None,
+    output: Path | None = None, ross: Path | None = None, cycle: Path | None = None, decimal: Literal[".", ","] = ".",
+    viscosity: float | None = None, contamination: float | None = None, reliability: float = 90.0,
+    roughness: float | None = None, width: float | None = None, quiet: bool = False,
+) -> int:  # fmt: skip
+    """
+    Args:
+        scene: scene file (TOML), or result file of run-fem; default: the paper's bearing
+        bearing: standard bearing instead of the scene's, e.g. NU206/C3
+        set: any scene key: table.key=value; repeatable
+        output: folder for the JSON file and rating.html
+        ross: write coefficients over speed for ROSS to this CSV file
+        cycle: duty cycle: CSV with the columns load_N, speed_rpm, share of time; or load_kN, share [%]
+        decimal: decimal sign of numbers in --cycle
+        viscosity: kinematic viscosity of the oil in operation, mm²/s; default: the scene's [lubricant]
+        contamination: contamination factor e_C, 0 to 1; default: oil filtered in line
+        reliability: reliability of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9
+        roughness: rms roughness of roller and raceway together, µm
+        width: width of the bearing, mm; default: that of its designation
+        quiet: print nothing
+    """
     given = {"viscosity": viscosity, "contamination": contamination, "roughness": roughness, "width": width}
     for (name, value), largest in zip(given.items(), (1e6, 1.0, 1e3, 1e4), strict=True):
         if value is not None and not 0.0 < value <= largest:
@@ -120,8 +111,7 @@ def _rate(
     return 0
 
 
-def _cycle(path: Path, decimal: str):
-    """A duty cycle from a file."""
+def _cycle(path: Path, decimal: str):  # A duty cycle from a file
     from lagrange.files.input import plain_text
     from lagrange.files.tables import columns
     from lagrange.load_history import UNITS
@@ -136,7 +126,3 @@ def _cycle(path: Path, decimal: str):
 
 
 rate_main = partial(run_app_main, rate_app)
-rate_bearing = entry(rate_main)
-
-if __name__ == "__main__":
-    rate_bearing()

@@ -3,17 +3,15 @@
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
+from typing import Literal
 
 from fem.commands.run_fem import RUNS
 from fem.commands.start_up import count_display, run_app_main
-from lagrange.commands import entry, new_app
+from lagrange.commands import new_app
 from lagrange.errors import UsageError
 from lagrange.messages import shown, telling
 
-FRAMES, FRAMES_PER_SECOND = 120, 25.0
+FRAMES = 120  # of a film
 SIGNALS, SERIES = (".csv", ".wav"), ".vtkhdf"  # endings of --export: accelerations, fields of many instants
 WIDTH, FILM_WIDTH = 1600, 960
 
@@ -37,40 +35,33 @@ Exit codes: 0 done; 2 unusable input; 130 interrupted.
 
 @render_app.default
 def _render(
-    run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
-    /,
-    *,
-    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png next to the run")] = None,
-    time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
-    view: Annotated[
-        Literal["bearing", "close-up", "axial"], Parameter(help="view; axial: pressure along the rollers")
-    ] = "bearing",
-    field: Annotated[
-        Literal["von-mises", "max-shear", "displacement"] | None,
-        Parameter(help="quantity shown by colour; default: von-mises, in a close-up max-shear"),
-    ] = None,
-    roller: Annotated[int | None, Parameter(help="roller of a close-up; default: the most loaded one")] = None,
-    magnification: Annotated[
-        float | None, Parameter(help="magnification of the displacement; default: chosen and stated")
-    ] = None,
-    width: Annotated[int | None, Parameter(help=f"width, pixels; default: {WIDTH}, film {FILM_WIDTH}")] = None,
-    animation: Annotated[Path | None, Parameter(help="write a film, .mp4 or .gif, instead of a picture")] = None,
-    export: Annotated[
-        Path | None,
-        Parameter(
-            help="write mesh and fields instead of a picture: .vtkhdf (all instants) or a format of meshio (one "
-            "instant: .vtu, .xdmf, ...); or accelerations of hub, housing and sensor: .csv, .wav"
-        ),
-    ] = None,
-    start: Annotated[float | None, Parameter(help="start of a film or an export, ms")] = None,
-    stop: Annotated[float | None, Parameter(help="its end, ms")] = None,
-    frames: Annotated[
-        int | None, Parameter(help=f"number of frames; default: those with stored fields, else {FRAMES}")
-    ] = None,
-    fps: Annotated[float, Parameter(help="frames per second of a film")] = FRAMES_PER_SECOND,
-    force: Annotated[bool, Parameter(negative="", help="replace a file that this program did not write")] = False,
-    quiet: Annotated[bool, Parameter(negative="", help="show no progress")] = False,
-) -> int:
+    run: Path | None = None, /, *, output: Path | None = None, time: float | None = None,
+    view: Literal["bearing", "close-up", "axial"] = "bearing",
+    field: Literal["von-mises", "max-shear", "displacement"] | None = None, roller: int | None = None,
+    magnification: float | None = None, width: int | None = None, animation: Path | None = None,
+    export: Path | None = None, start: float | None = None, stop: float | None = None, frames: int | None = None,
+    fps: float = 25.0, force: bool = False, quiet: bool = False,
+) -> int:  # fmt: skip
+    """
+    Args:
+        run: result file; default: the newest runs/*.nc
+        output: PNG file; default: <run>.png next to the run
+        time: instant, ms; default: the last sample
+        view: view; axial: pressure along the rollers
+        field: quantity shown by colour; default: von-mises, in a close-up max-shear
+        roller: roller of a close-up; default: the most loaded one
+        magnification: magnification of the displacement; default: chosen and stated
+        width: width, pixels; default: 1600, film 960
+        animation: write a film, .mp4 or .gif, instead of a picture
+        export: write mesh and fields instead of a picture: .vtkhdf (all instants) or a format of meshio (one instant:
+            .vtu, .xdmf, ...); or accelerations of hub, housing and sensor: .csv, .wav
+        start: start of a film or an export, ms
+        stop: its end, ms
+        frames: number of frames; default: those with stored fields, else 120
+        fps: frames per second of a film
+        force: replace a file that this program did not write
+        quiet: show no progress
+    """
     for option, value, low, high, unit in (
         ("--width", width, 200, 8000, " pixels"),
         ("--magnification", magnification, 0.0, 1e9, ""),
@@ -80,24 +71,28 @@ def _render(
         if value is not None and not low <= value <= high:
             raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g}{unit}")
     _check_targets(output, animation, export)
-
+    kind = "" if export is None else export.suffix.lower()
+    many = animation is not None or kind == SERIES
+    span = start is not None or stop is not None or frames is not None
+    for wrong, words in (
+        (kind in SIGNALS and (span or time is not None),
+         "--time, --start, --stop, --frames: accelerations cover the whole run; leave them out"),
+        (many and time is not None, "--time: not for a film or a series; give --start and --stop"),
+        (span and not many, "--start, --stop, --frames: only for a film or a series; give --time"),
+        (animation is not None and view == "axial", "--view axial: draws one instant; leave --animation out"),
+    ):  # fmt: skip
+        if wrong:
+            raise UsageError(words)
     from lagrange.files.output import load_matplotlib
 
     load_matplotlib()
-    from fem.pictures.output import refuse_foreign
+    from fem.pictures import output as exports
     from fem.pictures.recover import StoredRun
 
     stored = StoredRun(run if run is not None else _newest())
     target = output or animation or export or stored.path.with_suffix(".png")
-    refuse_foreign(target, force)
-    kind = "" if export is None else export.suffix.lower()
-    many = animation is not None or kind == SERIES
-    if kind in SIGNALS and any(given is not None for given in (time, start, stop, frames)):
-        raise UsageError("--time, --start, --stop, --frames: accelerations cover the whole run; leave them out")
-    if many and time is not None:
-        raise UsageError("--time: not for a film or a series; give --start and --stop")
-    if not many and (start is not None or stop is not None or frames is not None):
-        raise UsageError("--start, --stop, --frames: only for a film or a series; give --time")
+    exports.refuse_foreign(target, force)
+    done = f"Picture: {target}"
     if kind in SIGNALS:
         done = _signals(stored, target)
     else:
@@ -105,28 +100,40 @@ def _render(
         if many:
             samples = _samples(stored, start, stop, frames)
         if export is not None:
-            done = _export(stored, target, samples, quiet)
+            done = f"Fields: {target}"
+            with count_display("instants", len(samples), quiet) as count:
+                if kind == SERIES:
+                    exports.write_series(stored, target, samples, count)
+                else:
+                    exports.write_instant(stored, target, samples[0])
         elif view == "axial":
-            if animation is not None:
-                raise UsageError("--view axial: draws one instant; leave --animation out")
             from fem.pictures.axial import draw_axial
 
             draw_axial(stored, target, samples[0])
-            done = f"Picture: {target}"
         else:
+            exports.check_rendering()
             from fem.pictures.look import Request
-            from fem.pictures.output import check_rendering
+            from fem.pictures.views import Renderer, draw
 
-            check_rendering()
             width = width or (WIDTH if animation is None else FILM_WIDTH)
             request = Request(view=view, field=field, magnification=magnification, roller=roller, width=width)
-            if animation is not None:
-                done = _film(stored, target, request, samples, fps, quiet)
-            else:
-                from fem.pictures.views import draw
-
+            if animation is None:
                 draw(stored, target, request, samples[0])
-                done = f"Picture: {target}"
+            else:
+                lasts = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
+                slower = 1.0 / (fps * lasts) if lasts > 0.0 else inf
+                with (
+                    Renderer(stored, request, samples, f"{slower:.3g} × slower") as renderer,
+                    count_display("frames", len(samples), quiet) as count,
+                ):
+
+                    def images():
+                        for sample in samples:
+                            yield renderer.image(sample)
+                            count()
+
+                    exports.write_film(target, images(), fps, renderer.palette)
+                done = f"Film: {target} ({len(samples)} frames)"
     with telling():
         print(shown(done))
     return 0
@@ -179,39 +186,10 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
     return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
 
 
-def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> str:
-    from fem.pictures.output import write_film
-    from fem.pictures.views import Renderer
-
-    lasts = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
-    slower = 1.0 / (fps * lasts) if lasts > 0.0 else inf
-    renderer = Renderer(stored, request, samples, f"{slower:.3g} × slower")
-    with count_display("frames", len(samples), quiet) as count:
-
-        def images():
-            for sample in samples:
-                yield renderer.image(sample)
-                count()
-
-        write_film(target, images(), fps, renderer.palette)
-    return f"Film: {target} ({len(samples)} frames)"
-
-
-def _export(stored, target: Path, samples: list[int], quiet: bool) -> str:
-    from fem.pictures.output import write_instant, write_series
-
-    with count_display("instants", len(samples), quiet) as count:
-        if target.suffix.lower() == SERIES:
-            write_series(stored, target, samples, count)
-        else:
-            write_instant(stored, target, samples[0])
-    return f"Fields: {target}"
-
-
 def _signals(stored, target: Path) -> str:
     from fem.result.run_file import accelerations, write_accelerations
 
-    found, rate = accelerations(stored.scene, stored.column), stored.scene.output.acceleration_Hz
+    found, rate = accelerations(stored.scene, stored.from_housing), stored.scene.output.acceleration_Hz
     try:
         write_accelerations(target, rate, found)
     except OSError as error:
@@ -220,7 +198,3 @@ def _signals(stored, target: Path) -> str:
 
 
 render_main = partial(run_app_main, render_app)
-render_fem = entry(render_main)
-
-if __name__ == "__main__":
-    render_fem()

@@ -6,19 +6,13 @@ import zlib
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
+from typing import Literal
 
 from fem.commands.start_up import run_app_main, standard_bearing
 from fem.solver.simulate import SOLVERS
-from lagrange.commands import entry, new_app
+from lagrange.commands import new_app
 from lagrange.errors import UsageError
 
-Scene = Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")]
-Designation = Annotated[str | None, Parameter(help="standard bearing instead of the scene's, e.g. NU206/C3")]
-Settings = Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")]
-Quiet = Annotated[bool, Parameter(negative="", help="show no progress and no summary")]
 RUNS = Path("runs")
 EXAMPLES = ("paper", "NU206", "spindle", "faults", "table", "all")  # of fem.examples, which imports much for --help
 LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
@@ -43,38 +37,31 @@ Exit codes: 0 done; 1 the run failed numerically; 2 unusable input; 130 interrup
 
 @run_app.default
 def _run(
-    scene: Scene = None,
-    /,
-    *,
-    output: Annotated[
-        Path | None, Parameter(help="result file; default: runs/<scene name>.nc, with the values of --set in its name")
-    ] = None,
-    model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="solver; default: the scene's")] = None,
-    mesh_size: Annotated[float | None, Parameter(help="distance of surface nodes, mm")] = None,
-    duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
-    bearing: Designation = None,
-    set: Settings = None,
-    dry_run: Annotated[bool, Parameter(negative="", help="check the scene and show the plan, without running")] = False,
-    converge: Annotated[
-        bool,
-        Parameter(negative="", help="show statics on three meshes with Richardson's extrapolation, without running"),
-    ] = False,
-    resume: Annotated[bool, Parameter(negative="", help="resume from the checkpoint of the output file")] = False,
-    force: Annotated[bool, Parameter(negative="", help="replace a complete run of another scene")] = False,
-    estimate_error: Annotated[
-        bool,
-        Parameter(negative="", help="also run a mesh half as fine and state the discretisation error of each result"),
-    ] = False,
-    checkpoint: Annotated[
-        float | None, Parameter(help="wall time between checkpoints, s; default: 10, more on slow disks")
-    ] = None,
-    example: Annotated[
-        Literal[EXAMPLES] | None,
-        Parameter(help="write a commented scene (all: with every key) here or to --output, without running"),
-    ] = None,
-    schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
-    quiet: Quiet = False,
-) -> int:
+    scene: Path | None = None, /, *, output: Path | None = None, model: Literal[tuple(SOLVERS)] | None = None,
+    mesh_size: float | None = None, duration: float | None = None, bearing: str | None = None,
+    set: list[str] | None = None, dry_run: bool = False, converge: bool = False, resume: bool = False,
+    force: bool = False, estimate_error: bool = False, checkpoint: float | None = None,
+    example: Literal[EXAMPLES] | None = None, schema: bool = False, quiet: bool = False,
+) -> int:  # fmt: skip
+    """
+    Args:
+        scene: scene file (TOML); default: the paper's bearing
+        output: result file; default: runs/<scene name>.nc, with the values of --set in its name
+        model: solver; default: the scene's
+        mesh_size: distance of surface nodes, mm
+        duration: simulated time, ms; 0: static equilibrium only
+        bearing: standard bearing instead of the scene's, e.g. NU206/C3
+        set: any scene key: table.key=value; repeatable
+        dry_run: check the scene and show the plan, without running
+        converge: show statics on three meshes with Richardson's extrapolation, without running
+        resume: resume from the checkpoint of the output file
+        force: replace a complete run of another scene
+        estimate_error: also run a mesh half as fine and state the discretisation error of each result
+        checkpoint: wall time between checkpoints, s; default: 10, more on slow disks
+        example: write a commented scene (all: with every key) here or to --output, without running
+        schema: print the scene's JSON schema, for editors
+        quiet: show no progress and no summary
+    """
     if example is not None:
         return _write_example(example, output, force)
     from lagrange.scene import scene as scenes
@@ -121,8 +108,7 @@ def _write_example(name: str, path: Path | None, force: bool) -> int:
 def result_name(scene_name: str, settings: Sequence[str]) -> str:
     """A result's name without its ending: the scene's, and what `--set` has changed.
 
-    The duration and the name itself are left out: --resume finds a run that it makes longer.
-    """
+    The duration and the name itself are left out: --resume finds a run that it makes longer."""
     changes = []
     for setting in settings:
         key, _, value = setting.partition("=")
@@ -150,7 +136,13 @@ Exit codes: 1 the run has no start; 2 unusable input; 130 ended by Ctrl-C.
 
 
 @live_app.default
-def _live(scene: Scene = None, /, *, bearing: Designation = None, set: Settings = None) -> int:
+def _live(scene: Path | None = None, /, *, bearing: str | None = None, set: list[str] | None = None) -> int:
+    """
+    Args:
+        scene: scene file (TOML); default: the paper's bearing
+        bearing: standard bearing instead of the scene's, e.g. NU206/C3
+        set: any scene key: table.key=value; repeatable
+    """
     from lagrange.messages import say, telling
     from lagrange.scene.scene import read_scene
 
@@ -169,7 +161,3 @@ def _live(scene: Scene = None, /, *, bearing: Designation = None, set: Settings 
 
 
 run_main, live_main = partial(run_app_main, run_app), partial(run_app_main, live_app)
-run_fem, run_live = entry(run_main), entry(live_main)
-
-if __name__ == "__main__":
-    run_fem()

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from fem.commands.run_fem import Quiet
 from fem.commands.start_up import Outcome, count_display, need, run_app_main, stop_signals
-from lagrange.commands import entry, new_app
+from lagrange.commands import new_app
 from lagrange.errors import UsageError
 from lagrange.messages import say, shown, telling
 
@@ -38,27 +37,22 @@ Exit codes: 0 done; 1 some points failed, the dataset is there; 2 unusable input
 
 @study_app.default
 def _study(
-    study: Annotated[Path | None, Parameter(help="study file (TOML)")] = None,
-    /,
-    *,
-    output: Annotated[Path | None, Parameter(help="folder; default: studies/<study name>")] = None,
-    dry_run: Annotated[
-        bool, Parameter(negative="", help="check every point and show the cost, without running")
-    ] = False,
-    resume: Annotated[
-        bool, Parameter(negative="", help="resume the study in the folder; finished points are kept")
-    ] = False,
-    workers: Annotated[
-        int | None, Parameter(help="number of processes (default: automatic; 1: no worker processes)")
-    ] = None,
-    scheduler: Annotated[str | None, Parameter(help="address of a dask scheduler: tcp://host:8786")] = None,
-    keep_runs: Annotated[bool, Parameter(negative="", help="also keep the result file of every point")] = False,
-    collect: Annotated[
-        Path | None, Parameter(help="write dataset and page of this folder again, without solving", name="--collect")
-    ] = None,
-    export: Annotated[str | None, Parameter(show=False)] = None,
-    quiet: Quiet = False,
-) -> int:
+    study: Path | None = None, /, *, output: Path | None = None, dry_run: bool = False, resume: bool = False,
+    workers: int | None = None, scheduler: str | None = None, keep_runs: bool = False, collect: Path | None = None,
+    export: Annotated[str | None, Parameter(show=False)] = None, quiet: bool = False,
+) -> int:  # fmt: skip
+    """
+    Args:
+        study: study file (TOML)
+        output: folder; default: studies/<study name>
+        dry_run: check every point and show the cost, without running
+        resume: resume the study in the folder; finished points are kept
+        workers: number of processes (default: automatic; 1: no worker processes)
+        scheduler: address of a dask scheduler: tcp://host:8786
+        keep_runs: also keep the result file of every point
+        collect: write dataset and page of this folder again, without solving
+        quiet: show no progress and no summary
+    """
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
@@ -117,8 +111,7 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     return 1 if lost else code
 
 
-def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
-    """Dataset and page of the points that are done."""
+def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:  # dataset and page of the points that are done
     from fem.study.folder import MISSING, write_dataset
     from fem.study.page import outcome_lines, write_page
     from fem.study.solving import COMPLETE
@@ -144,7 +137,3 @@ def _print(lines: list[str]) -> None:
 
 
 study_main = partial(run_app_main, study_app)
-run_study = entry(study_main)
-
-if __name__ == "__main__":
-    run_study()

@@ -23,12 +23,8 @@ PLAIN_SECONDS = 10.0  # between lines of progress where there is no terminal
 
 
 def need(package: str, user: str) -> None:
-    """Refuse what needs a package that is not there, before any work for it is done.
-
-    Errors
-    ------
-    UsageError: names the user, the package and the command that installs it.
-    """
+    """Refuse what needs a package that is not there, before any work for it is done. UsageError: names the user, the
+    package and the command that installs it."""
     if find_spec(package) is None:
         raise UsageError(f"{user}: needs {package}, which is not installed: python -m pip install {package}")
 
@@ -69,8 +65,7 @@ class Outcome(Enum):
         self.code, self.sentence, self.status = code, sentence, status
 
 
-def _check_environment() -> None:
-    """Refuse settings with which the time loops can't be loaded."""
+def _check_environment() -> None:  # refuse settings with which the time loops can't be loaded
     threads = os.environ.get("NUMBA_NUM_THREADS")
     if threads is not None and not (threads.isascii() and threads.isdigit() and 1 <= int(threads[:9]) <= MOST_THREADS):
         raise UsageError(f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 to {MOST_THREADS}; or unset it")

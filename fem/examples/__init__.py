@@ -12,15 +12,8 @@ from lagrange.scene.keys import scene_with_every_key
 
 def write_example(name: str, path: Path | None, force: bool = False) -> list[Path]:
     """Write a scene, and the table that it describes if it does; the files written.
-
-    Parameters
-    ----------
-    path : where the scene goes; None: under its name in the current folder
-
-    Errors
-    ------
-    UsageError: a file is there already, and not to be replaced. OSError: it can't be written.
-    """
+    `path` : where the scene goes; None: under its name in the current folder
+    UsageError: a file is there already, and not to be replaced. OSError: it can't be written."""
     path = Path(f"{name}.toml") if path is None else path
     files = {path: example_text(name)}
     if name == "table":
@@ -44,8 +37,7 @@ def example_text(name: str) -> str:
 def rig_table() -> str:
     """A table as from a test rig: the paper's bearing with rigid rings, its hub down by 4.11 µm and vibrating.
 
-    Each roller sits where its two contacts share the approach, and the cage turns as rolling without slip demands.
-    """
+    Each roller sits where its two contacts share the approach, and the cage turns as rolling without slip demands."""
     rollers, radius, inner, outer = 13, 5.0, 18.0, 28.0  # mm
     speed = 2.0 * np.pi * 4500.0 / 60.0  # rad/s
     time = np.arange(5000) * 2e-5

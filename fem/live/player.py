@@ -3,8 +3,8 @@
 import tomllib
 from collections.abc import Callable, Container
 from contextlib import suppress
-from dataclasses import dataclass
 from math import degrees, pi, remainder
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,8 +62,7 @@ LINES = {  # of the spectrum, by `Kinematics.frequencies`
 }
 
 
-@dataclass(frozen=True)
-class Control:
+class Control(NamedTuple):
     """A slider and a box; values beyond the slider's ends can be typed."""
 
     key: str  # of `values_of`
@@ -127,27 +126,27 @@ def controls(scene: Scene) -> tuple[Control, ...]:
     """Those of a scene, long enough for its own values."""
     values, b = values_of(scene), scene.bearing
     speed, load, play = values["speed_rpm"], values["radial_load_N"], values["clearance_um"]
-    fastest = 2.0 * abs(speed) or 3000.0
-    heaviest = max(5.0 * load, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
-    tightest, widest = min(-2.0 * b.roller_diameter_mm, play), max(10.0 * b.roller_diameter_mm, play)
+    wide, fastest = b.roller_diameter_mm, 2.0 * abs(speed) or 3000.0
+    slow, heaviest = min(0.0, -fastest * (speed < 0.0)), max(5.0 * load, 50.0 * wide * b.roller_length_mm)
     friction = max(0.3, values["friction_coefficient"])
+    tight, loose = min(-2.0 * wide, play), max(10.0 * wide, play)
     found = [
-        Control("speed_rpm", "Speed", "rpm", "inner ring", min(0.0, -fastest * (speed < 0.0)), fastest, 10.0),
+        Control("speed_rpm", "Speed", "rpm", "inner ring", slow, fastest, 10.0),
         Control("radial_load_N", "Radial load", "N", "on the shaft, downwards", 0.0, heaviest, 10.0),
-        Control("clearance_um", "Clearance", "µm", "diametral; below 0: preload", tightest, widest, 1.0),
+        Control("clearance_um", "Clearance", "µm", "diametral; below 0: preload", tight, loose, 1.0),
         Control("friction_coefficient", "Friction", "", "Coulomb coefficient, every contact", 0.0, friction, 0.01),
     ]
-    if "misalignment_mrad" in values:
-        steepest = max(STEEPEST, abs(values["misalignment_mrad"]))
+    if (tilt := values.get(key := "misalignment_mrad")) is not None:
+        steepest = max(STEEPEST, abs(tilt))
         hint = "slope of the shaft; +z end towards the load"
-        found.append(Control("misalignment_mrad", "Misalignment", "mrad", hint, -steepest, steepest, 0.1))
+        found.append(Control(key, "Misalignment", "mrad", hint, -steepest, steepest, 0.1))
     for key, (_, label, unit, hint) in OWN.items():
         if own := values.get(key):
             end = max(own, min(LONGER * own, 0.99)) if key == "damping_ratio" else LONGER * own
             found.append(Control(key, label, unit, hint, 0.01 * own, end, 0.01 * own))
     for body, label in SPALLED.items():
         if (own := values.get(key := f"{body}_spall_mm")) is not None:
-            found.append(Control(key, label, "mm", "width; 0: none", 0.0, max(0.3 * b.roller_diameter_mm, own), 0.05))
+            found.append(Control(key, label, "mm", "width; 0: none", 0.0, max(0.3 * wide, own), 0.05))
         if body == "outer_ring":
             at = "Angle of that spall", "°", "from the load, counter-clockwise", -180.0, 180.0, 1.0
             found.append(Control("outer_ring_spall_deg", *at, needs=key))
@@ -180,15 +179,13 @@ class Record:
         return way[:, :: -(-way.shape[1] // MOST_PLACES) or 1]
 
     @property
-    def length(self) -> float:
-        """Time that the spectrum is of, s."""
+    def length(self) -> float:  # time that the spectrum is of, s
         return self._acceleration.shape[1] * self._interval
 
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
         """Amplitudes of the measured acceleration, (2, n), m/s², x and y, by frequencies, (n,), Hz.
 
-        Each is the highest of its band, BANDS of equal ratio; none where the record is too short.
-        """
+        Each is the highest of its band, BANDS of equal ratio; none where the record is too short."""
         if self._acceleration.shape[1] < SHORTEST:
             return np.zeros(0), np.zeros((2, 0))
         from scipy.signal import periodogram  # costs a second to import
@@ -205,13 +202,9 @@ class Record:
 
     def envelope(self, lines: dict[str, float]) -> tuple[float, np.ndarray, dict[str, float]]:
         """Spectrum of the envelope of the acceleration along y, from 3 BPFI to 20 kHz.
-
-        Returns
-        -------
-        step between frequencies, Hz; amplitudes, (n,), m/s², from 0 to 2.3 times the highest line; that of each line
-        in the band, m/s², the highest within its slip, up to 15 % low where it lies between two frequencies; none where
-        the bearing stands or the record holds fewer than eight passes
-        """
+        Returns step between frequencies, Hz; amplitudes, (n,), m/s², from 0 to 2.3 times the highest line; that of each
+        line in the band, m/s², the highest within its slip, up to 15 % low where it lies between two frequencies; none
+        where the bearing stands or the record holds fewer than eight passes"""
         passing, inner, n = lines["BPFO"], lines["BPFI"], self._acceleration.shape[1]
         if passing * self.length < FEWEST_PASSES or ENVELOPE_FROM * inner >= HIGHEST:
             return 0.0, np.zeros(0), {}
@@ -238,16 +231,11 @@ class Player:
     """A scene, the values that viewers have chosen, and the run of both.
 
     New values begin a new run, from its own steady state (or from rest, if the scene says so) with roller 0 where it
-    was: positions that belong to other values would be a blow that nobody has given.
-    """
+    was: positions that belong to other values would be a blow that nobody has given."""
 
     def __init__(self, scene: Scene, tell: Callable[[str], None] | None = None):
-        """Plan a scene's run; `tell` gets a sentence if that takes long.
-
-        Errors
-        ------
-        UsageError: the model can't take the scene. RunFailed: it has no start.
-        """
+        """Plan a scene's run; `tell` gets a sentence if that takes long. UsageError: the model can't take the scene.
+        RunFailed: it has no start."""
         for key in IN_PLACE_OF:
             if (name := getattr(scene.operation, key)) is not None:
                 raise UsageError(
@@ -258,12 +246,7 @@ class Player:
         self._begin(scene, scene.operation.first_roller_deg, tell)
 
     def change(self, values: dict[str, float], tell: Callable[[str], None] | None = None) -> None:
-        """Begin again with other values.
-
-        Errors
-        ------
-        SceneError, UsageError, RunFailed: they can't be used; the run is as before.
-        """
+        """Begin with other values. SceneError, UsageError, RunFailed: they can't be used; the run is as before."""
         if values.keys() != values_of(self.given).keys():
             raise UsageError(f"values: give {', '.join(values_of(self.given))}, and no others")
         self._begin(changed(self.given, values), self._first_roller(), tell)
@@ -288,25 +271,21 @@ class Player:
         self._worst = 0.0  # J
         self._take(samples)
 
-    def _take(self, samples: Samples) -> None:
+    def _take(self, samples: Samples) -> int:
         self.record.add(samples)
         self.turn += samples["roller_spin"].sum(axis=0) * self.plan.interval
         self.now = {name: values[-1] for name, values in samples.values.items()}
         self._worst = max(self._worst, float(np.abs(samples.error).max()))
         least = NO_ENERGY * abs(float(samples["energy_kinetic"][-1]))
         self._imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
+        return len(samples)
 
-    def _first_roller(self) -> float:
-        """Angle of roller 0 from the load, degrees."""
+    def _first_roller(self) -> float:  # its angle from the load, degrees
         return degrees(remainder(float(self.now["roller_theta"][0]) - FROM_LOAD, 2.0 * pi))
 
     def advance(self, count: int, give_up: Callable[[], bool] = lambda: False) -> int:
-        """Go on by so many samples, fewer if `give_up` says so between blocks of them; how many it were.
-
-        Errors
-        ------
-        RunFailed: the run went wrong numerically; it stands where it last was sound.
-        """
+        """Go on by so many samples, fewer if `give_up` says so between blocks of them; how many it were. RunFailed: the
+        run went wrong numerically; it stands where it last was sound."""
         done = 0
         while done < count and not (done and give_up()):
             if self._state.done == self.plan.n_samples:
@@ -317,8 +296,7 @@ class Player:
                 self._restarted = block.restarts
                 self._start(_good(self._state.advance(1)))
             else:
-                self._take(_good(block))
-                done += len(block.samples)
+                done += self._take(_good(block))
         return done
 
     @property
@@ -340,15 +318,10 @@ class Player:
         """What a page needs of a run that begins: lengths in mm, angles in rad, from +x; frequencies in Hz."""
         bearing, scene, axial = self.bearing, self.scene, self._axial
         return {
-            "values": values_of(scene),
-            "given": values_of(self.given),
-            "rollers": bearing.n_rollers,
-            "roller": bearing.roller_radius / MM,
-            "inner": bearing.inner_raceway_radius / MM,
-            "outer": bearing.outer_raceway_radius / MM,
-            "bore": bearing.core_radius / MM,
-            "outside": bearing.outside_radius / MM,
-            "pockets": bearing.pockets,
+            "values": values_of(scene), "given": values_of(self.given),
+            "rollers": bearing.n_rollers, "pockets": bearing.pockets, "roller": bearing.roller_radius / MM,
+            "inner": bearing.inner_raceway_radius / MM, "outer": bearing.outer_raceway_radius / MM,
+            "bore": bearing.core_radius / MM, "outside": bearing.outside_radius / MM,
             "play": None if self._cage is None else self._cage.pocket_clearance / MM,
             "spalls": [
                 dict(body=fault.body, roller=fault.roller, angle=fault.angle,
@@ -358,9 +331,7 @@ class Player:
             "lines": [dict(name=k, frequency=f, meaning=LINES[k]) for k, f in self._frequencies.items() if f > 0.0],
             "faults": [dict(name=k, frequency=f) for k, f in self.fault_lines().items() if f > 0.0],
             "slices": None if axial is None else _short(axial.centres(bearing) / MM),
-            "length": bearing.roller_length / MM,
-            "step": self.plan.time_step / UM,
-            "start": scene.numerics.start,
+            "length": bearing.roller_length / MM, "step": self.plan.time_step / UM, "start": scene.numerics.start,
             "toml": scene.to_toml(),
         }  # fmt: skip
 
@@ -378,30 +349,22 @@ class Player:
         if self._cage is not None:
             cage = float(np.remainder(self._operation.first_roller_angle + now["cage_angle"], 2.0 * pi))
         return {
-            "time": float(now["time"]) / MM,
-            "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
-            "cage": cage,
-            "shaft": shaft,
-            "ring": ring,
+            "time": float(now["time"]) / MM, "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
+            "cage": cage, "shaft": shaft, "ring": ring,
             "angle": _short(np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi, 5),
             "rise": _short((now["roller_rho"] - self.bearing.pitch_radius) / UM),
             "turn": _short(np.remainder(self.turn, 2.0 * pi), 4),
-            "inner": _short(now["inner_force"], 2),
-            "outer": _short(now["outer_force"], 2),
+            "inner": _short(now["inner_force"], 2), "outer": _short(now["outer_force"], 2),
             "pressures": None if self._pressures is None else _short(self._pressures / MPA, 0),
-            "orbit": _short(self.record.orbit() / UM, 4),
-            "frequency": _short(frequency, 1),
+            "orbit": _short(self.record.orbit() / UM, 4), "frequency": _short(frequency, 1),
             "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
             "envelope": {
-                "bin": step,
-                "amplitude": [float(f"{value:.3g}") for value in envelope / G],
+                "bin": step, "amplitude": [float(f"{value:.3g}") for value in envelope / G],
                 "lines": {name: value / G for name, value in at_lines.items()},
             },
-            "record": self.record.length / MM,
-            "imbalance": self._imbalance,
-            "balanced": self._imbalance <= LIMIT,
+            "record": self.record.length / MM, "imbalance": self._imbalance, "balanced": self._imbalance <= LIMIT,
             "cautions": self.warnings(),
-        }
+        }  # fmt: skip
 
 
 def _short(values: np.ndarray, digits: int = 3) -> list:

@@ -161,8 +161,7 @@ class LiveServer:
         self._pace = pace
         self._publish("pace", pace.model_dump())
 
-    def _publish(self, kind: str, content: object) -> None:
-        """Send a message to all; a frame to those who wait for one."""
+    def _publish(self, kind: str, content: object) -> None:  # send a message to all; a frame to those who wait for one
         text = _message(kind, content)
         if kind in LASTING:
             self._last[kind] = text
@@ -171,8 +170,7 @@ class LiveServer:
             self._viewers |= dict.fromkeys(to, False)
         broadcast(to, text)
 
-    async def _attend(self, viewer: ServerConnection) -> None:
-        """One browser, as long as it is there."""
+    async def _attend(self, viewer: ServerConnection) -> None:  # one browser, as long as it is there
         self._viewers[viewer] = False
         try:
             for kind in LASTING:
@@ -222,16 +220,11 @@ class LiveServer:
         is_page = status is HTTPStatus.OK
         body = (self._page if is_page else f"{status.value} {status.phrase}\n").encode()
         headers = {
-            "Content-Type": f"text/{'html' if is_page else 'plain'}; charset=utf-8",
-            "Content-Length": str(len(body)),
-            "Content-Security-Policy": self._policy if is_page else "default-src 'none'",
-            "Cache-Control": "no-store",
-            "Referrer-Policy": "no-referrer",
-            "X-Content-Type-Options": "nosniff",
-            "Cross-Origin-Resource-Policy": "same-origin",
-            "Cross-Origin-Opener-Policy": "same-origin",
-            "Connection": "close",
-        }
+            "Content-Type": f"text/{'html' if is_page else 'plain'}; charset=utf-8", "Content-Length": str(len(body)),
+            "Content-Security-Policy": self._policy if is_page else "default-src 'none'", "Cache-Control": "no-store",
+            "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff", "Connection": "close",
+            "Cross-Origin-Resource-Policy": "same-origin", "Cross-Origin-Opener-Policy": "same-origin",
+        }  # fmt: skip
         return Response(status.value, status.phrase, Headers(headers), body)
 
 
@@ -243,16 +236,10 @@ def make_page(player: Player, connection: str) -> tuple[str, str]:
     """The page in one file, which connects to an address (ws://host:port), and its content security policy."""
     mark, scene = secrets.token_urlsafe(16), player.given
     text = render_page(
-        PARTS / "live.html.j2",
-        name=scene.name,
-        mark=mark,
-        style=as_it_is(PARTS / "live.css"),
+        PARTS / "live.html.j2", name=scene.name, mark=mark, style=as_it_is(PARTS / "live.css"),
         scripts=[as_it_is(PARTS / name) for name in ("drawing.js", "charts.js", "live.js")],
         measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
-        tilts=scene.axial is not None,
-        controls=player.controls,
-        fastest=FASTEST,
-        slowest=SLOWEST,
-    )
+        tilts=scene.axial is not None, controls=player.controls, fastest=FASTEST, slowest=SLOWEST,
+    )  # fmt: skip
     own = f"script-src 'nonce-{mark}'; style-src 'nonce-{mark}'; connect-src 'self' {connection}; img-src data:"
     return text, f"default-src 'none'; {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"

@@ -31,22 +31,12 @@ class AxialPressures(NamedTuple):
 
 
 def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
-    """From stored forces and moments, by the slices of the scene's contacts.
-
-    Errors
-    ------
-    UsageError: the scene has no [axial].
-    """
+    """From stored forces and moments, by the slices of the scene's contacts. UsageError: the scene has no [axial]."""
     scene = stored.scene
     axial, bearing = scene.ideal_axial(), scene.perfect_bearing()
     if axial is None:
         raise UsageError(f"{stored.path}: the scene has no [axial]; --view axial is of rollers that tilt")
-    x, y = stored.column("roller_x")[sample], stored.column("roller_y")[sample]
-    angle = np.angle(1j * (x + 1j * y))
-
-    def column(name):
-        return stored.times[sample] if name == "time" else stored.column(name)[sample]
-
+    column = lambda name: stored.from_housing(name)[sample]  # noqa: E731
     try:
         slices = scene_slices(scene)
         each = (slice_pressures(scene, *side, column) for side in zip(SIDES, slices, strict=True))
@@ -55,9 +45,10 @@ def axial_pressures(stored: StoredRun, sample: int) -> AxialPressures:
         raise UsageError(f"{stored.path}: {1e3 * stored.times[sample]:.4g} ms: {error}") from None
     contacts = zip(profile_ends(bearing, axial), slices, contact_pairs(bearing), pressure, strict=False)
     sharp = [end.are_loaded(own, borne(pair, at)).any() for end, own, pair, at in contacts]
+    angle = np.angle(1j * (column("roller_x") + 1j * column("roller_y")))
     return AxialPressures(
-        time=float(stored.times[sample]), place=axial.centres(bearing), angle=angle, pressure=pressure,
-        drop=axial.drops(bearing), slope=slope, sharp=np.array(sharp),
+        float(stored.times[sample]), axial.centres(bearing), angle, pressure, axial.drops(bearing), slope,
+        np.array(sharp),
     )  # fmt: skip
 
 
@@ -65,23 +56,21 @@ def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
     """Write a PNG of the pressures at a sample.
 
     Both raceways unrolled, and the most loaded roller from its side: pressure along it, and below how far its profile
-    and tilt take it from the raceway.
-    """
+    and tilt take it from the raceway."""
     import matplotlib.pyplot as plt
 
     found = axial_pressures(stored, sample)
     figure, axes = plt.subplots(2, 2, figsize=(INCHES, 0.62 * INCHES), width_ratios=(2.2, 1.0), layout="constrained")
     z, half = 1e3 * found.place, 0.5 * ROOM * 360.0 / found.angle.size
     edges = np.append(z - 0.5 * (z[1] - z[0]), z[-1] + 0.5 * (z[1] - z[0]))
-    largest, most = 1e-6 * float(found.pressure.max()), int(found.pressure[0].max(axis=1).argmax())
+    most = int(found.pressure[0].max(axis=1).argmax())
+    look = {"vmin": 0.0, "vmax": max(1e-6 * float(found.pressure.max()), 1.0), "cmap": "inferno_r"}
     for side, (raceway, roller), pressure, drop, slope, sharp in zip(
         SIDES, axes, 1e-6 * found.pressure, found.drop, found.slope[:, most], found.sharp, strict=True
     ):
         for middle, of_roller in zip(np.degrees(found.angle), pressure, strict=True):
-            coloured = raceway.pcolormesh(
-                [middle - half, middle + half], edges, np.ma.masked_equal(of_roller[:, None], 0.0), vmin=0.0,
-                vmax=max(largest, 1.0), cmap="inferno_r",
-            )  # fmt: skip
+            shades = np.ma.masked_equal(of_roller[:, None], 0.0)
+            coloured = raceway.pcolormesh([middle - half, middle + half], edges, shades, **look)
         raceway.set(xlim=(-180, 180), ylabel="along the axis, mm", title=f"{side} raceway")
         raceway.set_xticks([-180, -90, 0, 90, 180])
         gap, below = 1e6 * (drop + slope * found.place), roller.twinx()
@@ -96,7 +85,7 @@ def draw_axial(stored: StoredRun, target: Path, sample: int) -> None:
     axes[1, 1].set_xlabel("along the axis, mm")
     figure.colorbar(coloured, ax=axes[:, 0], label="pressure, MPa", shrink=0.8)
     figure.suptitle(f"{stored.scene.name}, {1e3 * found.time:.4g} ms, {stored.scene.method}", fontsize=10)
-    about = {"Software": MARK, "Source": shown(stored.path.name)}
     with replaced(target) as file:
+        about = {"Software": MARK, "Source": shown(stored.path.name)}
         figure.savefig(file, dpi=DOTS, format="png", metadata=about)
     plt.close(figure)

@@ -55,21 +55,12 @@ def rounded_down(value: float, steps: tuple[float, ...] = (1.0, 2.0, 5.0, 10.0))
 def refined(
     data: np.ndarray, triangles: np.ndarray, wanted: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Split triangles until none is larger than wanted; no node is left hanging on an edge.
+    """Split triangles, (n, 3), until none is larger than wanted; no node is left hanging on an edge.
 
     scikit-fem refines too, but rebuilds the whole mesh at each level and doesn't tell what new nodes lie between; here
-    all columns of nodal data are carried along.
-
-    Parameters
-    ----------
-    data : (n_nodes, n_columns); the first two columns are the position, m; a new node has the mean of its edge's ends
-    triangles : (n_triangles, 3)
-    wanted : from middles, (n, 2), m, to the longest edge allowed there, (n,), m
-
-    Returns
-    -------
-    data, triangles : as given, the old nodes first
-    """
+    all columns of nodal data, (n_nodes, n_columns), are carried along. The first two are the position, m; a new node,
+    behind the old ones, has the mean of its edge's ends.
+    `wanted` : from middles, (n, 2), m, to the longest edge allowed there, (n,), m"""
     settled = np.zeros((0, 3), dtype=triangles.dtype)  # small enough, which a neighbour's halved edge can undo
 
     def edges_of(triangles: np.ndarray) -> np.ndarray:
@@ -78,18 +69,16 @@ def refined(
         return np.minimum(triangles, other) * len(data) + np.maximum(triangles, other)
 
     for _ in range(MOST_LEVELS):
-        (ax, ay), (bx, by), (cx, cy) = (data[corner, :2].T for corner in triangles.T)
-        longest = np.maximum((bx - ax) ** 2 + (by - ay) ** 2, (cx - bx) ** 2 + (cy - by) ** 2)
-        longest = np.sqrt(np.maximum(longest, (ax - cx) ** 2 + (ay - cy) ** 2))
-        large = longest > wanted(np.column_stack([ax + bx + cx, ay + by + cy]) / 3.0)
+        corners = data[triangles, :2]
+        longest = np.sqrt(((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1))
+        large = longest > wanted(corners.mean(axis=1))
         if not large.any():
             break
         split = np.unique(edges_of(triangles[large]))
         reached = np.zeros(len(data), dtype=np.int8)
         reached[triangles[large]] = 1
         triangles = np.concatenate([triangles, settled])
-        a, b, c = triangles.T
-        touched = reached[a] + reached[b] + reached[c] > 1
+        touched = reached[triangles].sum(axis=1) > 1
         settled, triangles = triangles[~touched], triangles[touched]
         key = edges_of(triangles)
         at = np.minimum(np.searchsorted(split, key), len(split) - 1)
@@ -104,15 +93,12 @@ def _children(triangles: np.ndarray, halved: np.ndarray, middle: np.ndarray) -> 
     # counted from the corner after the whole edge, or from the halved edge on
     first = np.where(count == 2, np.argmin(halved, axis=1) + 1, np.where(count == 1, np.argmax(halved, axis=1), 0))
     order = (first[:, None] + np.arange(3)) % 3
-    a, b, c = np.take_along_axis(triangles, order, axis=1).T
-    p, q, r = np.take_along_axis(middle, order, axis=1).T
+    # corners 0, 1, 2, and 3, 4, 5 the middles of the edges from them
+    places = np.concatenate([np.take_along_axis(each, order, axis=1) for each in (triangles, middle)], axis=1)
     children = {
-        0: ((a, b, c),),
-        3: ((a, p, r), (p, b, q), (r, q, c), (p, q, r)),
-        2: ((p, b, q), (a, p, q), (a, q, c)),
-        1: ((a, p, c), (p, b, c)),
-    }
-    return np.concatenate([np.column_stack(t)[count == n] for n, new in children.items() for t in new])
+        0: [0, 1, 2], 3: [0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5], 2: [3, 1, 4, 0, 3, 4, 0, 4, 2], 1: [0, 3, 2, 3, 1, 2],
+    }  # fmt: skip
+    return np.concatenate([places[count == n][:, new].reshape(-1, 3) for n, new in children.items()])
 
 
 # columns of the nodal data that refinement carries along
@@ -121,8 +107,7 @@ _STRESS, _POISSON, _BODY = slice(9, 12), 12, 13
 _COLUMNS = 14
 
 
-@dataclass(frozen=True, kw_only=True)
-class DrawnBearing:
+class DrawnBearing(NamedTuple):
     """All bodies as one mesh; nodes of a body follow each other: inner ring, outer ring, rollers."""
 
     data: np.ndarray  # (n_nodes, _COLUMNS)
@@ -136,8 +121,7 @@ class DrawnBearing:
     roller_shift: np.ndarray  # (n_rollers, 2), m, from there
 
     @property
-    def body(self) -> np.ndarray:
-        """Number of each node's body: 0 inner ring, 1 outer ring, 2 + j roller j."""
+    def body(self) -> np.ndarray:  # number of each node's body: 0 inner ring, 1 outer ring, 2 + j roller j
         return np.rint(self.data[:, _BODY]).astype(int)
 
     @property
@@ -146,8 +130,7 @@ class DrawnBearing:
         return self.data[:, _CENTRE] + self.local
 
     @property
-    def local(self) -> np.ndarray:
-        """The same from the bodies' centres."""
+    def local(self) -> np.ndarray:  # the same from the bodies' centres
         local = self.data[:, _LOCAL]
         length = np.hypot(*local.T)[:, None]
         return np.where(length > 0.0, local / np.maximum(length, 1e-300) * self.data[:, _RADIUS, None], 0.0)
@@ -163,7 +146,7 @@ class DrawnBearing:
         for circle in self.circles:
             near, far = self.data[circle, None], self.data[np.roll(circle, -1), None]
             between = ((1.0 - share) * near + share * far).reshape(-1, _COLUMNS)
-            points = replace(self, data=between).points(magnification)
+            points = self._replace(data=between).points(magnification)
             found.append(np.concatenate([points, points[:1]]))
         return found
 
@@ -196,7 +179,7 @@ class DrawnBearing:
     def near(self, point: np.ndarray, distance: float) -> "DrawnBearing":
         """Only the triangles with a corner within a distance, m, of a point of the reference."""
         inside = np.hypot(*(self.reference - point).T) < distance
-        return replace(self, triangles=self.triangles[inside[self.triangles].any(axis=1)])
+        return self._replace(triangles=self.triangles[inside[self.triangles].any(axis=1)])
 
     def refined(self, finest: float, coarsest: float, relative: float) -> "DrawnBearing":
         """The same with triangles no larger than `relative` times their distance from a contact, within limits, m."""
@@ -213,7 +196,7 @@ class DrawnBearing:
 
         data, triangles = refined(placed, self.triangles, wanted)
         data[:, _LOCAL] -= data[:, _CENTRE]
-        return replace(self, data=data, triangles=triangles)
+        return self._replace(data=data, triangles=triangles)
 
 
 def drawn_bearing(instant: Instant) -> DrawnBearing:
@@ -295,8 +278,7 @@ def _dents(instant: Instant) -> list[np.ndarray]:
     return [*of_rings, *of_rollers]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Circle:
+class Circle(NamedTuple):
     """A body's surface as a picture draws it; lengths in m."""
 
     body: Body
@@ -331,13 +313,11 @@ class Drawing:
         return self.instant.model.bearing
 
     @property
-    def hub(self) -> np.ndarray:
-        """Where the hub is drawn, (2,), m."""
+    def hub(self) -> np.ndarray:  # where the hub is drawn, (2,), m
         return self.magnification * self.drawn.hub
 
     @property
-    def centres(self) -> np.ndarray:
-        """Where the rollers' centres are drawn, (n_rollers, 2), m."""
+    def centres(self) -> np.ndarray:  # where the rollers' centres are drawn, (n_rollers, 2), m
         return self.drawn.roller_reference + self.magnification * self.drawn.roller_shift
 
     def circle(self, body: Body, roller: int | None) -> Circle:
@@ -376,12 +356,8 @@ class Chart(NamedTuple):
 
 def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
     """The spalls of an instant.
-
-    Parameters
-    ----------
-    margin : m, from a circle's outline, which a hole takes away with it
-    as_reached : whether they are as deep as rollers reach, or as they are
-    """
+    `margin` : m, from a circle's outline, which a hole takes away with it; `as_reached` : whether they are as deep as
+    rollers reach, or as they are"""
     bearing, made = drawing.bearing, []
     for spall in spalls(bearing):
         circle, factor = drawing.circle(spall.body, spall.roller), drawing.magnification
@@ -400,14 +376,11 @@ def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
         entered, times = _entered(drawing, circle, angle), "" if factor == drawing.magnification else f", × {factor:g}"
         middle = 0.5 * circle.thickness
         beside = spall.angle + half + NAME_BESIDE * bearing.outside_radius / (own + circle.into * middle)
+        top, bottom = np.maximum(entered, -margin), np.maximum(depth, entered)
+        place = circle.name_place(beside, middle) if spall.roller is None else circle.name_place()
+        name = f"spall {1e3 * spall.width:.3g} mm{times}"
         made.append(
-            Hole(
-                top=circle.points(angle, np.maximum(entered, -margin)),
-                bottom=circle.points(angle, np.maximum(depth, entered)),
-                edge=circle.points(angle, depth),
-                name=f"spall {1e3 * spall.width:.3g} mm{times}",
-                place=circle.name_place(beside, middle) if spall.roller is None else circle.name_place(),
-            )
+            Hole(circle.points(angle, top), circle.points(angle, bottom), circle.points(angle, depth), name, place)
         )
     return made
 

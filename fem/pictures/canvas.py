@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib  # for its fonts and colour maps
 import numpy as np
@@ -16,6 +17,9 @@ from PIL import Image
 
 from fem.pictures.output import rendering_failure
 from lagrange.errors import UsageError
+
+if TYPE_CHECKING:
+    from fem.pictures.look import Scale
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
@@ -31,7 +35,7 @@ INK, QUIET = "#1a1a1a", "#4d4d4d"
 NO_VALUE = "#c9c9c9"
 FAULT = "#ff9900"  # of surfaces that are not perfect
 ARC_POINTS = 361
-Shapes = np.ndarray | Sequence[np.ndarray]  # (n, 2) each
+Shapes = np.ndarray | Sequence[np.ndarray]  # one, (n, 2), many of one length, (m, n, 2), or of any
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,14 +55,15 @@ class Panel:
 
     def __init__(self, canvas: "Canvas", index: int, view: View):
         self._canvas, self._index, self.view, self._place = canvas, index, view, np.asarray
-        renderer = canvas.plotter.renderers[index]
+        (width, height), renderer = canvas.size, canvas.plotter.renderers[index]
+        # from the left to the right edge, in the plane's lengths
+        self.wide = view.tall * (view.right - view.left) * width / ((view.top - view.bottom) * height)
         renderer.SetViewport(view.left, view.bottom, view.right, view.top)
         renderer.SetBackground(1.0, 1.0, 1.0)
         camera = renderer.camera
         camera.parallel_projection = True  # not by the plotter's methods: each of them renders
         camera.focal_point, camera.position, camera.up = (*view.middle, 0.0), (*view.middle, 10.0), (0.0, 1.0, 0.0)
-        camera.parallel_scale = 0.5 * view.tall
-        camera.clipping_range = (1.0, 20.0)
+        camera.parallel_scale, camera.clipping_range = 0.5 * view.tall, (1.0, 20.0)
 
     def placed(self, place: Callable[[np.ndarray], np.ndarray]) -> "Panel":
         """The same panel for points, (n, 2), that `place` takes to its plane."""
@@ -66,84 +71,90 @@ class Panel:
         panel._place = place
         return panel
 
-    @property
-    def wide(self) -> float:
-        """From the left to the right edge, in the plane's lengths."""
-        view, (width, height) = self.view, self._canvas.size
-        return view.tall * (view.right - view.left) * width / ((view.top - view.bottom) * height)
-
     def fill(self, polygons: Shapes, color: str, opacity: float = 1.0) -> None:
-        """Areas of one colour, convex or not."""
-        self._add(self._outlined(polygons, "faces").triangulate(), color=color, opacity=opacity)
+        """Areas of one colour, convex or not; their outlines may be closed."""
+        shapes = [polygons] if isinstance(polygons, np.ndarray) else polygons
+        shapes = [shape[: -1 if np.allclose(shape[0], shape[-1]) else None] for shape in shapes]
+        self._add(self._mesh(shapes, "faces").triangulate(), color=color, opacity=opacity)
 
     def stroke(self, lines: Shapes, color: str, pixels: float, opacity: float = 1.0) -> None:
         """Open polylines."""
-        self._add(self._outlined(lines, "lines"), color=color, line_width=pixels * self._canvas.pixel, opacity=opacity)
+        self._add(self._mesh(lines, "lines"), color=color, line_width=pixels * self._canvas.pixel, opacity=opacity)
 
     def strip(self, one: np.ndarray, other: np.ndarray, color: str) -> None:
         """The area between two lines of as many points."""
-        k, n = np.arange(len(one) - 1), len(one)
-        self._add(self._mesh(np.concatenate([one, other]), np.column_stack([k, n + k, n + k + 1, k + 1])), color=color)
+        self._add(self._mesh(np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1), "faces"), color=color)
 
-    def edges(self, points: np.ndarray, pairs: np.ndarray, pixels: float, opacity: float) -> None:
-        """White lines between pairs of points."""
-        width = pixels * self._canvas.pixel
-        self._add(self._mesh(points, pairs, "lines"), color="white", line_width=width, opacity=opacity)
+    def field(self, points: np.ndarray, triangles: np.ndarray, values: np.ndarray, scale: "Scale") -> None:
+        """Triangles coloured by nodal values; beyond the scale's limits the ends' colours, without a value NO_VALUE."""
+        cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+        self._colour(pv.PolyData(self._lifted(points), faces=cells), np.ma.filled(scale.norm(values), np.nan), scale)
 
-    def field(self, points: np.ndarray, corners: np.ndarray, values, limits, colours: str, height=0.0) -> None:
-        """Cells coloured by nodal values; beyond the limits the ends' colours, where there is no value NO_VALUE.
-
-        `height` : of nodes over others, less than STEP
-        """
-        self._add(
-            self._mesh(points, corners, height=height), scalars=values, clim=limits, cmap=colours, n_colors=256,
-            interpolate_before_map=True, nan_color=NO_VALUE, show_scalar_bar=False,
-        )  # fmt: skip
+    def colour_bar(self, scale: "Scale", left: float, bottom: float, top: float, width: float) -> None:
+        """The colours of a scale, its ticks at their right."""
+        unit, share, middle = (
+            0.0005 * self.view.tall,
+            np.linspace(0.0, 1.0, 65),
+            (left + 0.5 * width, 0.5 * (bottom + top)),
+        )
+        one, other = (np.column_stack([np.full(65, x), bottom + share * (top - bottom)]) for x in (left, left + width))
+        bar = self._mesh(np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1), "faces")
+        self._colour(bar, np.stack([share[:-1], share[:-1], share[1:], share[1:]], axis=1).ravel(), scale)
+        self.stroke(box(middle, 0.5 * width, 0.5 * (top - bottom)), QUIET, 1.2)
+        for at, label in scale.ticks():
+            x, y = left + width, bottom + at * (top - bottom)
+            self.stroke(np.array([(x, y), (x + 15 * unit, y)]), QUIET, 1.2)
+            self.text(label, x + 30 * unit, y, 23.0)
 
     def text(self, text: str, x: float, y: float, size: float, color=INK, bold=False, align="left", backed=False):
         """Text whose left, center or right lies at (x, y), halfway up; `backed`: on white that shines through."""
         actor = pv.Text(text)
         actor.prop.SetFontFamily(FROM_FILE)
         actor.prop.SetFontFile(BOLD if bold else FONT)
-        actor.prop.font_size = round(size * self._canvas.pixel)
-        actor.prop.color = color
+        actor.prop.font_size, actor.prop.color = round(size * self._canvas.pixel), color
         actor.prop.justification_horizontal, actor.prop.justification_vertical = align, "center"
         if backed:
             actor.prop.background_color, actor.prop.background_opacity = "white", 0.75
         place = actor.GetPositionCoordinate()
         place.SetCoordinateSystemToWorld()
         place.SetValue(*self._place(np.array([[x, y]]))[0], 0.0)
-        self._activate().add_actor(actor, render=False, reset_camera=False)
+        self._plotter().add_actor(actor, render=False, reset_camera=False)
 
     def frame(self) -> None:
         """The panel's outline, just inside."""
         self.stroke(box(self.view.middle, 0.497 * self.wide, 0.497 * self.view.tall), QUIET, 1.5)
 
-    def _outlined(self, shapes: Shapes, kind: str) -> pv.PolyData:
-        shapes = [shapes] if isinstance(shapes, np.ndarray) else list(shapes)
-        ends = np.cumsum([len(shape) for shape in shapes])
-        cells = [part for shape, end in zip(shapes, ends, strict=True)
-                 for part in ([len(shape)], np.arange(end - len(shape), end))]  # fmt: skip
-        return pv.PolyData(self._lifted(np.concatenate(shapes)), **{kind: np.concatenate(cells)})
+    def _mesh(self, shapes: Shapes, kind: str) -> pv.PolyData:
+        if isinstance(shapes, np.ndarray):
+            points = shapes.reshape(-1, 2)
+            corners = np.arange(len(points)).reshape(-1, shapes.shape[-2])
+            cells = np.column_stack([np.full(len(corners), corners.shape[1]), corners]).ravel()
+        else:
+            points, ends = np.concatenate(shapes), np.cumsum([len(shape) for shape in shapes])
+            cells = np.concatenate([np.r_[len(shape), end - len(shape) : end]
+                                    for shape, end in zip(shapes, ends, strict=True)])  # fmt: skip
+        return pv.PolyData(self._lifted(points), **{kind: cells})
 
-    def _mesh(self, points: np.ndarray, corners: np.ndarray, kind: str = "faces", height=0.0) -> pv.PolyData:
-        cells = np.column_stack([np.full(len(corners), corners.shape[1]), corners]).ravel()
-        return pv.PolyData(self._lifted(points, height), **{kind: cells})
+    def _lifted(self, points: np.ndarray) -> np.ndarray:
+        return np.column_stack([self._place(points), np.full(len(points), self._canvas.height)])
 
-    def _lifted(self, points: np.ndarray, height=0.0) -> np.ndarray:
-        return np.column_stack([self._place(points), np.full(len(points), self._canvas.height + height)])
-
-    def _activate(self) -> pv.Plotter:
+    def _plotter(self) -> pv.Plotter:
         self._canvas.plotter.subplot(0, self._index)
         return self._canvas.plotter
 
+    def _colour(self, mesh: pv.PolyData, shares: np.ndarray, scale: "Scale") -> None:
+        self._add(
+            mesh, scalars=shares, clim=(0.0, 1.0), cmap=scale.colours, n_colors=256, interpolate_before_map=True,
+            nan_color=NO_VALUE, show_scalar_bar=False,
+        )  # fmt: skip
+
     def _add(self, mesh: pv.PolyData, **how) -> None:
-        self._activate().add_mesh(mesh, lighting=False, render=False, reset_camera=False, **how)
+        self._plotter().add_mesh(mesh, lighting=False, render=False, reset_camera=False, **how)
         self._canvas.height += STEP
 
 
 class Canvas:
-    """A page; later panels lie on top of earlier ones. Use as a context manager."""
+    """A page; later panels lie on top of earlier ones. Frames of a film share one: new ones take twice as long."""
 
     def __init__(self, width: int, height: int, views: Sequence[View]):
         self._finer = FINER if FINER * width <= LARGEST_WINDOW else 1
@@ -194,18 +205,14 @@ def arrow(tail, tip, width: float, border: float = 0.0) -> np.ndarray:
     """An arrow of a given shaft width; `border` grows its outline on all sides."""
     tail, tip = np.asarray(tail, dtype=float), np.asarray(tip, dtype=float)
     length = float(np.hypot(*(tip - tail)))
-    along = (tip - tail) / length
-    across = np.array([-along[1], along[0]])
-    head = min(3.2 * width, 0.8 * length)
-    head_half = 1.5 * width * head / (3.2 * width)
-    half = min(0.5 * width, 0.5 * head_half)
-    slope = np.hypot(head, head_half)
+    along, head = (tip - tail) / length, min(3.2 * width, 0.8 * length)
+    head_half = 1.5 * head / 3.2
+    half, slope = min(0.5 * width, 0.5 * head_half) + border, np.hypot(head, head_half)
     # a border parallel to the head's sides moves its tip by border / sin(half angle)
-    x = np.array([-border, length - head - border, length - head - border, length + border * slope / head_half])
-    barb = head_half + border * (slope + head_half) / head
-    y = np.array([half + border, half + border, barb, 0.0])
-    x, y = np.concatenate([x, x[2::-1]]), np.concatenate([y, -y[2::-1]])
-    return tail + np.outer(x, along) + np.outer(y, across)
+    neck, barb = length - head - border, head_half + border * (slope + head_half) / head
+    x = np.array([-border, neck, neck, length + border * slope / head_half, neck, neck, -border])
+    y = np.array([half, half, barb, 0.0, -barb, -half, -half])
+    return tail + np.outer(x, along) + np.outer(y, [-along[1], along[0]])
 
 
 def turning_arrow(panel: Panel, centre, radius: float, start: float, end: float, width: float) -> None:

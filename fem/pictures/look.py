@@ -1,11 +1,10 @@
 """How a picture, or every frame of a film, is drawn: what is asked for, and the scales that follow from the run."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import log10
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fem.pictures.bodies import DrawnBearing, body_motions, rounded_down
@@ -35,29 +34,28 @@ class Scale:
     """From a quantity in its unit to colours, up to a round number that is not below `largest`, Pa or m."""
 
     def __init__(self, field: Field, largest: float, logarithmic: bool):
-        self.field, self.logarithmic = field, logarithmic
+        self.field = field
         self.title, self.unit, self._size, self.colours = FIELDS[field]
         self.end = float(ROUND.tick_values(0.0, largest / self._size or 1.0)[-1])  # in its unit
-        # values at the colour map's ends
-        self.limits = (log10(FAINTEST * self.end), log10(self.end)) if logarithmic else (0.0, self.end)
-
-    def values(self, drawn: DrawnBearing) -> np.ndarray:
-        """The nodes' values, to be coloured between `limits`."""
-        found = drawn.quantity(self.field) / self._size
-        return np.log10(np.maximum(found, 1e-3 * FAINTEST * self.end)) if self.logarithmic else found
+        self.limits = (FAINTEST * self.end if logarithmic else 0.0), self.end
+        self.norm, self._locator = (
+            (LogNorm if logarithmic else Normalize)(*self.limits),
+            ROUND_TIMES if logarithmic else ROUND,
+        )
 
     def ticks(self) -> list[tuple[float, str]]:
         """Share of the bar's length and label."""
-        low, high = self.limits
-        locator, start = (ROUND_TIMES, FAINTEST * self.end) if self.logarithmic else (ROUND, 0.0)
-        values = locator.tick_values(start, self.end)
-        shares = ((np.log10(values) if self.logarithmic else values) - low) / (high - low)
-        inside = (shares > -1e-9) & (shares < 1.0 + 1e-9)
-        return [(share, f"{value:.4g}") for share, value in zip(shares[inside], values[inside], strict=True)]
+        ticks = self._locator.tick_values(*self.limits)
+        shares = self.norm(np.maximum(ticks, 1e-3 * self.limits[0]))
+        inside = (ticks >= 0.0) & (shares > -1e-9) & (shares < 1.0 + 1e-9)
+        return [(float(share), f"{tick:.4g}") for share, tick in zip(shares[inside], ticks[inside], strict=True)]
+
+    def values(self, drawn: DrawnBearing) -> np.ndarray:
+        """The nodes' values in the scale's unit, above 0."""
+        return np.maximum(drawn.quantity(self.field) / self._size, 1e-3 * FAINTEST * self.end)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Request:
+class Request(NamedTuple):
     """What a user wants to see; None: chosen and stated in the picture."""
 
     view: Literal["bearing", "close-up"] = "bearing"
@@ -67,8 +65,7 @@ class Request:
     width: int = 1600  # pixels
 
 
-@dataclass(frozen=True, kw_only=True)
-class Look:
+class Look(NamedTuple):
     """Everything that does not change from frame to frame."""
 
     scale: Scale
@@ -84,12 +81,7 @@ class Look:
 
 
 def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: str = "") -> Look:
-    """Scales that fit all the samples.
-
-    Errors
-    ------
-    UsageError: no such roller.
-    """
+    """Scales that fit all the samples. UsageError: no such roller."""
     forces, model, roller = run.contact_forces(samples), run.model, request.roller
     largest, n = float(forces.max()), forces.shape[-1]
     if roller is not None and not 0 <= roller < n:
@@ -97,14 +89,14 @@ def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: 
     some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
     motions = (motion for k in some for motion in body_motions(run.instant(samples[k])))
     displacement = max(float(np.hypot(*motion.T).max()) for motion in motions)
-    pairs = model.inner_law.pair, model.outer_law.pair
+    pairs, pressing = (model.inner_law.pair, model.outer_law.pair), max(largest, 1e-3)
     closeup = request.view == "close-up"
     field = request.field or ("max-shear" if closeup else "von-mises")
     if field == "displacement":
         scales = (Scale(field, displacement, logarithmic=False),) * 2
     else:
-        pressure = max(pair.peak_pressure(max(largest, 1e-3)) for pair in pairs)
-        most = pressure * (LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR)
+        share = LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR
+        most = share * max(pair.peak_pressure(pressing) for pair in pairs)
         scales = Scale(field, most, logarithmic=True), Scale(field, most, logarithmic=False)
     magnification = request.magnification
     if magnification is None:
@@ -115,7 +107,7 @@ def chosen_look(run: StoredRun, request: Request, samples: Sequence[int], pace: 
         arrow_length=LONGEST_ARROW * model.bearing.roller_radius / largest if largest > 0.0 else 0.0,
         orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None, load_zone=run.load_zone,
         roller=int(np.argmax(forces[:, 0].max(axis=0))) if roller is None else roller,
-        half_width=max(pair.half_width(max(largest, 1e-3)) for pair in pairs), pace=pace,
+        half_width=max(pair.half_width(pressing) for pair in pairs), pace=pace,
     )  # fmt: skip
 
 

@@ -55,11 +55,7 @@ PATIENCE = 60.0  # s
 
 def refuse_foreign(target: Path, force: bool) -> None:
     """Refuse to write where a file stands that this program has not written as such an export; an empty one may go.
-
-    Errors
-    ------
-    UsageError. OSError: it can't be read, or is no plain file.
-    """
+    UsageError. OSError: it can't be read, or is no plain file."""
     refuse_special(target)
     if force or not target.exists() or target.stat().st_size == 0:
         return
@@ -73,8 +69,7 @@ def refuse_foreign(target: Path, force: bool) -> None:
 def check_rendering() -> None:
     """Draw a small picture in a process of its own. UsageError: it failed, with what cures it.
 
-    Where system libraries are missing, VTK ends its process without a word.
-    """
+    Where system libraries are missing, VTK ends its process without a word."""
     environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
     try:
         probe = [sys.executable, "-P", "-c", PROBE]  # -P: nothing is imported from the current folder
@@ -98,17 +93,9 @@ def rendering_failure(reason: str) -> str:
 def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: float, palette: np.ndarray) -> None:
     """Write the images, (height, width, 3) bytes, heights and widths even, as a film; whole or not at all.
 
-    MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow.
-
-    Parameters
-    ----------
-    palette : (n, 3), bytes, n up to 256: the colours of a GIF, one palette for all frames, so that they keep their
-        meaning
-
-    Errors
-    ------
-    OSError: it can't be written.
-    """
+    MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow. OSError: it can't be written.
+    `palette` : (n, 3), bytes, n up to 256: the colours of a GIF, one palette for all frames, so that they keep their
+    meaning"""
     import imageio_ffmpeg
     from PIL import Image
 
@@ -143,8 +130,7 @@ def write_instant(run: "StoredRun", target: Path, sample: int) -> None:
     from meshes.export import write_fields
 
     instant = run.instant(sample)
-    points, data = fields(instant)
-    blocks, bodies = _cells(instant)
+    (points, data), (blocks, bodies) = fields(instant), _cells(instant)
     write_fields(target, points, blocks, data, {"body": bodies})
 
 
@@ -160,8 +146,7 @@ def write_series(run: "StoredRun", target: Path, samples: Sequence[int], count: 
 def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Points, (n, 2), m, and data at them: inner ring, outer ring, then the rollers; SI, fixed axes, single precision.
 
-    displacement (n, 3); stress (n, 9), the tensor by rows; von_mises, max_shear (n,)
-    """
+    displacement (n, 3); stress (n, 9), the tensor by rows; von_mises, max_shear (n,)"""
     from fem.elastic.bodies import max_shear, von_mises
     from fem.solver.elements.arrays import global_fields, rotated
 
@@ -171,19 +156,18 @@ def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     turned_ring = rotated(inner.points, instant.ring_turn) + instant.hub
     points = np.concatenate([turned_ring, rotated(outer.points, instant.outer_turn), rollers.reshape(-1, 2)])
     parts = [of_bodies[name] for name in ("inner_ring", "outer_ring", "roller")]
-    displacement = np.concatenate([moved.reshape(-1, 2) for moved, _ in parts])
-    stress = np.concatenate([strained.reshape(-1, 3) for _, strained in parts])
+    displacement, stress = (
+        np.concatenate([part[k].reshape(-1, width) for part in parts]) for k, width in enumerate((2, 3))
+    )
     count = [len(inner.points), len(outer.points), instant.roller_turn.size * len(disc.points)]
     poisson = np.repeat([body.material.poisson_ratio for body in (inner, outer, disc)], count)
     tensor = np.zeros((len(points), 3, 3))
     tensor[:, 0, 0], tensor[:, 1, 1], tensor[:, 0, 1] = stress.T
     tensor[:, 1, 0], tensor[:, 2, 2] = tensor[:, 0, 1], poisson * (tensor[:, 0, 0] + tensor[:, 1, 1])
     data = {
-        "displacement": np.column_stack([displacement, np.zeros(len(points))]),
-        "stress": tensor.reshape(-1, 9),
-        "von_mises": von_mises(stress, poisson),
-        "max_shear": max_shear(stress),
-    }
+        "displacement": np.pad(displacement, ((0, 0), (0, 1))), "stress": tensor.reshape(-1, 9),
+        "von_mises": von_mises(stress, poisson), "max_shear": max_shear(stress),
+    }  # fmt: skip
     return points, {name: values.astype(np.float32) for name, values in data.items()}
 
 
@@ -199,47 +183,37 @@ def _cells(instant: "Instant") -> tuple[list[np.ndarray], list[np.ndarray]]:
 
 def _write_vtkhdf(file: "h5py.File", run: "StoredRun", samples: Sequence[int], count: Callable[[], None]) -> None:
     """An unstructured grid whose cells stay and whose points move.
-
-    Source: VTK file formats, "VTKHDF", version 2.0, transient data.
-    """
+    Source: VTK file formats, "VTKHDF", version 2.0, transient data."""
     import h5py
 
     instant = run.instant(samples[0])
     blocks, bodies = _cells(instant)
     corners = np.concatenate([np.full(len(cells), cells.shape[1]) for cells in blocks])
-    n_points, kind = len(fields(instant)[0]), "UnstructuredGrid"
-    root = file.create_group("VTKHDF")
-    root.attrs["Version"] = (2, 0)
+    n_points, kind, n = len(fields(instant)[0]), "UnstructuredGrid", len(samples)
+    root, steps = file.create_group("VTKHDF"), file.create_group("VTKHDF/Steps")
+    root.attrs["Version"], steps.attrs["NSteps"] = (2, 0), n
     root.attrs.create("Type", kind.encode(), dtype=h5py.string_dtype("ascii", len(kind)))
-    for name, value in (
-        ("NumberOfPoints", [n_points]),
-        ("NumberOfCells", [len(corners)]),
+    moving, still = n_points * np.arange(n), np.zeros(n, dtype=np.int64)
+    for name, values in (
+        ("NumberOfPoints", [n_points]), ("NumberOfCells", [len(corners)]),
         ("NumberOfConnectivityIds", [int(corners.sum())]),
         ("Connectivity", np.concatenate([cells.ravel() for cells in blocks])),
         ("Offsets", np.concatenate([[0], np.cumsum(corners)])),
-    ):
-        root.create_dataset(name, data=np.asarray(value, dtype=np.int64))
-    root.create_dataset("Types", data=np.array([VTK_KINDS[k] for k in corners], dtype=np.uint8))
-    root.create_dataset("CellData/body", data=np.concatenate(bodies).astype(np.int32))
-
-    steps = root.create_group("Steps")
-    steps.attrs["NSteps"] = len(samples)
-    steps.create_dataset("Values", data=run.times[list(samples)])
-    moving, still = n_points * np.arange(len(samples)), np.zeros(len(samples), dtype=np.int64)
-    for name, value in (
-        ("PartOffsets", still), ("NumberOfParts", still + 1), ("PointOffsets", moving),
-        ("CellOffsets", still[:, None]), ("ConnectivityIdOffsets", still[:, None]), ("CellDataOffsets/body", still),
+        ("Types", np.array([VTK_KINDS[k] for k in corners], dtype=np.uint8)),
+        ("CellData/body", np.concatenate(bodies).astype(np.int32)),
+        ("Steps/Values", run.times[list(samples)]), ("Steps/PartOffsets", still), ("Steps/NumberOfParts", still + 1),
+        ("Steps/PointOffsets", moving), ("Steps/CellOffsets", still[:, None]),
+        ("Steps/ConnectivityIdOffsets", still[:, None]), ("Steps/CellDataOffsets/body", still),
     ):  # fmt: skip
-        steps.create_dataset(name, data=value)
+        root.create_dataset(name, data=np.asarray(values))
     for step, sample in enumerate(samples):
         points, data = fields(run.instant(sample))
-        rows = {"Points": np.column_stack([points, np.zeros(n_points)])}
+        rows = {"Points": np.pad(points, ((0, 0), (0, 1)))}
         rows |= {f"PointData/{name}": values for name, values in data.items()}
         for name, values in rows.items():
             if step == 0:
-                shape = (n_points * len(samples), *values.shape[1:])
                 packed = dict(chunks=values.shape, compression="gzip", compression_opts=4, shuffle=True)
-                root.create_dataset(name, shape=shape, dtype=values.dtype, **packed)
+                root.create_dataset(name, shape=(n_points * n, *values.shape[1:]), dtype=values.dtype, **packed)
                 if name != "Points":
                     steps.create_dataset(name.replace("PointData", "PointDataOffsets"), data=moving)
             root[name][step * n_points : (step + 1) * n_points] = values

@@ -21,10 +21,9 @@ Source: Flamant's solution in Muskhelishvili's potentials (φ = −F ln z/(2π))
 Johnson, Contact Mechanics (1985), (4.49), (7.8).
 """
 
-from dataclasses import dataclass
 from functools import cache
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -46,8 +45,7 @@ ACROSS = np.linspace(-1.0, 1.0, 41)
 FITTED_WITHIN = 2.2  # node spacings: there the smooth part is a straight function of position
 
 
-@dataclass(frozen=True, kw_only=True)
-class SurfaceLoad:
+class SurfaceLoad(NamedTuple):
     """A contact force on a body."""
 
     point: np.ndarray  # (2,), m, on the body's circle
@@ -58,20 +56,10 @@ class SurfaceLoad:
 
 def hertz_stress(points: np.ndarray, load: SurfaceLoad) -> np.ndarray:
     """Stress of a semi-elliptic pressure, and of a traction in proportion to it as in full slip.
-
-    Parameters
-    ----------
-    points : (n, 2), m
-
-    Returns
-    -------
-    (n, 3), Pa: xx, yy, xy
-
-    Errors
-    ------
-    Those of the half plane: (b/R)² of the peak near the contact. A point outside the body, as between a concave
-    surface and its tangent, is taken to lie on the surface.
-    """
+    `points` : (n, 2), m
+    Returns (n, 3), Pa: xx, yy, xy
+    Errors: Those of the half plane: (b/R)² of the peak near the contact. A point outside the body, as between a concave
+    surface and its tangent, is taken to lie on the surface."""
     b = load.half_width
     inward = complex(*load.inward)
     turn = 1j / inward  # brings the inward normal to +i
@@ -90,23 +78,12 @@ def spline_displacement(
     points: np.ndarray, load: SurfaceLoad, radius: float, spacing: float, material: Material
 ) -> np.ndarray:
     """Displacement by the smooth patch that the mesh carries a contact force as, up to a rigid motion.
-
-    Parameters
-    ----------
-    points : (n, 2), m, in the body, nearer than the circle's centre if it is concave: the solution is cut along the
-        outward normal
-    radius : float, m, of the surface; > 0 convex, < 0 concave
-    spacing : float, m, of the surface nodes: the patch is a cubic B-spline over four of them
-
-    Returns
-    -------
-    (n, 2), m
-
-    Errors
-    ------
-    1e-4 of the patch's field on the surface and half a spacing or more below it, where nodes are; in between the
-    quadrature misses more. The logarithm is exact.
-    """
+    `points` : (n, 2), m, in the body, nearer than the circle's centre if it is concave: the solution is cut along the
+    outward normal; `radius` : float, m, of the surface; > 0 convex, < 0 concave; `spacing` : float, m, of the surface
+    nodes: the patch is a cubic B-spline over four of them
+    Returns (n, 2), m
+    Errors: 1e-4 of the patch's field on the surface and half a spacing or more below it, where nodes are; in between
+    the quadrature misses more. The logarithm is exact."""
     inward, force = complex(*load.inward), complex(*load.force)
     position = points[:, 0] + 1j * points[:, 1]
     from_centre = (position - complex(*load.point)) / (-radius * inward) + 1.0
@@ -146,8 +123,7 @@ def _spline_logarithm(z: np.ndarray) -> np.ndarray:
     return total
 
 
-@dataclass(frozen=True, kw_only=True)
-class BodyLoad:
+class BodyLoad(NamedTuple):
     """A contact force on a body, `load` in the body's axes: from its centre, not turned with it."""
 
     body: int
@@ -159,8 +135,7 @@ class BodyLoad:
     is_rigid: bool  # the body has no stress
 
     @property
-    def is_resolved(self) -> bool:
-        """Whether the mesh carries the true pressure: there is nothing to exchange."""
+    def is_resolved(self) -> bool:  # whether the mesh carries the true pressure: there is nothing to exchange
         return self.spacing is None
 
     def share(self, points: np.ndarray) -> np.ndarray:
@@ -168,8 +143,7 @@ class BodyLoad:
 
         On rollers it is made everywhere: what the mesh is left with is then smooth throughout. On rings it fades out
         with the distance from the contact; far away the two fields agree, and around the outer ring they can't be
-        continued.
-        """
+        continued."""
         if self.is_resolved or self.is_rigid:
             return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
@@ -182,25 +156,18 @@ class BodyLoad:
 def contact_loads(instant: Instant) -> list[BodyLoad]:
     """All contact forces on all bodies, two for each contact."""
     model, n, loads = instant.model, instant.model.bearing.n_rollers, []
+    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
+    shapes = (  # body, radius (convex above 0), surface nodes
+        (inner, inner.raceway_radius, inner.n_sectors), (outer, -outer.raceway_radius, outer.n_sectors),
+        (disc, disc.shape.radius, disc.shape.surface_nodes),
+    )  # fmt: skip
 
     def add(kind: str, roller: int, body: int, angle: float, force: np.ndarray, half_width: float) -> None:
-        shape = model.inner_ring if body == INNER_RING else model.outer_ring if body == OUTER_RING else model.roller
-        radius, nodes = (
-            (shape.shape.radius, shape.shape.surface_nodes) if body >= FIRST_ROLLER
-            else (shape.raceway_radius, shape.n_sectors)
-        )  # fmt: skip
-        convex, outward = -1.0 if body == OUTER_RING else 1.0, np.array([np.cos(angle), np.sin(angle)])
-        load = SurfaceLoad(
-            point=radius * outward, inward=-convex * outward, force=force / model.bearing.roller_length,
-            half_width=half_width,
-        )  # fmt: skip
-        spacing = model.smeared(2.0 * np.pi * radius / nodes, half_width)
-        loads.append(
-            BodyLoad(
-                body=body, kind=kind, roller=roller, load=load, radius=convex * radius, spacing=spacing,
-                is_rigid=shape.material.rigid,
-            )
-        )  # fmt: skip
+        (shape, radius, nodes), outward = shapes[min(body, FIRST_ROLLER)], np.array([np.cos(angle), np.sin(angle)])
+        load = SurfaceLoad(abs(radius) * outward, -np.sign(radius) * outward, force / model.bearing.roller_length,
+                           half_width)  # fmt: skip
+        spacing = model.smeared(2.0 * np.pi * abs(radius) / nodes, half_width)
+        loads.append(BodyLoad(body, kind, roller, load, radius, spacing, shape.material.rigid))
 
     for kind, body, sign in (("inner", INNER_RING, 1.0), ("outer", OUTER_RING, -1.0)):
         angles, forces, tractions = (getattr(instant, f"{kind}_{name}") for name in ("angle", "force", "traction"))
@@ -239,11 +206,7 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
 
 def add_hertz(stress: np.ndarray, points: np.ndarray, body: np.ndarray, loads: list[BodyLoad]) -> None:
     """Add the contacts' own fields to a smooth stress, in place.
-
-    Parameters
-    ----------
-    stress : (n, 3), Pa; points : (n, 2), m, from the bodies' centres; body : (n,), numbers
-    """
+    `stress` : (n, 3), Pa; points : (n, 2), m, from the bodies' centres; body : (n,), numbers"""
     for item in loads:
         at = np.flatnonzero(body == item.body)
         share = item.share(points[at])
@@ -251,8 +214,7 @@ def add_hertz(stress: np.ndarray, points: np.ndarray, body: np.ndarray, loads: l
         stress[at] += share[:, None] * hertz_stress(points[at], item.load)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShearPeak:
+class ShearPeak(NamedTuple):
     """The largest shear stress below one contact of one body, and what Hertz's theory says of the contact."""
 
     shear: float  # Pa, in the plane
@@ -265,8 +227,7 @@ class ShearPeak:
 def shear_peak(drawn: "DrawnBearing", item: BodyLoad) -> ShearPeak:
     """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
 
-    A mesh that resolves the contact is searched itself, node by node.
-    """
+    A mesh that resolves the contact is searched itself, node by node."""
     load, b = item.load, item.load.half_width
     at = np.flatnonzero(drawn.body == item.body)
     nodes = drawn.local[at] - load.point
@@ -286,7 +247,6 @@ def shear_peak(drawn: "DrawnBearing", item: BodyLoad) -> ShearPeak:
         smooth = wanted @ np.linalg.lstsq(matrix, drawn.smooth_stress[at[near]], rcond=None)[0]
         shear = max_shear(smooth + hertz_stress(points, load))
     k = int(np.argmax(shear))
-    pressure = 2.0 * float(np.hypot(*load.force)) / (pi * b)
     return ShearPeak(
-        shear=float(shear[k]), depth=float(depth[k]), across=float(across[k]), pressure=pressure, half_width=b
+        float(shear[k]), float(depth[k]), float(across[k]), 2.0 * float(np.hypot(*load.force)) / (pi * b), b
     )

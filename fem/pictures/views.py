@@ -17,30 +17,9 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from fem.pictures.bodies import (
-    Drawing,
-    DrawnBearing,
-    chart_factor,
-    charts,
-    drawn_bearing,
-    holes,
-    rounded_down,
-    unequal_rollers,
-)
-from fem.pictures.canvas import (
-    ASPECT,
-    FAULT,
-    INK,
-    QUIET,
-    Canvas,
-    Panel,
-    View,
-    arc,
-    arrow,
-    box,
-    cross,
-    turning_arrow,
-)  # fmt: skip
+from fem.pictures import bodies, canvas
+from fem.pictures.bodies import Drawing, DrawnBearing, drawn_bearing, rounded_down
+from fem.pictures.canvas import ASPECT, FAULT, INK, QUIET, Panel, View, arc, arrow
 from fem.pictures.look import Look, Request, Scale, chosen_look
 from fem.pictures.output import MARK
 from fem.pictures.recover import Instant, StoredRun
@@ -75,18 +54,14 @@ class Sketch(Drawing):
 
 class Renderer:
     """Draws samples of a run with scales that fit all of those it is made for; use as a context manager.
-
-    Errors
-    ------
-    UsageError: the request does not suit the run, the run is damaged.
-    """
+    UsageError: the request does not suit the run, the run is damaged."""
 
     def __init__(self, run: StoredRun, request: Request, samples: Sequence[int], pace: str = ""):
         self._run, self.look = run, chosen_look(run, request, samples, pace)
         self._paint, views = _paint_closeup, [CLOSEUP, ROLLER, *CONTACTS]
         if request.view == "bearing":
             self._paint, views = _paint_bearing, [PAGE, *_orbit_view(self.look)]
-        self._canvas = Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), views)
+        self._canvas = canvas.Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), views)
 
     @property
     def palette(self) -> np.ndarray:
@@ -103,10 +78,9 @@ class Renderer:
 
     def image(self, sample: int) -> np.ndarray:
         """(height, width, 3) bytes."""
-        instant = self._run.instant(sample)
-        drawn, look = drawn_bearing(instant), self.look
+        instant, look = self._run.instant(sample), self.look
         self._canvas.clear()
-        sketch = Sketch(instant=instant, drawn=drawn, magnification=look.magnification, look=look)
+        sketch = Sketch(instant=instant, drawn=drawn_bearing(instant), magnification=look.magnification, look=look)
         self._paint(sketch, *self._canvas.panels)
         return self._canvas.image()
 
@@ -118,12 +92,8 @@ class Renderer:
 
 
 def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
-    """Write one picture as PNG; its text names the run and says what is shown.
-
-    Errors
-    ------
-    OSError: `target` can't be written. UsageError: as `Renderer`.
-    """
+    """Write one picture as PNG; its text names the run and says what is shown. OSError: `target` can't be written.
+    UsageError: as `Renderer`."""
     with Renderer(run, request, [sample]) as renderer:
         image, look = renderer.image(sample), renderer.look
     seen = "the whole bearing" if request.view == "bearing" else f"roller {look.roller} in its contacts"
@@ -141,24 +111,20 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
 # ---- what stands beside pictures of both kinds
 
 
-def _signed(value: float) -> str:
-    """A number with a true minus sign, and no negative zero."""
+def _signed(value: float) -> str:  # A number with a true minus sign, and no negative zero
     return f"{value + 0.0:g}".replace("-", "−")
 
 
 def _title(page: Panel, sketch: Sketch, x: float, y: float, below: float, method_below: float | None = None) -> None:
     """Name, time, operation, model and damping; an animation's pace.
-
-    `below` : how far below the title facts stand; `method_below`: and model and damping in a line of their own
-    """
+    `below` : how far below the title facts stand; `method_below`: and model and damping in a line of their own"""
     instant, bearing = sketch.instant, sketch.bearing
-    scene, operation, numerics = instant.scene, instant.operation, instant.scene.numerics
+    scene, operation, ramp = instant.scene, instant.operation, 1e-3 * instant.scene.numerics.load_ramp_ms
     page.text(f"{scene.name}:  t = {1e3 * instant.time:.6g} ms", x, y, TITLE, bold=True)
     whole = load_factor(bearing) * operation.radial_load  # of the bearing
     load = f"W = {whole:.6g} N"
-    if numerics.start == "rest" and 1e3 * instant.time < numerics.load_ramp_ms:
-        share = load_share(instant.time, 1e-3 * numerics.load_ramp_ms)
-        load = f"W = {share * whole:.4g} N of {whole:.6g} N"
+    if scene.numerics.start == "rest" and instant.time < ramp:
+        load = f"W = {load_share(instant.time, ramp) * whole:.4g} N of {whole:.6g} N"
     rpm = round(operation.speed / RPM, 1) if scene.operation.speed_table else scene.operation.speed_rpm
     turning = f"n = {_signed(rpm)} rpm"
     if operation.outer_speed:
@@ -176,26 +142,13 @@ def _title(page: Panel, sketch: Sketch, x: float, y: float, below: float, method
     page.text("   ".join([*facts, sketch.look.pace]).rstrip(), x, y - below, HEADING)
 
 
-def _colour_bar(page: Panel, scale: Scale, x: float, bottom: float, top: float, width: float) -> None:
-    """The colour bar with its ticks."""
-    unit, n = 0.0005 * page.view.tall, 65
-    y, k = np.linspace(bottom, top, n), np.arange(n - 1)
-    points = np.concatenate([np.column_stack([np.full(n, at), y]) for at in (x, x + width)])
-    values = np.tile(np.linspace(*scale.limits, n), 2)
-    page.field(points, np.column_stack([k, n + k, n + k + 1, k + 1]), values, scale.limits, scale.colours)
-    page.stroke(box((x + 0.5 * width, 0.5 * (bottom + top)), 0.5 * width, 0.5 * (top - bottom)), QUIET, 1.2)
-    for share, label in scale.ticks():
-        at = bottom + share * (top - bottom)
-        page.stroke(np.array([(x + width, at), (x + width + 15 * unit, at)]), QUIET, 1.2)
-        page.text(label, x + width + 30 * unit, at, TEXT)
-
-
 def _length_bar(page: Panel, x: float, y: float, unit: float, longest: float = 0.5, backed: bool = False) -> None:
     """A bar of a round length; `unit`, mm, is what one length of the plane stands for; `backed`: on a white ground."""
     length = rounded_down(longest * unit)
     end, tip = x + length / unit, TIP * page.view.tall / (page.view.top - page.view.bottom)
     if backed:
-        page.fill(box((0.5 * (x + end) + 0.25 * tip, y), 0.5 * (end - x) + 1.25 * tip, 2.0 * tip)[:-1], "white", 0.75)
+        middle = 0.5 * (x + end) + 0.25 * tip, y
+        page.fill(canvas.box(middle, 0.5 * (end - x) + 1.25 * tip, 2.0 * tip), "white", 0.75)
     ends = [np.array([(at, y - tip), (at, y + tip)]) for at in (x, end)]
     page.stroke([np.array([(x, y), (end, y)]), *ends], INK, 3.0)
     page.text(f"{length:g} mm", end + 2.0 * tip, y, TEXT, backed=backed)
@@ -209,6 +162,10 @@ def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, a
     return y
 
 
+def _unit(angle) -> np.ndarray:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
 # ---- the whole bearing
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
@@ -220,7 +177,6 @@ BAR = 0.34  # of a roller's radius: half a cage's bar across the pitch circle
 BAR_POINTS, WALL_POINTS = 12, 24  # of an arc, of a pocket's wall
 HOUSING_RADIUS, THINNEST_HOUSING = 1.09, 0.01
 ARROW_WIDTH = 0.017
-ROLLERS_ABOVE = 5e-4
 NAME = 18.0  # pixels
 DOT = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 EDGE, TOP = -1.18, 1.325  # of the title, outside radii
@@ -238,10 +194,8 @@ def _orbit_view(look: Look) -> list[View]:
     wide, tall = PAGE.tall * ASPECT, PAGE.tall
     x, y = (left - PAGE.middle[0]) / wide + 0.5, (bottom - PAGE.middle[1]) / tall + 0.5
     low, high = look.orbit.min(axis=0), look.orbit.max(axis=0)
-    return [
-        View(left=x, bottom=y, right=x + size / wide, top=y + size / tall,
-             middle=tuple(0.5 * (low + high)), tall=ORBIT_MARGIN * max(high - low))
-    ]  # fmt: skip
+    middle, extent = tuple(0.5 * (low + high)), ORBIT_MARGIN * max(high - low)
+    return [View(left=x, bottom=y, right=x + size / wide, top=y + size / tall, middle=middle, tall=extent)]
 
 
 def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
@@ -249,18 +203,17 @@ def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
     unit, magnification = bearing.outside_radius, sketch.magnification
     plane = page.placed(lambda points: np.asarray(points) / unit)  # for lengths in m
     _housing(page, sketch)
-    cage = bars(instant)
-    if cage:
+    if cage := bars(instant):
         plane.fill(cage, CAGE)
         plane.stroke([np.concatenate([bar, bar[:1]]) for bar in cage], INK, OUTLINE)
     fine = drawn.refined(FINEST * PIXEL * unit, COARSEST * unit, RELATIVE)
-    above = ROLLERS_ABOVE * (fine.body >= FIRST_ROLLER)  # where one lies in a spall, magnified, it overlaps the ring
-    scale = look.scale
-    plane.field(fine.points(magnification), fine.triangles, scale.values(fine), scale.limits, scale.colours, above)
+    values, rollers = look.scale.values(fine), fine.body[fine.triangles[:, 0]] >= FIRST_ROLLER
+    for part in (~rollers, rollers):  # above: where one lies in a spall, magnified, it overlaps the ring
+        plane.field(fine.points(magnification), fine.triangles[part], values, look.scale)
     if drawn.spacing > FINEST_WIRES * PIXEL * unit:
-        plane.edges(drawn.points(magnification), drawn.inner_edges(), WIRE, 0.22)
+        plane.stroke(drawn.points(magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
     hub = sketch.hub / unit
-    page.fill(arc(hub, bearing.core_radius / unit)[:-1], SHAFT)
+    page.fill(arc(hub, bearing.core_radius / unit), SHAFT)
     plane.stroke([*drawn.outlines(magnification), arc(sketch.hub, bearing.core_radius)], INK, OUTLINE)
     _surfaces(plane, sketch)
     _dots(plane, sketch)
@@ -269,10 +222,10 @@ def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
     for tails, forces in contact_forces(instant):
         for start, vector in zip(sketch.centres + tails, look.arrow_length * forces, strict=True):
             if np.hypot(*vector) >= 0.5 * ARROW_WIDTH * unit:
-                arrows.append((start / unit, (start + vector) / unit))
+                arrows.append((start / unit, (start + vector) / unit, ARROW_WIDTH))
     if arrows:
-        page.fill([arrow(*ends, ARROW_WIDTH, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
-        page.fill([arrow(*ends, ARROW_WIDTH) for ends in arrows], FORCE)
+        page.fill([arrow(*ends, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
+        page.fill([arrow(*ends) for ends in arrows], FORCE)
     _legend(page, sketch)
     for panel in inset:
         _orbit(page, panel, sketch)
@@ -299,8 +252,7 @@ def _housing(page: Panel, sketch: Sketch) -> None:
 def bars(instant: Instant) -> list[np.ndarray]:
     """Outlines of the cage's bars between the rollers, (n, 2), m; none without a cage.
 
-    They are drawn where they are: a cage's play is a thousand times the bodies' displacements, and is not magnified.
-    """
+    They are drawn where they are: a cage's play is a thousand times the bodies' displacements, and is not magnified."""
     facts, bearing = instant.scene.ideal_cage(), instant.model.bearing
     if facts is None or instant.cage is None:
         return []
@@ -326,23 +278,22 @@ def bars(instant: Instant) -> list[np.ndarray]:
 def _surfaces(plane: Panel, sketch: Sketch) -> None:
     """Holes where spalls are, roundness charts of waves, and the names of both and of unequal rollers."""
     names = []
-    for hole in holes(sketch, OUTLINE * PIXEL * sketch.bearing.outside_radius, as_reached=True):
+    for hole in bodies.holes(sketch, OUTLINE * PIXEL * sketch.bearing.outside_radius, as_reached=True):
         plane.strip(hole.top, hole.bottom, "white")
         plane.stroke(hole.edge, FAULT, 3.5)
         names.append((hole.name, hole.place))
-    for chart in charts(sketch):
+    for chart in bodies.charts(sketch):
         plane.stroke(chart.circle, "white", 1.0, opacity=0.8)
         plane.stroke(chart.curve, FAULT, 2.5)
         names.append((chart.name, chart.place))
-    for roller, name in unequal_rollers(sketch):
+    for roller, name in bodies.unequal_rollers(sketch):
         plane.stroke(arc(roller.centre, roller.radius), FAULT, 4.0)
         names.append((name, roller.name_place()))
     for name, place in names:
         plane.text(name, *place, NAME, backed=True, align="center")
 
 
-def _dots(plane: Panel, sketch: Sketch) -> None:
-    """Dots that turn with the rollers and the rings that turn."""
+def _dots(plane: Panel, sketch: Sketch) -> None:  # dots that turn with the rollers and the rings that turn
     instant, bearing = sketch.instant, sketch.bearing
     if not any(instant.operation.ring_speeds):
         return
@@ -352,30 +303,25 @@ def _dots(plane: Panel, sketch: Sketch) -> None:
     ]
     if instant.operation.outer_speed != 0.0:
         places.append(0.5 * (bearing.outer_raceway_radius + bearing.outside_radius) * _unit(instant.outer_turn))
-    size = DOT[1] * bearing.roller_radius
-    plane.fill([arc(place, 1.35 * size)[:-1] for place in places], INK)
-    plane.fill([arc(place, size)[:-1] for place in places], "white")
-
-
-def _unit(angle) -> np.ndarray:
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    for size, colour in ((1.35, INK), (1.0, "white")):
+        plane.fill([arc(place, size * DOT[1] * bearing.roller_radius) for place in places], colour)
 
 
 def _shaft(page: Panel, sketch: Sketch, hub: np.ndarray, bore: float) -> None:
     """The hub's centre, the outer ring's centre, the load and how both rings turn."""
     operation, size = sketch.instant.operation, min(27.0, 75.0 * bore)
-    page.stroke(cross((0.0, 0.0), 0.16 * bore), FAINT, 1.5)
+    page.stroke(canvas.cross((0.0, 0.0), 0.16 * bore), FAINT, 1.5)
     if operation.radial_load > 0.0:
         page.fill(arrow(hub, hub + np.array([0.0, -0.80 * bore]), 0.075 * bore), INK)
         page.text("W", hub[0] + 0.16 * bore, hub[1] - 0.55 * bore, size, bold=True)
-    page.fill(arc(hub, 0.05 * bore)[:-1], INK)
+    page.fill(arc(hub, 0.05 * bore), INK)
     for speed, place, low, width in (
         (operation.speed, (hub, 0.78 * bore), 0.28, 0.05 * bore),
         (operation.outer_speed, ((0.0, 0.0), HOUSING_RADIUS + 0.035), 0.42, 0.016),
     ):
         if speed != 0.0:
             ends = (pi * low, pi * (1.0 - low))[:: 1 if speed > 0.0 else -1]
-            turning_arrow(page, *place, *ends, width)
+            canvas.turning_arrow(page, *place, *ends, width)
     if operation.speed != 0.0:
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
 
@@ -398,11 +344,12 @@ def _legend(page: Panel, sketch: Sketch) -> None:
     instant, look, bearing = sketch.instant, sketch.look, sketch.bearing
     _title(page, sketch, EDGE, TOP, 0.105)
     page.text(f"{look.scale.title}, {look.scale.unit}", COLUMN, COLOUR_BAR[1] + 0.10, HEADING, bold=True)
-    _colour_bar(page, look.scale, COLUMN, *COLOUR_BAR)
+    page.colour_bar(look.scale, COLUMN, *COLOUR_BAR)
+    forces = instant.inner_force, instant.outer_force, instant.roller_force
     if look.scale.field == "displacement":
         notes = ["from undeformed parts that just touch", ""]
     else:
-        note, forces = instant.model.stress_note, (instant.inner_force, instant.outer_force, instant.roller_force)
+        note = instant.model.stress_note
         pressure, roller, kind = max(
             (law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind)
             for law, force, kind in zip(instant.model.laws, forces, ("inner", "outer", "next"), strict=True)
@@ -419,14 +366,13 @@ def _legend(page: Panel, sketch: Sketch) -> None:
     facts += [f"{name} {1e6 * abs(gap):.3g} µm, magnified too" for gap, name in gaps]
     if spalls(bearing):
         facts.append("spalls: depth that rollers reach")
-    if (factor := chart_factor(bearing)) is not None:
+    if (factor := bodies.chart_factor(bearing)) is not None:
         facts.append(f"heights from white circles × {factor:g}")
     y = _texts(page, COLUMN, COLOUR_BAR[0] - 0.12, notes, TEXT, LINE)
     for heading, lines in ((f"Displacement × {look.magnification:g}", facts), ("Contact force on the rollers", ())):
         page.text(heading, COLUMN, y - 0.055, HEADING, bold=True)
         y = _texts(page, COLUMN, y - 0.055 - 1.15 * LINE, lines, TEXT, LINE)
-    largest = max(instant.inner_force.max(), instant.outer_force.max(), instant.roller_force.max())
-    if largest > 0.0:
+    if (largest := max(force.max() for force in forces)) > 0.0:
         force = rounded_down(look.largest_force)
         end = COLUMN + force * look.arrow_length / bearing.outside_radius
         page.fill(arrow((COLUMN, y), (end, y), ARROW_WIDTH), FORCE)
@@ -445,7 +391,7 @@ def _orbit(page: Panel, inset: Panel, sketch: Sketch) -> None:
     x, y, tall = left + size + 0.04, bottom + size - 0.05, inset.view.tall
     page.text("Hub's orbit", x, y, HEADING, bold=True)
     inset.stroke(sketch.look.orbit, "#7f7f7f", 1.2)
-    inset.fill(arc(1e6 * sketch.instant.hub, 0.035 * tall)[:-1], ORBIT_DOT)
+    inset.fill(arc(1e6 * sketch.instant.hub, 0.035 * tall), ORBIT_DOT)
     inset.frame()
     length = rounded_down(0.5 * tall)
     y -= 1.3 * LINE
@@ -495,14 +441,13 @@ def _paint_closeup(sketch: Sketch, page: Panel, main: Panel, *contacts: Panel) -
     page.text(look.scale.title, BARS[0][0], 0.965, HEADING, bold=True)
     for scale, (x, bottom, top) in zip((look.scale, look.contact_scale), BARS, strict=True):
         page.text(scale.unit, x, top + 0.035, HEADING, bold=True)
-        _colour_bar(page, scale, x, bottom, top, BAR_WIDTH)
+        page.colour_bar(scale, x, bottom, top, BAR_WIDTH)
     if look.scale.field != "displacement":
         lines = ["half plane:", f"{LARGEST_SHEAR:.3f} p₀,", f"{AT_DEPTH:.2f} b deep"]
         _texts(page, BARS[1][0], BARS[1][1] - 0.035, lines, FACTS, FACTS_APART)
 
 
-def _direction(sketch: Sketch, kind: str) -> float:
-    """From the ring's centre to the roller's, rad."""
+def _direction(sketch: Sketch, kind: str) -> float:  # from the ring's centre to the roller's, rad
     return getattr(sketch.instant, f"{kind}_angle")[sketch.look.roller]
 
 
@@ -528,23 +473,22 @@ def _turned(panel: Panel, sketch: Sketch, origin: np.ndarray, unit: float) -> Pa
 
 def _bodies(plane: Panel, sketch: Sketch, fine: DrawnBearing, scale: Scale, unit: float) -> None:
     """Coloured bodies and their outlines."""
-    plane.field(fine.points(sketch.magnification), fine.triangles, scale.values(fine), scale.limits, scale.colours)
+    plane.field(fine.points(sketch.magnification), fine.triangles, scale.values(fine), scale)
     plane.stroke(sketch.drawn.outlines(sketch.magnification), INK, RIM)
     margin = RIM * unit * plane.view.tall / (1200.0 * (plane.view.top - plane.view.bottom))
-    for hole in holes(sketch, margin, as_reached=False):
+    for hole in bodies.holes(sketch, margin, as_reached=False):
         plane.strip(hole.top, hole.bottom, "white")
         plane.stroke(hole.edge, FAULT, 2.0 * RIM)
 
 
-def _roller(main: Panel, sketch: Sketch) -> None:
-    """The whole roller, with the mesh and the bodies' names."""
+def _roller(main: Panel, sketch: Sketch) -> None:  # the whole roller, with the mesh and the bodies' names
     drawn, radius, j = sketch.drawn, sketch.bearing.roller_radius, sketch.look.roller
     centre = drawn.roller_reference[j]
     plane = _turned(main, sketch, centre, radius)
     fine = drawn.near(centre, REACH * radius).refined(FINEST_ROLLER * radius, COARSEST_ROLLER * radius, RELATIVE)
     _bodies(plane, sketch, fine, sketch.look.scale, radius)
     if drawn.spacing > FINEST_WIRES * ROLLER.tall / (1200.0 * ROLLER.top) * radius:
-        plane.edges(drawn.points(sketch.magnification), drawn.inner_edges(), WIRE, 0.25)
+        plane.stroke(drawn.points(sketch.magnification)[drawn.inner_edges()], "white", WIRE, 0.25)
     left, tall = -0.48 * main.wide, ROLLER.tall
     angle = (np.degrees(_direction(sketch, "outer")) + 90.0 + 180.0) % 360.0 - 180.0
     name = f"roller {j}, {_signed(round(angle, 1))}° from the load"
@@ -569,4 +513,4 @@ def _contact(panel: Panel, sketch: Sketch, kind: str, peaks: list[tuple[BodyLoad
         half = peak.half_width / b
         panel.stroke(np.array([[-half, 0.0], [half, 0.0]]), "white", 5.0)
         for colour, pixels in ((INK, 5.0), ("white", 2.5)):
-            panel.stroke(cross((0.0, upright * peak.depth / b), CROSS), colour, pixels)
+            panel.stroke(canvas.cross((0.0, upright * peak.depth / b), CROSS), colour, pixels)

@@ -6,8 +6,8 @@
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import degrees, nan, pi, sin, sqrt
-from typing import TYPE_CHECKING, Any
+from math import degrees, nan, pi, sin
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,16 +15,7 @@ from lagrange import BallBearing, Operation, contact_laws
 from lagrange.axial import Axial
 from lagrange.bearing import load_factor, stiffness_factor
 from lagrange.catalogue import dimension_series, listed, width_of
-from lagrange.contact.hertz import (
-    FATIGUE,
-    PERMITTED,
-    PERMITTED_OF_BALLS,
-    LineContact,
-    Pair,
-    ball_pressure,
-    contact_pairs,
-    line_contact,
-)
+from lagrange.contact import hertz
 from lagrange.first_state import equilibrium_state
 from lagrange.fits import OperatingClearance, growths, outer_growth
 from lagrange.kinematics import kinematics
@@ -46,11 +37,11 @@ INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 PLANE = "rollers do not tilt: the scene has no [axial]"
+BENDS = "[support]: elastic rings need an outer ring held all around"
 NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Options:
+class Options(NamedTuple):
     """What a scene doesn't say."""
 
     name: str | None = None  # of the rating; None: the scene's
@@ -99,27 +90,23 @@ class Case:
     @cached_property
     def on_bearing(self) -> Operation:
         """The operation with what loads the bearing alone: without what the shaft's springs carry."""
-        operation, shaft = self.operation, self.mounting.shaft
-        if shaft is not None:
+        side, down = self.operation.side_load, self.operation.radial_load
+        if (shaft := self.mounting.shaft) is not None:
             try:
-                state = equilibrium_state(self.bearing, operation, self.laws).state
+                state = equilibrium_state(self.bearing, self.operation, self.laws).state
             except RuntimeError as error:
                 raise Unavailable(str(error)) from None
-            aside, up = (-shaft.stiffness * float(place) for place in (state.x + state.ring_x, state.y + state.ring_y))
-            operation = replace(
-                operation, side_load=operation.side_load + aside, radial_load=operation.radial_load - up
-            )
-        return replace(operation, mounting=HELD)
+            side -= shaft.stiffness * float(state.x + state.ring_x)
+            down += shaft.stiffness * float(state.y + state.ring_y)
+        return replace(self.operation, side_load=side, radial_load=down, mounting=HELD)
 
     @cached_property
-    def static_load(self) -> float:
-        """At t = 0, weight of shaft and ring included, N."""
+    def static_load(self) -> float:  # at t = 0, weight of shaft and ring included, N
         acting = self.on_bearing
         return load_factor(self.bearing) * float(np.hypot(acting.side_load, acting.radial_load + self.weight))
 
     @cached_property
-    def cycle(self) -> DutyCycle | None:
-        """Given, or of a load or speed that changes with time."""
+    def cycle(self) -> DutyCycle | None:  # given, or of a load or speed that changes with time
         if self.options.run is not None:
             return self.options.run.cycle
         if self.options.cycle is not None or self.history is None or self.history.is_steady:
@@ -133,33 +120,29 @@ class Case:
         return DutyCycle(loads=load_factor(self.bearing) * load, speeds=speeds, shares=np.ones(INSTANTS))
 
     @cached_property
-    def load(self) -> float:
-        """P, N."""
+    def load(self) -> float:  # P, N
         return self.static_load if self.cycle is None else self.cycle.load(self.exponent)
 
     @cached_property
-    def largest_load(self) -> float:
-        """P0, N."""
+    def largest_load(self) -> float:  # P0, N
         return self.static_load if self.cycle is None else self.cycle.largest_load
 
     @cached_property
-    def section_load(self) -> float:
-        """What P is of one row's section, N: P/(i cos α)."""
+    def section_load(self) -> float:  # what P is of one row's section, N: P/(i cos α)
         return positive(self.load, "no load on the rollers") / load_factor(self.bearing)
 
     @cached_property
-    def rpm(self) -> float:
-        """Of one ring against the other."""
+    def rpm(self) -> float:  # of one ring against the other
         return abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed
 
     @cached_property
-    def viscosity(self) -> float:
-        """Kinematic, mm²/s."""
+    def viscosity(self) -> float:  # Kinematic, mm²/s
         if self.options.viscosity is not None:
             return self.options.viscosity
-        if self.scene.lubricant is None:
-            raise Unavailable("no viscosity: the scene has no [lubricant]; or give --viscosity in mm²/s")
-        return 1e6 * self.scene.lubricant.viscosity_Pa_s / self.options.oil_density
+        oil = self.scene.lubricant or _refuse(
+            "no viscosity: the scene has no [lubricant]; or give --viscosity in mm²/s"
+        )
+        return 1e6 * oil.viscosity_Pa_s / self.options.oil_density
 
     @cached_property
     def kappa(self) -> float:
@@ -176,8 +159,7 @@ class Case:
         return life.life_modification(self.kappa, ratio, self.balls)
 
     @cached_property
-    def profile(self) -> bool | np.ndarray:
-        """As `rigid_loads` takes it: the standard's without [axial]."""
+    def profile(self) -> bool | np.ndarray:  # as `rigid_loads` takes it: the standard's without [axial]
         if self.axial is None:
             return True
         axial, z = self.axial, 1e-3 * reference_life.positions(self.row)
@@ -188,9 +170,7 @@ class Case:
         self, first: float = 0.0, slope: float | None = None, profile: bool | None = None, load: float | None = None
     ) -> LaminaLoads:
         """The standard's load distribution, roller 0 at an angle from the load, rad.
-
-        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : N, None: P
-        """
+        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : N, None: P"""
         return reference_life.rigid_loads(
             self.row, self.section_load if load is None else load / load_factor(self.bearing),
             2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
@@ -201,30 +181,21 @@ class Case:
     def rigid(self) -> LaminaLoads:
         return self.rigid_at()
 
-    def rigid_pitch(self) -> np.ndarray:
-        """The standard's loads at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
-        firsts = 2.0 * pi / self.row.rollers * np.arange(POSITIONS) / POSITIONS
-        return np.concatenate([self.rigid_at(at).loads for at in firsts])
-
     def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
         """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
-        if self.axial is not None:
-            if elastic:
-                self.refuse_bending()
-            return self.tilted_under(operation, elastic).pitch
-        return self.plane_under(operation, elastic, samples)
-
-    def refuse_bending(self) -> None:
-        """Unavailable: the outer ring is not held all around."""
-        if self.bends:
-            raise Unavailable("[support]: elastic rings need an outer ring held all around")
+        if self.axial is None:
+            return self.plane_under(operation, elastic, samples)
+        if elastic and self.bends:
+            raise Unavailable(BENDS)
+        return self.tilted_under(operation, elastic).pitch
 
     def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
         """The same with parallel axes."""
         damping = self.scene.damping.contacts
         bearing = under_films(self.scene.perfect_bearing(), self.scene.films(operation))
         if elastic:
-            self.refuse_bending()
+            if self.bends:
+                raise Unavailable(BENDS)
             from fem.rating.equilibria import elastic_pitch
 
             return elastic_pitch(bearing, operation, damping, samples)
@@ -249,31 +220,16 @@ class Case:
         return self.under(self.on_bearing, False)
 
     @property
-    def pitch(self) -> Pitch:
-        """By the contacts of the scene's model."""
+    def pitch(self) -> Pitch:  # by the contacts of the scene's model
         return self.lagrangian if self.scene.model == "lagrange" else self.elastic
 
-    @property
-    def contacts(self) -> str:
-        """Which those are, in words."""
-        law = f"rigid rings on the contact law {self.scene.lagrange.law}"
-        return law if self.scene.model == "lagrange" else "elastic rings and rollers"
-
     @cached_property
-    def tilted(self) -> "TiltedPitch":
-        """By the contacts of the scene's model."""
+    def tilted(self) -> "TiltedPitch":  # by the contacts of the scene's model
         return self.tilted_under(self.on_bearing, elastic=self.scene.model != "lagrange")
-
-    def lives_by_slope(self) -> dict[str, float]:
-        """L10r, 10⁶ revolutions, by misalignment in mrad."""
-        if self.axial is None:
-            raise Unavailable(PLANE)
-        return {f"{slope:g} mrad": self.reference_life(self.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}
 
     @cached_property
     def oscillation(self) -> str:
         """Words on a swing of the rings in which rollers do not reach their neighbours' tracks; empty: there is none.
-
         Source: Harris, Rolling Bearing Analysis: critical amplitude 360°/(Z (1 − γ)) either way, of the outer raceway.
         """
         duration, history = 1e-3 * self.scene.numerics.duration_ms, self.history
@@ -290,52 +246,47 @@ class Case:
         )
 
     @property
-    def line_contacts(self) -> tuple[Pair, Pair, Pair]:
+    def line_contacts(self) -> tuple[hertz.Pair, hertz.Pair, hertz.Pair]:
         if isinstance(self.bearing, BallBearing):
             raise Unavailable("stresses and films are those of line contacts; this bearing has balls")
-        return contact_pairs(self.bearing)
+        return hertz.contact_pairs(self.bearing)
 
     @property
-    def largest_forces(self) -> tuple[float, float]:
-        """At inner and outer raceway over the pitch, N."""
+    def largest_forces(self) -> tuple[float, float]:  # at inner and outer raceway over the pitch, N
         return float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
 
     @cached_property
-    def stressed(self) -> dict[str, LineContact]:
-        """The most loaded contact of each raceway over the pitch."""
+    def stressed(self) -> dict[str, hertz.LineContact]:  # the most loaded contact of each raceway over the pitch
         pairs = self.line_contacts[:2]
         forces = self.largest_forces if self.axial is None else [self.tilted.peaks[pair.kind] for pair in pairs]
-        return {pair.kind: line_contact(pair, force) for pair, force in zip(pairs, forces, strict=True)}
+        return {pair.kind: hertz.line_contact(pair, force) for pair, force in zip(pairs, forces, strict=True)}
 
     @cached_property
-    def peak_pressure(self) -> float:
-        """Largest Hertz pressure of any contact over the pitch, Pa."""
+    def peak_pressure(self) -> float:  # largest Hertz pressure of any contact over the pitch, Pa
         if isinstance(self.bearing, BallBearing):
             inner, outer = self.largest_forces
-            return max(ball_pressure(self.bearing, "inner", inner), ball_pressure(self.bearing, "outer", outer))
+            return max(
+                hertz.ball_pressure(self.bearing, "inner", inner), hertz.ball_pressure(self.bearing, "outer", outer)
+            )
         return max(each.peak_pressure for each in self.stressed.values())
 
     @cached_property
-    def film(self) -> float:
-        """Least thickness at either raceway, m."""
-        if self.scene.lubricant is None:
-            raise Unavailable("no film: the scene has no [lubricant]")
+    def film(self) -> float:  # least thickness at either raceway, m
+        oil = (self.scene.lubricant or _refuse("no film: the scene has no [lubricant]")).lubricant()
         _ = self.line_contacts
-        forces, speeds, oil = self.largest_forces, (self.relative_speed, 0.0), self.scene.lubricant.lubricant()
+        forces, speeds = self.largest_forces, (self.relative_speed, 0.0)
         found = film_thicknesses(self.bearing, speeds, forces, oil) if min(forces) > 0.0 else ()
-        if not found:
-            raise Unavailable("the bearing does not turn or carries no load: no film forms")
-        return min(found)
+        return min(found or _refuse("the bearing does not turn or carries no load: no film forms"))
 
     def film_ratio(self) -> float:
         """λ."""
-        if self.options.roughness is None:
-            raise Unavailable("no roughness of the surfaces: give --roughness, rms of both together, in µm")
-        return 1e6 * self.film / self.options.roughness
+        roughness = self.options.roughness or _refuse(
+            "no roughness of the surfaces: give --roughness, rms of both together, in µm"
+        )
+        return 1e6 * self.film / roughness
 
     @property
-    def diameters(self) -> tuple[float, float]:
-        """d and D, mm; of a solid shaft its own."""
+    def diameters(self) -> tuple[float, float]:  # d and D, mm; of a solid shaft its own
         return 2e3 * (self.bearing.bore_radius or self.bearing.inner_raceway_radius), 2e3 * self.bearing.outside_radius
 
     @cached_property
@@ -348,27 +299,24 @@ class Case:
         return model(*self.diameters, self.load, rpm, self.viscosity, series)
 
     @cached_property
-    def losses(self) -> dict[str, float]:
-        """W."""
+    def losses(self) -> dict[str, float]:  # W
         return {name: life.power_loss(torque.total, self.rpm) for name, torque in self.torques.items()}
 
     def temperature_rises(self) -> dict[str, float]:
         """K."""
-        losses, width, known = self.losses, self.options.width, listed(self.scene.bearing.designation)
-        if width is None and known is not None:
-            width = width_of(known[0])
-        if width is None:
-            raise Unavailable("the bearing's width is not known: no designation; give --width in mm")
-        return {name: loss / life.conductance(*self.diameters, width) for name, loss in losses.items()}
+        losses, known = self.losses, listed(self.scene.bearing.designation)
+        width = self.options.width or (known and width_of(known[0]))
+        outward = life.conductance(
+            *self.diameters, width or _refuse("the bearing's width is not known: no designation; give --width in mm")
+        )
+        return {name: loss / outward for name, loss in losses.items()}
 
     @cached_property
     def build_up(self) -> OperatingClearance:
-        """Of the scene's [fit]."""
         return self.scene.operating_clearance() or _refuse(NO_FIT)
 
     @cached_property
-    def clearance_parts(self) -> dict[str, float | None]:
-        """µm."""
+    def clearance_parts(self) -> dict[str, float | None]:  # µm
         if self.scene.fit is not None:
             return {name: round(1e6 * part, 6) for name, part in self.build_up.parts.items()}
         spin, cosine = 0.0, self.bearing.cosine  # by the inner ring and the rollers as they grow with speed, m
@@ -390,11 +338,8 @@ class Case:
         return self.options.run or _refuse("no run: give a result file of run-fem instead of the scene")
 
     @property
-    def with_housing(self) -> np.ndarray:
-        """Stiffness of the bearing and its housing behind each other, (2, 2), N/m."""
-        housing = self.mounting.housing
-        if housing is None:
-            raise Unavailable("the scene has no [support] with a housing on springs")
+    def with_housing(self) -> np.ndarray:  # stiffness of the bearing and its housing behind each other, (2, 2), N/m
+        housing = self.mounting.housing or _refuse("the scene has no [support] with a housing on springs")
         springs = stiffness_factor(self.bearing) * housing.stiffness * np.eye(2)
         return np.linalg.inv(np.linalg.inv(self.pitch.mean) + np.linalg.inv(springs))
 
@@ -411,8 +356,7 @@ class Case:
         values = np.linalg.eigvalsh(self.pitch.mean)
         if not values[0] > 0.0:
             raise Unavailable("the mean stiffness is positive in one direction at most")
-        mass = stiffness_factor(self.bearing) * self.operation.inner_mass
-        return [sqrt(value / mass) / (2.0 * pi) for value in values]
+        return (np.sqrt(values / (stiffness_factor(self.bearing) * self.operation.inner_mass)) / (2.0 * pi)).tolist()
 
     def elastic_life(self) -> float:
         acting = self.on_bearing
@@ -445,8 +389,7 @@ def positive(load: float, else_what: str) -> float:
     return load if load > 0.0 else _refuse(f"without load {else_what}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Answer:
+class Answer(NamedTuple):
     """One number, or some that belong together; `value` None where there is none, and then `reason` says why."""
 
     name: str
@@ -457,16 +400,10 @@ class Answer:
     reason: str = ""
 
 
-def _stresses(contact: LineContact) -> dict[str, float]:
-    return {
-        "peak_pressure_MPa": 1e-6 * contact.peak_pressure,
-        "half_width_um": 1e6 * contact.half_width,
-        "largest_shear_MPa": 1e-6 * contact.largest_shear,
-        "shear_depth_um": 1e6 * contact.shear_depth,
-        "largest_von_mises_MPa": 1e-6 * contact.largest_von_mises,
-        "von_mises_depth_um": 1e6 * contact.von_mises_depth,
-    }
-
+STRESSES = {  # of a contact, and what turns them out of SI
+    "peak_pressure_MPa": 1e-6, "half_width_um": 1e6, "largest_shear_MPa": 1e-6, "shear_depth_um": 1e6,
+    "largest_von_mises_MPa": 1e-6, "von_mises_depth_um": 1e6,
+}  # fmt: skip
 
 s = sources
 DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
@@ -492,7 +429,8 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
     ("L10r_Mrev", "Mrev", "reference rating life L10r, rigid rings", s.REFERENCE,
      lambda c: c.reference_life(c.rigid.loads)),
     ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, mean over a pitch", s.REFERENCE,
-     lambda c: c.reference_life(c.rigid_pitch())),
+     lambda c: c.reference_life(np.concatenate(
+         [c.rigid_at(2.0 * pi / c.row.rollers * k / POSITIONS).loads for k in range(POSITIONS)]))),
     ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING,
      lambda c: c.elastic_life()),
     ("L10r_run_Mrev", "Mrev", "L10r, roller loads of the run", s.OF_RUN,
@@ -501,11 +439,12 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
      lambda c: _refuse("not implemented: no source for the equivalent load of a lamina")),
     ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ, lambda c: 1e-6 * c.peak_pressure),
     ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
-     lambda c: {name: _stresses(contact) for name, contact in c.stressed.items()}),
+     lambda c: {name: {key: factor * getattr(contact, key.rpartition("_")[0]) for key, factor in STRESSES.items()}
+                for name, contact in c.stressed.items()}),
     ("pressure_over_permitted", "1", "peak pressure / ISO 76's limit", s.STRESS_LIMITS,
-     lambda c: c.peak_pressure / (PERMITTED_OF_BALLS if c.balls else PERMITTED)),
+     lambda c: c.peak_pressure / (hertz.PERMITTED_OF_BALLS if c.balls else hertz.PERMITTED)),
     ("pressure_over_fatigue", "1", "peak pressure / 1500 MPa (fatigue limit)", s.STRESS_LIMITS,
-     lambda c: c.peak_pressure / FATIGUE),
+     lambda c: c.peak_pressure / hertz.FATIGUE),
     ("roller_loads_N", "N", "roller loads at the first angle, rigid rings", s.REFERENCE,
      lambda c: c.rigid.of_rollers),
     ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
@@ -519,7 +458,9 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
      lambda c: c.pitch.range),
     ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... times the ball pass frequency",
      s.LINEARISED, lambda c: c.pitch.harmonics),
-    ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED, lambda c: (c.pitch, c.contacts)[1]),
+    ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED,
+     lambda c: (c.pitch, f"rigid rings on the contact law {c.scene.lagrange.law}" if c.scene.model == "lagrange"
+                else "elastic rings and rollers")[1]),
     ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
      lambda c: c.with_housing),
     ("misalignment_mrad", "mrad", "slope of the shaft, +z end towards the load", s.TILTED,
@@ -533,7 +474,8 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
     ("stiffness_with_tilt", "N/m, N, N m", "stiffness matrix of x, y and slopes in x, y, mean over a pitch", s.TILTED,
      lambda c: c.tilted.stiffness),
     ("L10r_by_misalignment_Mrev", "Mrev", "L10r, rigid rings, by misalignment", s.REFERENCE,
-     lambda c: c.lives_by_slope()),
+     lambda c: _refuse(PLANE) if c.axial is None else
+     {f"{slope:g} mrad": c.reference_life(c.rigid_at(slope=1e-3 * slope).loads) for slope in SLOPES}),
     ("damping_N_s_per_m", "N s/m", "damping of the contacts, mean over a pitch", s.LINEARISED,
      lambda c: _refuse("with [axial] damping is not implemented") if c.axial is not None
      else c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
@@ -593,17 +535,13 @@ class Rating(Mapping[str, Any]):
             "warnings": list(self.warnings),
             "reasons": reasons | {f"operating_clearance_parts_um.{n}": NO_FIT for n, part in parts if part is None},
             "sources": {
-                name: {
-                    "source": f"{answer.source.name}: {answer.source.text}",
-                    "second_hand": answer.source.second_hand or None,
-                }
-                for name, answer in self.answers.items()
+                name: {"source": f"{by.name}: {by.text}", "second_hand": by.second_hand or None}
+                for name, by in ((name, answer.source) for name, answer in self.answers.items())
             },
         }
 
 
-def _plain(value: Any) -> Any:
-    """For JSON: arrays as lists, what is infinite or no number as null."""
+def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or no number as null
     if isinstance(value, dict):
         return {name: _plain(each) for name, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):
@@ -618,8 +556,7 @@ def rating(scene: Scene, options: Options | None = None) -> Rating:
 
     Example
     -------
-    rating(Scene(bearing={"designation": "NU206"}))["C_N"]
-    """
+    rating(Scene(bearing={"designation": "NU206"}))["C_N"]"""
     case = Case(scene, options or Options())
     answers = {declared[0]: _answer(case, *declared) for declared in DECLARED}
     warnings = tuple(_warnings(case, {name: answer.value for name, answer in answers.items()}))
@@ -634,19 +571,19 @@ def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:
 
 
 def _answer(case: Case, name: str, unit: str, meaning: str, source: Source, compute: Callable[[Case], Any]) -> Answer:
+    weight = "" if case.options.cycle is not None else ", weight included"  # loads of a file are taken as they stand
     value, reason = None, ""
     try:
         value = compute(case)
     except Unavailable as error:
         reason = str(error)
-    weight = "" if case.options.cycle is not None else ", weight included"  # loads of a file are taken as they stand
-    return Answer(
-        name=name, value=value, unit=unit, meaning=meaning.format(weight=weight), source=source, reason=reason
-    )
+    return Answer(name, value, unit, meaning.format(weight=weight), source, reason)
 
 
 def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
     stiff, rated, load = values["stiffness_N_per_m"] is not None, values["C_N"], values["P_N"] or 0.0
+    bearing, operation, slope = case.bearing, case.operation, 1e3 * case.operation.misalignment
+    rpm = max(*(abs(speed) / RPM for speed in operation.ring_speeds), values["speed_rpm"] or 0.0)
     if stiff and not case.pitch.is_stable:
         yield (
             "the stiffness across the load is not positive at every cage angle: the hub balances on single rollers, "
@@ -660,30 +597,29 @@ def _warnings(case: Case, values: dict[str, Any]) -> Iterator[str]:
         yield "P is below 2 % of C: rollers may skid, and rating lives are of little use"
     if case.history is not None and not case.history.is_steady:
         yield "speed or load changes with time: stiffness, stresses and film are those at its start"
-    if case.bearing.contact_angle and case.bearing.rows == 1 and stiff:
-        axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(case.bearing.contact_angle)
+    if bearing.contact_angle and bearing.rows == 1 and stiff:
+        axial = float(case.pitch.inner_force.sum(axis=1).mean()) * sin(bearing.contact_angle)
         yield (
             f"through the contact angle the radial load causes an axial force of {axial:.4g} N (Σ Q sin α), which "
             "another bearing must carry; external axial loads are not supported"
         )
     if case.oscillation:
         yield f"{case.oscillation}: L10 from the mean speed is of little use, and no lubricant is drawn in"
-    if case.bearing.rows > 1 and rated is not None and not case.balls:
+    if bearing.rows > 1 and rated is not None and not case.balls:
         yield (
-            f"rows = {case.bearing.rows} share the load equally, with b_m = 1.1 for cylindrical and tapered rollers; "
+            f"rows = {bearing.rows} share the load equally, with b_m = 1.1 for cylindrical and tapered rollers; "
             "spherical roller bearings (b_m = 1.15) are not supported"
         )
-    if abs(case.operation.misalignment) > ALLOWED_SLOPE:
+    if abs(slope) > 1e3 * ALLOWED_SLOPE:
         yield (
-            f"a slope of {1e3 * case.operation.misalignment:.3g} mrad is beyond the 4 minutes of arc, "
-            f"{1e3 * ALLOWED_SLOPE:.2g} mrad, that catalogues allow cylindrical rollers"
+            f"a slope of {slope:.3g} mrad is beyond the 4 minutes of arc, {1e3 * ALLOWED_SLOPE:.2g} mrad, that "
+            "catalogues allow cylindrical rollers"
         )
-    rpm = max(*(abs(speed) / RPM for speed in case.operation.ring_speeds), values["speed_rpm"] or 0.0)
-    if fast := life.speed_warning(case.bearing, rpm):
+    if fast := life.speed_warning(bearing, rpm):
         yield f"{fast}, and friction and temperature are extrapolated"
     if case.options.cycle is not None:
         yield (
-            f"stiffness, stresses and film are those of the scene's load, {case.operation.radial_load:.4g} N, not of "
+            f"stiffness, stresses and film are those of the scene's load, {operation.radial_load:.4g} N, not of "
             f"the duty cycle, whose largest load is {case.options.cycle.largest_load:.4g} N"
         )
     if values["kappa"] is not None and values["kappa"] < 1.0:

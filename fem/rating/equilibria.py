@@ -11,7 +11,7 @@ from fem.contacts.tilted import no_narrower, tilted_slices, too_narrow
 from fem.statics.contact_balance import Loads, NotFound, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.exact_statics import exact_contacts, exact_statics, reduced_bearing
 from lagrange.axial import Axial
-from lagrange.axial.pressure import SHARP, pressures, profile_ends
+from lagrange.axial.pressure import SHARP, profile_ends
 from lagrange.axial.slices import Slices, contact_slices
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
@@ -36,12 +36,8 @@ def elastic_pitch(
     bearing: Bearing, operation: Operation, damping: ContactDamping = UNDAMPED, samples: int = SAMPLES
 ) -> Pitch:
     """Of perfect surfaces under what loads the bearing, the outer ring held all around: the reduced model's contacts.
-
-    Errors
-    ------
     Unavailable: balls, a rigid body, or no equilibrium. Weight and centrifugal force of rollers act, but their share of
-    the stiffness is left out (`hub_stiffness`).
-    """
+    the stiffness is left out (`hub_stiffness`)."""
     if isinstance(bearing, BallBearing):
         raise Unavailable("elastic rings are implemented for rollers, not for balls")
     _refuse_rigid(bearing)
@@ -97,12 +93,8 @@ class TiltedPitch:
 
     @cached_property
     def peaks(self) -> dict[str, float]:
-        """Force, N, that a whole roller would bear at the pressure of its most loaded slice, by raceway.
-
-        Errors
-        ------
-        Unavailable: an edge is loaded.
-        """
+        """Force, N, that a whole roller would bear at the pressure of its most loaded slice, by raceway. Unavailable:
+        an edge is loaded."""
         found = {}
         pairs, ends = contact_pairs(self.bearing), profile_ends(self.bearing, self.axial)
         for pair, slices, loads, end in zip(pairs, self.slices, self.loads, ends, strict=False):
@@ -117,8 +109,7 @@ class TiltedPitch:
         return np.mean([each.stiffness for each in self.statics], axis=0)
 
     @property
-    def tilt_stiffness(self) -> float:
-        """∂M/∂ψ in the plane of the load at a free hub, mean over the pitch, N m/rad."""
+    def tilt_stiffness(self) -> float:  # ∂M/∂ψ in the plane of the load at a free hub, mean over the pitch, N m/rad
         found = []
         for each in self.statics:
             hub, cross, slope = each.stiffness[:2, :2], each.stiffness[:2, 2:], each.stiffness[2:, 2:]
@@ -126,33 +117,20 @@ class TiltedPitch:
         return float(np.mean(found))
 
     @property
-    def moment(self) -> float:
-        """That holds the shaft at its slope, in the plane of the load, mean over the pitch, N m."""
+    def moment(self) -> float:  # that holds the shaft at its slope, in the plane of the load, mean over the pitch, N m
         return float(np.mean([each.on_hub[1] for each in self.statics]))
 
     @property
-    def slope(self) -> float:
-        """Of the shaft, its +z end towards the load, mean over the pitch, rad."""
+    def slope(self) -> float:  # of the shaft, its +z end towards the load, mean over the pitch, rad
         return -float(np.mean([each.place[3] for each in self.statics]))
-
-    def pressures(self, angle: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Along the rollers at a cage angle: z, (n_slices,), m; inner and outer, (n_rollers, n_slices), Pa."""
-        at, pairs = self.statics[angle], contact_pairs(self.bearing)
-        inner, outer = (pressures(slices, pairs[k], *at.of_side(k)) for k, slices in enumerate(self.slices))
-        return self.slices[0].place, inner, outer
 
 
 def tilted_pitch(
     bearing: Bearing, axial: Axial, operation: Operation, laws: ContactLaws | None = None, samples: int = TILTED_SAMPLES
 ) -> TiltedPitch:
     """Of perfect surfaces, weights of rollers and their centrifugal forces left out.
-
     `laws` : of rigid rings, whose slices stand alone; None: elastic rings and rollers
-
-    Errors
-    ------
-    Unavailable: a rigid body among elastic ones, no equilibrium, slices narrower than their contacts.
-    """
+    Unavailable: a rigid body among elastic ones, no equilibrium, slices narrower than their contacts."""
     bearing = replace(bearing, faults=())
     down = operation.radial_load + operation.inner_mass * operation.gravity
     still = replace(operation, speed=0.0, gravity=0.0, radial_load=down)

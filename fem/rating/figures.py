@@ -1,19 +1,18 @@
 """Figures of rating.html, with the look of the report."""
 
 from dataclasses import replace
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.rating.answers import Case, positive
-from fem.study.figures import Figure, finished
+from fem.study.figures import LOOK, finished
 from lagrange.contact.hertz import contact_pairs
 from lagrange.rating.life import FRICTION, power_loss
 from lagrange.rating.reference_life import rigid_loads
 from lagrange.rating.sources import Unavailable
 from lagrange.rating.stiffness import Pitch
-from residual.figures import STYLE, WIDTH
+from residual.figures import WIDTH, Drawing
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, RED
 
 FEW = 12  # cage angles in a pitch, where curves are means
@@ -24,11 +23,10 @@ FASTER = 2.0  # times the scene's speed
 UM, PER_UM = 1e6, 1e-6
 
 
-def rating_figures(case: Case) -> list[Figure]:
+def rating_figures(case: Case) -> list[Drawing]:
     """All that a scene allows."""
-    look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
     found = []
-    with plt.rc_context(look):
+    with plt.rc_context(LOOK):
         for maker in (_clearance, _load_zone, _stiffness, _load_deflection, _life, _misalignment, _friction):
             try:
                 found.append(maker(case))
@@ -51,8 +49,7 @@ def _contacts(case: Case) -> list[tuple[bool, str, Pitch, str]]:
     return found
 
 
-def _clearance(case: Case) -> Figure:
-    """Parts of the operating clearance, one hanging from the other."""
+def _clearance(case: Case) -> Drawing:  # parts of the operating clearance, one hanging from the other
     found = case.build_up
     figure, axis = plt.subplots(figsize=(WIDTH, 2.7))
     rows, level = found.rows(), 0.0
@@ -71,8 +68,7 @@ def _clearance(case: Case) -> Figure:
     return finished(figure, "clearance", "Operating clearance", caption)
 
 
-def _load_zone(case: Case) -> Figure:
-    """Roller loads and pressures around the load."""
+def _load_zone(case: Case) -> Drawing:  # roller loads and pressures around the load
     row, inner = case.row, contact_pairs(case.bearing)[0]
     load = positive(case.static_load, "no load, no load zone")
     turned = 2.0 * np.pi / row.rollers * np.arange(FEW) / FEW
@@ -94,7 +90,7 @@ def _load_zone(case: Case) -> Figure:
     return finished(figure, "load-zone", "Load zone", caption)
 
 
-def _stiffness(case: Case) -> Figure:
+def _stiffness(case: Case) -> Drawing:
     if not (found := _contacts(case)):
         raise Unavailable("no equilibrium")
     figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.6))
@@ -112,7 +108,7 @@ def _stiffness(case: Case) -> Figure:
     return finished(figure, "stiffness", "Stiffness over a pitch", caption)
 
 
-def _load_deflection(case: Case) -> Figure:
+def _load_deflection(case: Case) -> Drawing:
     acting, found = case.on_bearing, _contacts(case)
     if not (found and case.static_load > 0.0):
         raise Unavailable("no load or no equilibrium, no curve")
@@ -130,7 +126,7 @@ def _load_deflection(case: Case) -> Figure:
     return finished(figure, "load-deflection", "Load and deflection", caption)
 
 
-def _life(case: Case) -> Figure:
+def _life(case: Case) -> Drawing:
     row, load, own = case.row, case.section_load, 2e3 * case.bearing.radial_clearance
     clearances = np.union1d(np.linspace(PRELOAD, PLAY, 35) * row.diameter, [own])
     curves = []
@@ -146,7 +142,7 @@ def _life(case: Case) -> Figure:
     return _lives(*x, curves, mark, ("life", "Life over load and clearance", caption))
 
 
-def _misalignment(case: Case) -> Figure:
+def _misalignment(case: Case) -> Drawing:
     tilts, curves, mark = np.linspace(0.0, TILTED, 25), [], None
     kinds: list[tuple[bool | None, str, str, str]] = [(True, BLUE, "-", "logarithmic profile")]
     kinds.append((False, RED, "-", "straight rollers"))
@@ -161,7 +157,7 @@ def _misalignment(case: Case) -> Figure:
     return _lives(1e3 * tilts, "misalignment, mrad", curves, mark, about)
 
 
-def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: tuple[str, str, str]) -> Figure:
+def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: tuple[str, str, str]) -> Drawing:
     """Lives over x, with a line at the scene's."""
     figure, axis = plt.subplots(figsize=(WIDTH, 2.9))
     for lives, colour, style, words in curves:
@@ -174,7 +170,7 @@ def _lives(x: np.ndarray, label: str, curves: list, mark: tuple | None, about: t
     return finished(figure, *about)
 
 
-def _friction(case: Case) -> Figure:
+def _friction(case: Case) -> Drawing:
     _ = case.torques
     fastest = FASTER * case.rpm if case.rpm > 0.0 else 1000.0
     speeds, viscosity = np.linspace(0.0, fastest, 60), case.viscosity

@@ -11,8 +11,12 @@ from lagrange.files.output import load_matplotlib, render_page, write_whole
 from lagrange.messages import Section, shown
 from lagrange.version import VERSION
 
-ON_PAPER = {"N/m": (1e-6, "N/µm")}  # units that engineers read
+ON_PAPER = {"N/m": (1e-6, "N/µm"), "1": (1.0, "")}  # units that engineers read
 BULKY = "stiffness_harmonics_N_per_m", "roller_loads_N", "contacts"  # in the file and on the page
+VERDICT = (  # of what there is, the first of one kind: answer, factor, words
+    ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
+    ("L10_h", 1.0, "L10 = {:.0f} h"), ("L10_Mrev", 1.0, "L10 = {:.0f} million revolutions"),
+)  # fmt: skip
 TEMPLATE = Path(__file__).parent / "template" / "rating.html.j2"
 
 
@@ -24,7 +28,7 @@ def write_json(path: Path, rating: Rating) -> None:
 
 def in_words(answer: Answer) -> str:
     """A value with its unit for people."""
-    factor, unit = ON_PAPER.get(answer.unit, (1.0, "" if answer.unit == "1" else answer.unit))
+    factor, unit = ON_PAPER.get(answer.unit, (1.0, answer.unit))
     return f"{_number(answer.value, factor)} {unit}".rstrip()
 
 
@@ -69,16 +73,11 @@ def print_rating(rating: Rating) -> None:
 
 
 def write_page(path: Path, rating: Rating) -> None:
-    """Write the page of a rating.
-
-    Errors
-    ------
-    OSError: it can't be written; an earlier page stays.
-    """
+    """Write the page of a rating. OSError: it can't be written; an earlier page stays."""
     load_matplotlib()
     from fem.rating.figures import rating_figures
 
-    rows, parts = [], []
+    rows, parts, contacts, found = [], [], [], rating["contacts"] or {}
     for a in rating.answers.values():
         if a.value is not None and not isinstance(a.value, dict):
             rows.append((a.meaning, in_words(a), str(a.source)))
@@ -86,43 +85,28 @@ def write_page(path: Path, rating: Rating) -> None:
             for name, part in a.value.items():
                 value = "not in the scene" if part is None else f"{part:.4g} {a.unit}"
                 parts.append((f"{a.meaning}, {name.replace('_', ' ')}", value, str(a.source)))
-    contacts, found = [], rating["contacts"] or {}
     for key in next(iter(found.values()), ()):
         name, _, unit = key.rpartition("_")
         words = f"{name.replace('_', ' ').replace('von mises', 'von Mises stress')}, {unit.replace('um', 'µm')}"
         contacts.append((words, *(f"{values[key]:.4g}" for values in found.values())))
-    headings = "most loaded contact", "inner raceway", "outer raceway"
     missing = [(a.meaning, a.reason) for a in rating.answers.values() if a.reason]
     text = render_page(
-        TEMPLATE,
-        name=rating.name,
-        verdict=_verdict(rating),
-        warnings=rating.warnings,
+        TEMPLATE, name=rating.name, verdict=_verdict(rating), warnings=rating.warnings, version=VERSION,
         numbers=Section(columns=("", "value", "source"), rows=rows + parts, kind="words stacked"),
-        contacts=Section(columns=headings, rows=contacts),
-        stresses=rating.answer("contacts").source,
-        missing=Section(columns=(), rows=missing, kind="words"),
-        figures=rating_figures(rating.case),
-        version=VERSION,
-        scene=rating.scene.to_toml(),
-    )
+        contacts=Section(columns=("most loaded contact", "inner raceway", "outer raceway"), rows=contacts),
+        stresses=rating.answer("contacts").source, missing=Section(columns=(), rows=missing, kind="words"),
+        figures=rating_figures(rating.case), scene=rating.scene.to_toml(),
+    )  # fmt: skip
     write_whole(path, text.encode())
 
 
-def _verdict(rating: Rating) -> str:
-    """The first sentence."""
+def _verdict(rating: Rating) -> str:  # the first sentence
     if rating["C_N"] is None:
         return f"No load ratings: {rating.answer('C_N').reason}."
-    life = ("L10_Mrev", "L10 = {:.0f} million revolutions") if rating["L10_h"] is None else ("L10_h", "L10 = {:.0f} h")
-    words = [
-        text.format(factor * rating[name])
-        for name, factor, text in (
-            ("C_N", 1e-3, "C = {:.1f} kN"), ("C0_N", 1e-3, "C0 = {:.1f} kN"), ("P_N", 1.0, "P = {:.0f} N"),
-            (life[0], 1.0, life[1]),
-        )
-        if rating[name] is not None
-    ]  # fmt: skip
+    words = {name.partition("_")[0]: text.format(factor * rating[name])
+             for name, factor, text in reversed(VERDICT) if rating[name] is not None}  # fmt: skip
+    words = {name: words[name] for name in ("C", "C0", "P", "L10") if name in words}
     if rating["stiffness_N_per_m"] is not None:
         matrix = 1e-6 * rating["stiffness_N_per_m"]
-        words.append(f"stiffness {matrix[1, 1]:.0f} N/µm along the load, {matrix[0, 0]:.0f} N/µm across it")
-    return "; ".join(words) + "."
+        words["k"] = f"stiffness {matrix[1, 1]:.0f} N/µm along the load, {matrix[0, 0]:.0f} N/µm across it"
+    return "; ".join(words.values()) + "."

@@ -10,9 +10,10 @@ The axes are ROSS': x to the right, y up, against the load, z along the shaft. A
 
 import io
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ HEADER = "speed_rad_per_s", *(f"{name}_{'N' if name[0] == 'k' else 'N_s'}_per_m"
 LONGEST = 1_000_000  # bytes
 
 
-@dataclass(frozen=True, kw_only=True)
-class Coefficients:
+class Coefficients(NamedTuple):
     """Means over a pitch by the shaft's speed."""
 
     speed: np.ndarray  # (n,), rad/s
@@ -38,20 +38,16 @@ class Coefficients:
 
 
 def coefficients(rating: Rating) -> Coefficients:
-    """Of the scene's contacts and dampers, from rest to half as fast again as the scene's shaft.
-
-    Errors
-    ------
-    Unavailable: no equilibrium.
-    """
+    """Of the scene's contacts and dampers, from rest to half as fast again as the scene's shaft. Unavailable: no
+    equilibrium."""
     case, elastic = rating.case, rating.scene.model != "lagrange"
     if elastic:
         _ = case.elastic  # refuses what it can't take
     fastest = BEYOND * abs(case.operation.speed)
     speeds = np.linspace(0.0, fastest, SPEEDS) if fastest > 0.0 else np.zeros(1)
     found = [case.plane_under(replace(case.on_bearing, speed=float(speed)), elastic, SAMPLES) for speed in speeds]
-    damping = np.stack([pitch.damping.mean(axis=0) for pitch in found])
-    return Coefficients(speed=speeds, stiffness=np.stack([pitch.mean for pitch in found]), damping=damping)
+    damping = [pitch.damping.mean(axis=0) for pitch in found]
+    return Coefficients(speeds, np.stack([pitch.mean for pitch in found]), np.stack(damping))
 
 
 def write_coefficients(path: Path, found: Coefficients) -> None:
@@ -65,8 +61,7 @@ def write_coefficients(path: Path, found: Coefficients) -> None:
 def read_coefficients(path: str | Path) -> dict[str, np.ndarray]:
     """Keyword arguments of the installed ross.BearingElement, (n,) each. ValueError: the file can't be read.
 
-    The shaft's speed is `speed`. Before version 3 ROSS calls it `frequency`, which since then is that of the whirl.
-    """
+    The shaft's speed is `speed`. Before version 3 ROSS calls it `frequency`, which since then is that of the whirl."""
     speed = "speed"
     with suppress(ImportError):
         import ross

@@ -27,17 +27,16 @@ MOST_CHANGES = 3  # named of another scene
 
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
-    """A phrase for each key whose values differ."""
-    changed = [key for key in sorted(before | now) if before.get(key) != now.get(key)]
-    return [f"{key} was {before.get(key)!r}, now {now.get(key)!r}" for key in changed]
-
-
-def _keys(tables: dict, prefix: str = "") -> dict[str, object]:
-    """Values of a scene by their dotted keys."""
-    flat = {}
-    for key, value in tables.items():
-        flat |= _keys(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
-    return flat
+    """A phrase for each key, dotted where it is of a table in a table, whose values differ."""
+    changed = []
+    for key in sorted(before | now):
+        old, new = before.get(key), now.get(key)
+        if isinstance(old, dict) or isinstance(new, dict):
+            tables = (table if isinstance(table, dict) else {} for table in (old, new))
+            changed += [f"{key}.{phrase}" for phrase in differences(*tables)]
+        elif old != new:
+            changed.append(f"{key} was {old!r}, now {new!r}")
+    return changed
 
 
 def refuse_another_run(path: Path, scene: Scene) -> None:
@@ -51,7 +50,7 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
             before = parse_stored_scene(read_scene_text(file), str(path))
     except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
         return
-    if changed := differences(_keys(before.model_dump()), _keys(scene.model_dump())):
+    if changed := differences(before.model_dump(), scene.model_dump()):
         more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
         longer = len(changed) == 1 and before.numerics.duration_ms < scene.numerics.duration_ms
         raise UsageError(
@@ -87,37 +86,22 @@ def refuse_nothing_to_resume(result: Path) -> None:
 
 def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
     """Write the state after its last sample, atomically; `stored`, those samples, must be on the disk.
-
-    Errors
-    ------
-    OSError: it can't be written; an earlier checkpoint stays.
-    """
-    path, plan = checkpoint_path(result), state.plan
-    arrays, numbers = state.to_keep()
+    OSError: it can't be written; an earlier checkpoint stays."""
+    plan, (arrays, numbers) = state.plan, state.to_keep()
     meta = {
-        "format": FORMAT,
-        "versions": {"program": VERSION, **plan.versions()},
-        "samples": stored.samples,
-        "checksums": stored.checksums,
-        "wall_seconds": state.wall,
-        "void_steps": state.void_steps,
-        "imbalance": state.imbalance,
-        "numbers": numbers,
-        "scene": plan.scene.to_toml(),
-    }
-    with replaced(path, durable=True) as part, open(part, "wb") as file:
+        "format": FORMAT, "versions": {"program": VERSION, **plan.versions()}, "samples": stored.samples,
+        "checksums": stored.checksums, "wall_seconds": state.wall, "void_steps": state.void_steps,
+        "imbalance": state.imbalance, "numbers": numbers, "scene": plan.scene.to_toml(),
+    }  # fmt: skip
+    with replaced(checkpoint_path(result), durable=True) as part, open(part, "wb") as file:
         arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}
         np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
 
 
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     """The state to go on from, and what the result file must hold.
-
-    Errors
-    ------
-    UsageError: no checkpoint, a damaged one, another scene or another version of the program (the difference is
-    named), or a duration that is behind already.
-    """
+    UsageError: no checkpoint, a damaged one, another scene or another version of the program (the difference is named),
+    or a duration that is behind already."""
     refuse_nothing_to_resume(result)
     path, state = checkpoint_path(result), plan.first_state()
     try:
@@ -150,12 +134,12 @@ def _check(meta: dict, plan: Plan) -> None:
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
         raise UsageError(f"of format {meta['format']!r}, this program has {FORMAT}; start again")
-    longer = {"numerics.duration_ms": None}
     try:
-        before = _keys(parse_scene_text(meta["scene"], "").model_dump()) | longer
+        before = parse_scene_text(meta["scene"], "").model_dump()
+        before["numerics"]["duration_ms"] = plan.scene.numerics.duration_ms
     except SceneError:
         before = None
-    if before and (changed := differences(before, _keys(plan.scene.model_dump()) | longer)):
+    if before and (changed := differences(before, plan.scene.model_dump())):
         raise UsageError(f"the scene has changed ({'; '.join(changed)}); give the same scene or start again")
     now = {"program": VERSION, **plan.versions()}  # all that decides the bits of a run
     if changed := differences({str(key): value for key, value in meta["versions"].items()}, now):

@@ -16,15 +16,16 @@ little-endian doubles). The pair whose number is `committed_samples` holds; the 
 
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from functools import wraps
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
@@ -36,8 +37,8 @@ from lagrange.errors import UsageError
 from lagrange.files import hdf5
 from lagrange.files.output import BINARY, move_into_place, new_part, real_path, remove_left, replaced
 from lagrange.scene.scene import Scene
+from lagrange.surface import passages
 from lagrange.surface.faults import labels
-from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls, surfaces_met
 from lagrange.version import VERSION, source_digest
 
 try:
@@ -55,28 +56,8 @@ COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less ofte
 BLOCK = 4096  # samples copied at once
 COMMITTED = "committed_samples"
 MARK = 0x5EED_F00D_0000_0000  # plus a number: stands in a new file where a counter will be, to find the place
+MARKED = re.compile(rb"(..)\0\0\x0d\xf0\xed\x5e", re.DOTALL)  # such a number's bytes
 
-ATTRIBUTES = {  # of the file
-    "format_version": "version of this layout",
-    "program": "program that wrote the file",
-    "program_version": "version of the package",
-    "source": "digest of the program's own code",
-    "scene": "the whole scene as TOML",
-    "scene_checksum": "CRC-32 of the scene's text",
-    "mesh_nodes": "nodes of the elastic bodies",
-    "degrees_of_freedom": "degrees of freedom of the model",
-    "time_step": "time step, s",
-    "long_step": "s, time step away from edges of spalls, if steps have two lengths",
-    "critical_time_step": "s, with all contacts closed",
-    "steps": "number of time steps",
-    "wall_seconds": "wall time of the time loop, s",
-    "setup_seconds": "wall time before the time loop, s",
-    COMMITTED: "number of samples that are complete",
-    "warnings": "one warning per line; empty if none",
-    "status": '"complete", "running", "interrupted", "failed: …"',
-    "faults": "surface faults in words, if any",
-    "coarse_mesh_size": "mesh size of the second run of --estimate-error, m",
-}
 EVENTS = {  # columns of the group `events`: type, unit and meaning
     "time": ("<f8", "s", "instant"),
     "roller": ("<i8", "1", "roller"),
@@ -109,38 +90,33 @@ def readable(scene: Scene) -> Mapping[str, Column]:
 
 def bytes_of_a_sample(scene: Scene) -> int:
     """What a sample takes in the file."""
-    rollers = scene.bearing.present
-    return sum(8 * (rollers if column.dimensions == PER_ROLLER else 1) for column in variables_of(scene).values())
+    columns = variables_of(scene).values()
+    return sum(8 * (scene.bearing.present if column.dimensions == PER_ROLLER else 1) for column in columns)
 
 
 def sinkages(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of the sinkage under each contact of surfaces that are not perfect."""
-    met = zip(("inner", "outer"), surfaces_met(bearing, operation, samples), strict=True)
-    return {f"{side}_sinkage": each.sinkage + each.part_sinkage for side, each in met}
+    met = zip(("inner", "outer"), passages.surfaces_met(bearing, operation, samples), strict=True)
+    return {f"{side}_sinkage": at.sinkage + at.part_sinkage for side, at in met}
 
 
 def events_of(
     bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], count: int
-) -> list[SpallEvent]:
+) -> list[passages.SpallEvent]:
     """Events of the first `count` samples of a run, or of its open result file.
 
     They follow from the samples alone, whichever solver these come from, and are found when a run ends: they are the
-    same however often it was interrupted and resumed.
-    """
-    names = [name for name in (*COLUMNS, *HOUSING) if name in samples]
-
-    def part(start: int, stop: int) -> dict[str, np.ndarray]:
-        return {name: samples[name][start:stop] for name in names}
-
-    return spall_events(find_passages(bearing, operation, part, count))
+    same however often it was interrupted and resumed."""
+    names = [name for name in (*passages.COLUMNS, *passages.HOUSING) if name in samples]
+    part = lambda start, stop: {name: samples[name][start:stop] for name in names}  # noqa: E731
+    return passages.spall_events(passages.find_passages(bearing, operation, part, count))
 
 
 @contextmanager
 def alone_in(folder: Path, wait: bool = True) -> Iterator[None]:
     """Hold a folder while a file in it is examined and exchanged, so that no other run does the same in between.
 
-    Without effect on file systems that can't lock a folder. BlockingIOError: another holds it, and `wait` is False.
-    """
+    Without effect on file systems that can't lock a folder. BlockingIOError: another holds it, and `wait` is False."""
     if fcntl is None:
         yield
         return
@@ -155,12 +131,11 @@ def alone_in(folder: Path, wait: bool = True) -> Iterator[None]:
 
 def _locked(handle: int, how: int) -> bool:
     """Lock a file or folder; False where another has locked it. True on file systems without locks."""
-    try:
-        fcntl.flock(handle, how)
-    except BlockingIOError:
-        return False
-    except OSError:
-        pass
+    with suppress(OSError):
+        try:
+            fcntl.flock(handle, how)
+        except BlockingIOError:
+            return False
     return True
 
 
@@ -191,16 +166,14 @@ def _claim(path: Path, size: int | None = None) -> None:
                 raise OSError(error.errno, f"{error.strerror}: {size / 1e6:.3g} MB are needed") from None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stored:
+class Stored(NamedTuple):
     """How far a result file had come when its run's state was saved."""
 
     samples: int = 0
-    checksums: dict[str, int] = field(default_factory=dict)  # of each variable's first `samples`, unless there are none
+    checksums: Mapping[str, int] = {}  # of each variable's first `samples`, unless there are none
 
 
-@dataclass(frozen=True, kw_only=True)
-class Places:
+class Places(NamedTuple):
     """Where numbers stand in a result file: bytes from its start."""
 
     start: dict[str, int]  # of each variable: its first sample, or frame of fields
@@ -214,9 +187,7 @@ class WriteFailed(OSError):
     """The result file can't be written any more; what it has committed stays."""
 
 
-def _naming_the_file(method: Callable) -> Callable:
-    """WriteFailed with the file's name, when the disk fails."""
-
+def _naming_the_file(method: Callable) -> Callable:  # writeFailed with the file's name, when the disk fails
     @wraps(method)
     def named(self, *arguments, **options):
         try:
@@ -235,44 +206,30 @@ def _naming_the_file(method: Callable) -> Callable:
 
 class ResultFile:
     """Appends samples; use as a context manager.
-
-    Errors
-    ------
-    UsageError: another program has the file open; it is not what was stored. OSError: no room on the disk, a folder
-    or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
-    """
+    UsageError: another program has the file open; it is not what was stored. OSError: no room on the disk, a folder or
+    an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails."""
 
     def __init__(
         self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float | str
     ):
         """A new file in the place of any earlier one, or one that goes on after what was stored.
-
-        `attributes` are those that the run has found out, in place of the plan's.
-        """
+        `attributes` are those that the run has found out, in place of the plan's."""
         self.path, self._plan, scene = real_path(path), plan, plan.scene
         self._variables = variables_of(scene)
         self._surfaces = scene.ideal_bearing(), scene.ideal_operation()
         self._attributes = {
             **({"faults": labels(self._surfaces[0].faults)} if scene.has_faults else {}),
-            "format_version": FORMAT_VERSION,
-            "program": "run-fem",
-            "program_version": VERSION,
-            "source": source_digest(),
-            "scene": scene.to_toml(),
-            "scene_checksum": hdf5.text_checksum(scene.to_toml()),
-            "mesh_nodes": plan.mesh_nodes,
-            "degrees_of_freedom": plan.degrees_of_freedom,
-            "time_step": plan.time_step,
-            "critical_time_step": plan.critical_time_step,
-            "steps": 0,
-            "wall_seconds": 0.0,
-            "setup_seconds": setup_seconds,
-            "warnings": "\n".join(plan.warnings),
-            "status": "running",
+            "format_version": FORMAT_VERSION, "program": "run-fem", "program_version": VERSION,
+            "source": source_digest(),  # of the program's own code
+            "scene": scene.to_toml(), "scene_checksum": hdf5.text_checksum(scene.to_toml()),
+            "mesh_nodes": plan.mesh_nodes, "degrees_of_freedom": plan.degrees_of_freedom,
+            "time_step": plan.time_step, "critical_time_step": plan.critical_time_step,  # s; with all contacts closed
+            "steps": 0, "wall_seconds": 0.0, "setup_seconds": setup_seconds,  # wall: of the time loop, setup: before it
+            "warnings": "\n".join(plan.warnings), "status": "running",
             **attributes,
-        }
+        }  # fmt: skip
         self._handle: int | None = None
-        self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
+        self._events: list[passages.SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self.path.parent):
             self._check_place(resume)
@@ -281,23 +238,20 @@ class ResultFile:
     def _check_place(self, resume: Stored | None) -> None:
         """Refuse what is open elsewhere or no plain file, what can't have been a result, as the scene itself, and to go
         on with a file that does not hold the samples of the variables, and the frames, that were stored. UsageError."""
-        path = self.path
-        if path.exists() and not path.is_file():
-            raise UsageError(f"{path}: is not a plain file; name another with --output")
-        start = b""
+        path, start, other = self.path, b"", "name another with --output"
         if path.exists():
+            if not path.is_file():
+                raise UsageError(f"{path}: is not a plain file; {other}")
             with open(path, "r+b") as file:
                 if fcntl is not None and not _locked(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB):
-                    raise UsageError(
-                        f"{path}: is in use, by another run or a program that reads it; name another with --output"
-                    )
+                    raise UsageError(f"{path}: is in use, by another run or a program that reads it; {other}")
                 start = file.read(len(hdf5.SIGNATURE))
+        elif resume is not None:
+            raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
         if resume is None:
             if start not in (b"", hdf5.SIGNATURE):
-                raise UsageError(f"{path}: is no result file (HDF5) and is not replaced; name another with --output")
+                raise UsageError(f"{path}: is no result file (HDF5) and is not replaced; {other}")
             return
-        if not path.exists():
-            raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
         try:
             with h5py.File(path, "r", locking=False) as file:
                 if int(file.attrs[COMMITTED]) < resume.samples:
@@ -316,8 +270,7 @@ class ResultFile:
     def _begin(self, capacity: int, stored: Stored) -> None:
         """Put a new file with the samples stored in the earlier one in its place, and go on with it.
 
-        While the files change places neither is open, as not every system allows that.
-        """
+        While the files change places neither is open, as not every system allows that."""
         with ExitStack() as undo:
             remove_left(self.path)
             part = new_part(self.path)
@@ -349,9 +302,7 @@ class ResultFile:
 
     def _lay_out(self, path: Path, capacity: int) -> Places:
         """A new file with room for so many samples, times NaN until they are written; with events where they are known.
-
-        OSError: the disk has not enough room.
-        """
+        OSError: the disk has not enough room."""
         scene, variables = self._plan.scene, self._variables
         _claim(path, capacity * bytes_of_a_sample(scene))  # before HDF5 tries, which would name no reason
         with hdf5.hdf5_to_write(path, libver="earliest") as file:
@@ -365,8 +316,8 @@ class ResultFile:
             file.attrs.update({**self._attributes, COMMITTED: MARK})
             for number, text in enumerate(scene.files.values()):  # so that the result can be read without them
                 name, content = hdf5.SCENE_FILE.format(number), np.frombuffer(text.encode(), dtype=np.uint8)
-                variable = file.create_dataset(name, data=content)
-                variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"
+                about = {"units": "1", "long_name": "text of a file that the scene names, UTF-8"}
+                file.create_dataset(name, data=content).attrs.update(about)
             if scene.axial is not None and scene.model != "lagrange":
                 from fem.statics.tilted_pressures import scene_slices  # loads meshes' modules
 
@@ -385,20 +336,18 @@ class ResultFile:
         with open(path, "rb") as file:
             for end, length in sorted([*((start[name], size[name]) for name in start), (path.stat().st_size, 0)]):
                 file.seek(at)
-                text = file.read(end - at)
-                for number in range(1 + len(variables)):
-                    if (found := text.find((MARK + number).to_bytes(8, "little"))) >= 0:
-                        marks[number] = at + found
+                for found in MARKED.finditer(file.read(end - at)):
+                    marks[int.from_bytes(found[1], "little")] = at + found.start()
                 at = end + length
         checksum = {name: marks[number] for number, name in enumerate(variables, start=1)}
-        return Places(start=start, width=width, checksum=checksum, committed=marks[0], of_frames=of_frames)
+        return Places(start, width, checksum, marks[0], of_frames)
 
     def _write_events(self, file: h5py.File) -> None:
         """The group `events`, one row an event; its attribute `spalls` tells what they are, SI."""
         if self._events is None:
             return
         group = file.create_group("events")
-        group.attrs["spalls"] = json.dumps([asdict(spall) for spall in spalls(self._surfaces[0])])
+        group.attrs["spalls"] = json.dumps([asdict(spall) for spall in passages.spalls(self._surfaces[0])])
         hdf5.variable(group, "event", np.arange(len(self._events), dtype="<i8"), ("event",), "1", "event, by time")
         for name, (kind, unit, meaning) in EVENTS.items():
             values = np.array([getattr(event, name) for event in self._events], dtype=kind)
@@ -421,8 +370,7 @@ class ResultFile:
                     write_at(handle, frames[index].tobytes(), places.start[name] + index * width)
         return checksums
 
-    def _frames(self, samples: int) -> int:
-        """How many frames belong to so many samples."""
+    def _frames(self, samples: int) -> int:  # how many frames belong to so many samples
         stride = self._plan.frame_stride
         return -(-samples // stride) if stride else 0
 
@@ -437,15 +385,13 @@ class ResultFile:
                 write_at(self._handle, data, self._places.start[name] + index * self._places.width[name])
 
     @property
-    def is_in_place(self) -> bool:
-        """Whether the file still stands where it was made: nobody has moved or removed it."""
+    def is_in_place(self) -> bool:  # whether the file still stands where it was made: nobody has moved or removed it
         with suppress(OSError):
             return self._handle is not None and os.path.samestat(os.fstat(self._handle), os.stat(self.path))
         return False
 
     @property
-    def stored(self) -> Stored:
-        """What is in the file; on the disk after a `commit`."""
+    def stored(self) -> Stored:  # what is in the file; on the disk after a `commit`
         return Stored(samples=self._count, checksums=dict(self._checksums))
 
     @_naming_the_file
@@ -486,7 +432,7 @@ class ResultFile:
     def finish(self, status: str, **attributes: float | str) -> None:
         """Write the outcome and the events, in a new file without unused room that takes this one's place."""
         self.commit()
-        if spalls(self._surfaces[0]):
+        if passages.spalls(self._surfaces[0]):
             with h5py.File(self.path, "r", locking=False) as file:
                 self._events = events_of(*self._surfaces, file, self._count)
         outcome = dict(attributes, status=status)
@@ -532,13 +478,8 @@ def _integers(*values: int) -> bytes:
 
 def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float) -> None:
     """Add error estimates to a finished result file, which is exchanged for one that has them.
-
     `coarse_mesh_size` : of the coarser run, m
-
-    Errors
-    ------
-    OSError: no room for a second file; the first stays as it is.
-    """
+    OSError: no room for a second file; the first stays as it is."""
     path = real_path(path)
     with alone_in(path.parent), replaced(path, durable=True) as part:
         shutil.copyfile(path, part)
@@ -547,7 +488,7 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
                 if name in file:
                     del file[name]
             for name, (meaning, value) in ESTIMATE.items():
-                values = [value(each) for each in found]
+                values = [value(estimate) for estimate in found]
                 words = isinstance(values[0], str)
                 values = np.array(values, dtype=object if words else float)
                 hdf5.variable(file, name, values, ("quantity",), "1" if words else "see quantity_unit", meaning)

@@ -4,16 +4,16 @@ import base64
 import io
 import textwrap
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from pandas import DataFrame
 
 from fem.study.page import Column, Indices, Table
 from lagrange.scene.keys import name_in_words
-from residual.figures import DPI, LARGEST_SVG, STYLE, WIDTH, make_plain
+from residual.figures import DPI, LARGEST_SVG, STYLE, WIDTH, Drawing, make_plain
 from residual.formatting import BLUE, GREY, ORANGE
 
 CELL, TALL = 1.75, 1.9  # inches: a panel among many, one of a column
@@ -23,20 +23,12 @@ MOST_TICKS = 4  # of a small axis
 CLOUD = 3000  # points drawn one by one, at most
 
 
-@dataclass(frozen=True, kw_only=True)
-class Figure:
-    """A figure as it stands in the page."""
-
-    name: str
-    title: str
-    caption: str
-    address: str
+LOOK: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
 
 
-def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Figure]:
+def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Drawing]:
     """All that the study's points can show."""
-    look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
-    with plt.rc_context(look):
+    with plt.rc_context(LOOK):
         makers = (_lines,) if table.is_family else (_main_effects, _heat_map, _scatter_matrix)
         found = [figure for maker in makers for figure in maker(table)]
         return [*found, *_sobol_bars(table, indices)]
@@ -51,7 +43,7 @@ def _name_words(axis, column: Column) -> None:
         axis.set_xticks(range(len(column.words)), column.words, rotation=40, ha="right")
 
 
-def _lines(table: Table) -> Iterator[Figure]:
+def _lines(table: Table) -> Iterator[Drawing]:
     """Each quantity over one parameter, a line for each value of the second, a column for each of the third."""
     quantities = table.telling
     if not quantities:
@@ -92,7 +84,7 @@ def _is_geometric(values: np.ndarray) -> bool:
     return bool(np.allclose(np.diff(np.log(values)), np.log(values[-1] / values[0]) / (len(values) - 1), rtol=0.05))
 
 
-def _main_effects(table: Table) -> Iterator[Figure]:
+def _main_effects(table: Table) -> Iterator[Drawing]:
     parameters, quantities = table.parameters[:MOST], table.telling[:MOST]
     if not parameters or not quantities:
         return
@@ -114,7 +106,7 @@ def _main_effects(table: Table) -> Iterator[Figure]:
     yield finished(figure, "main-effects", "Main effects", caption)
 
 
-def _heat_map(table: Table) -> Iterator[Figure]:
+def _heat_map(table: Table) -> Iterator[Drawing]:
     """Two parameters that explain most, of each quantity; means over all others."""
     quantities = [column for column in table.telling if len(table.strongest(column)) > 1][:4]
     if len(table.parameters) < 2 or not quantities:
@@ -125,19 +117,15 @@ def _heat_map(table: Table) -> Iterator[Figure]:
     for axis, quantity in zip(axes.ravel(), quantities, strict=False):
         (x, _), (y, _) = table.strongest(quantity)[:2]
         known = np.isfinite(quantity.values) & np.isfinite(x.values) & np.isfinite(y.values)
-        (at_x, i), (at_y, j) = (np.unique(column.values[known], return_inverse=True) for column in (x, y))
-        values = quantity.values[known]
-        if at_x.size * at_y.size <= known.sum() * 2:
-            total, count = np.zeros((2, at_y.size, at_x.size))
-            np.add.at(total, (j, i), values)
-            np.add.at(count, (j, i), 1.0)
-            mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0.0)
-            drawn = axis.pcolormesh(range(at_x.size), range(at_y.size), mean, shading="nearest", cmap="viridis")
-            for side, column, at in ((axis.xaxis, x, at_x), (axis.yaxis, y, at_y)):
+        found = DataFrame({"x": x.values, "y": y.values, "value": quantity.values})[known]
+        if found.x.nunique() * found.y.nunique() <= 2 * len(found):
+            mean = found.groupby(["y", "x"]).value.mean().unstack()
+            drawn = axis.pcolormesh(range(mean.shape[1]), range(len(mean)), mean, shading="nearest", cmap="viridis")
+            for side, column, at in ((axis.xaxis, x, mean.columns), (axis.yaxis, y, mean.index)):
                 some = np.unique(np.linspace(0, at.size - 1, min(at.size, MOST_TICKS)).round().astype(int))
                 side.set_ticks(some, [column.words[int(at[k])] if column.words else f"{at[k]:.5g}" for k in some])
         else:
-            drawn = axis.scatter(x.values[known], y.values[known], c=values, s=10, cmap="viridis")
+            drawn = axis.scatter(found.x, found.y, c=found.value, s=10, cmap="viridis")
             for side, column in ((axis.xaxis, x), (axis.yaxis, y)):
                 if column.words:
                     side.set_ticks(range(len(column.words)), column.words)
@@ -150,7 +138,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
     yield finished(figure, "heat-map", "Two parameters at a time", caption)
 
 
-def _scatter_matrix(table: Table) -> Iterator[Figure]:
+def _scatter_matrix(table: Table) -> Iterator[Drawing]:
     parameters = table.parameters[:3]
     columns = [*parameters, *table.telling[:4]]
     n = len(columns)
@@ -174,7 +162,7 @@ def _scatter_matrix(table: Table) -> Iterator[Figure]:
     yield finished(figure, "scatter-matrix", "Scatter matrix", caption)
 
 
-def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator[Figure]:
+def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator[Drawing]:
     if not indices:
         return
     names = [textwrap.fill(name_in_words(name), 12) for name in table.points.design.names]
@@ -190,7 +178,7 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
     yield finished(figure, "sobol-indices", "Sobol indices", caption + "scipy.stats.sobol_indices).")
 
 
-def finished(figure, name: str, title: str, caption: str) -> Figure:
+def finished(figure, name: str, title: str, caption: str) -> Drawing:
     """A figure as text that goes into a page, and closed."""
     make_plain(figure)
     vectors, pixels = io.BytesIO(), io.BytesIO()
@@ -200,5 +188,4 @@ def finished(figure, name: str, title: str, caption: str) -> Figure:
         figure.savefig(pixels, format="png", dpi=DPI, metadata={"Software": None})
         kind, data = "png", pixels.getvalue()
     plt.close(figure)
-    address = f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
-    return Figure(name=name, title=title, caption=caption, address=address)
+    return Drawing(name, title, caption, None, f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}")

@@ -12,7 +12,6 @@ import json
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
 from importlib.metadata import version
 from math import nan, prod
 from pathlib import Path
@@ -72,7 +71,7 @@ def _record_of(points: Points) -> StudyRecord:
     study = points.study
     return StudyRecord(
         version=VERSION, name=study.name, study=study.text, listed=study.listed, scene=study.scene.to_written_toml(),
-        files=study.scene.files, **vars(points.design), digests=points.digests, made_by=points.made_by,
+        files=study.scene.files, **points.design._asdict(), digests=points.digests, made_by=points.made_by,
     )  # fmt: skip
 
 
@@ -91,17 +90,13 @@ class Folder:
         return self.path / "points" / f"{digest}.point"
 
     def points(self) -> Points:
-        """The study and its points, as they were when it was begun or last resumed.
-
-        Errors
-        ------
-        UsageError, SceneError: there is none, or it is damaged.
-        """
+        """The study and its points, as they were when it was begun or last resumed. UsageError, SceneError: there is
+        none, or it is damaged."""
         facts = self._record()
         study = study_of(self._about, facts.study, facts.listed)
         scene = parse_scene_text(facts.scene, f"{self._about}: scene", facts.files)
         return Points(
-            study=replace(study, name=facts.name, scene=scene),
+            study=study._replace(name=facts.name, scene=scene),
             design=Design(keys=facts.keys, points=facts.points, axes=facts.axes, base=facts.base),
             digests=facts.digests, made_by=facts.made_by,
         )  # fmt: skip
@@ -118,11 +113,10 @@ class Folder:
 
     def other_program(self) -> str:
         """In words, which other program has begun the study or resumed it last; "" where it was this one."""
-        record = self._record()
-        if record.made_by == program():
-            return ""
-        begun, this = f"{record.version}, program {record.made_by}", f"{VERSION}, program {program()}"
-        return f"{self.path}: begun by {PROGRAM} {begun}; this is {PROGRAM} {this}"
+        record, this = self._record(), f"{VERSION}, program {program()}"
+        begun = f"{record.version}, program {record.made_by}"
+        same = record.made_by == program()
+        return "" if same else f"{self.path}: begun by {PROGRAM} {begun}; this is {PROGRAM} {this}"
 
     def pending(self, points: Points) -> list[int]:
         """Points that have not been solved, each digest once."""
@@ -151,12 +145,8 @@ class Folder:
 
     @contextmanager
     def held(self, points: Points, resume: bool) -> Iterator[None]:
-        """Begin a study, or go on with it, and let nobody else do so meanwhile.
-
-        Errors
-        ------
-        OSError: it can't be written. UsageError: another run works in the folder, or has begun a study there.
-        """
+        """Begin a study, or go on with it, and let nobody else do so meanwhile. OSError: it can't be written.
+        UsageError: another run works in the folder, or has begun a study there."""
         with self._naming():
             (place := self.path / "points").mkdir(parents=True, exist_ok=True)
         with ExitStack() as stack:
@@ -189,12 +179,8 @@ class Folder:
             return None
 
     def add(self, digest: str, solved: Solved) -> None:
-        """Keep what became of a point; of one lost with its worker nothing, so that it is tried again.
-
-        Errors
-        ------
-        OSError: it can't be written.
-        """
+        """Keep what became of a point; of one lost with its worker nothing, so that it is tried again. OSError: it
+        can't be written."""
         if solved.status == LOST:
             return
         facts = {"digest": digest, "solved": {name: getattr(solved, name) for name in KEPT}}
@@ -208,8 +194,7 @@ class Folder:
             write_sealed(self._point(digest), archive.getvalue())
 
     @contextmanager
-    def _naming(self) -> Iterator[None]:
-        """Say what to do where the disk fails."""
+    def _naming(self) -> Iterator[None]:  # say what to do where the disk fails
         try:
             yield
         except OSError as error:
@@ -218,12 +203,8 @@ class Folder:
 
 
 def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> xarray.Dataset:
-    """The dataset of all points that are done, which is written too; `count`: after each point.
-
-    Errors
-    ------
-    OSError: it can't be written; an earlier dataset stays. UsageError: signals of several lengths.
-    """
+    """The dataset of all points that are done, which is written too; `count`: after each point. OSError: it can't be
+    written; an earlier dataset stays. UsageError: signals of several lengths."""
     collected = _collected(points, folder, count)
     with replaced(folder.dataset) as part:
         try:
@@ -236,27 +217,22 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
 def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xarray.Dataset:
     """Values of parameters, and all that the points tell."""
     design, study, n = points.design, points.study, len(points)
-    numbers = {name: np.full(n, nan) for name in study.keep.quantities}
-    status, message, seconds = [MISSING] * n, [""] * n, np.full(n, nan)
-    marks = []
+    rows: list[tuple[Solved, dict[str, float | str]]] = []
     signals: dict[str, np.ndarray] = {}
     interval, known = 0.0, readable(points.scene(0))
-    for i in range(n):
-        marks.append(labels(points.scene(i)))
-        if (solved := folder.read(points.digests[i])) is not None:
-            status[i], message[i], seconds[i] = solved.status, solved.text, solved.seconds
-            for name in numbers.keys() & solved.quantities.keys():
-                numbers[name][i] = solved.quantities[name]
-            for name in study.keep.signals if solved.status == COMPLETE else ():
-                values = solved.signals[name]
-                if name not in signals:
-                    signals[name] = np.full((n, *values.shape), nan)
-                if (room := signals[name]).shape[1:] != values.shape:
-                    raise UsageError(
-                        f"{design.describe(i)}: its signals have another length than those of other points; "
-                        f"remove points/{points.digests[i]}.point, and --resume solves it again"
-                    )
-                room[i], interval = values, solved.signal_interval
+    for i, digest in enumerate(points.digests):
+        solved = folder.read(digest) or Solved(status=MISSING, seconds=nan)
+        rows.append((solved._replace(signals={}), labels(points.scene(i))))
+        for name in study.keep.signals if solved.status == COMPLETE else ():
+            values = solved.signals[name]
+            if name not in signals:
+                signals[name] = np.full((n, *values.shape), nan)
+            if (room := signals[name]).shape[1:] != values.shape:
+                raise UsageError(
+                    f"{design.describe(i)}: its signals have another length than those of other points; "
+                    f"remove points/{digest}.point, and --resume solves it again"
+                )
+            room[i], interval = values, solved.signal_interval
         count()
     variables: dict[str, tuple] = {}
 
@@ -272,13 +248,16 @@ def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xar
             put(name, [point[i] for point in design.points], unit, meaning)
         else:
             variables[name] = name, _array(list(design.axes[i])), {"units": unit, "long_name": meaning}
-    for name, values in numbers.items():
-        put(name, values, *QUANTITIES[name])
+    for name in study.keep.quantities:
+        put(name, [float(solved.quantities.get(name, nan)) for solved, _ in rows], *QUANTITIES[name])
     for name, unit in UNITS.items():
-        put(name, [mark[name] for mark in marks], unit, f"label: {name.replace('_', ' ')}")
-    put("status", status, "1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}")
-    put("message", message, "1", "reason if the point is not complete")
-    put("seconds", seconds, "s", "wall time of the point")
+        put(name, [marks[name] for _, marks in rows], unit, f"label: {name.replace('_', ' ')}")
+    for name, kind, unit, meaning in (
+        ("status", "status", "1", f"status of the point: complete, failed, stopped (time limit) or {MISSING}"),
+        ("message", "text", "1", "reason if the point is not complete"),
+        ("seconds", "seconds", "s", "wall time of the point"),
+    ):
+        put(name, [getattr(solved, kind) for solved, _ in rows], unit, meaning)
     for name, values in signals.items():
         put(name, values, known[name].unit, known[name].meaning, known[name].dimensions)
     if signals:
@@ -293,8 +272,7 @@ def _collected(points: Points, folder: Folder, count: Callable[[], None]) -> xar
     return xarray.Dataset(variables, attrs=attributes)
 
 
-def _array(values: list) -> np.ndarray:
-    """Numbers, NaN for None; or words, "" for None."""
+def _array(values: list) -> np.ndarray:  # numbers, NaN for None; or words, "" for None
     words = any(isinstance(value, str) for value in values)
     data = np.array([("" if words else nan) if value is None else value for value in values])
     return data.astype(object if words else "i1" if data.dtype.kind == "b" else data.dtype)

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
 from typing import NamedTuple
@@ -28,8 +27,7 @@ TEMPLATE = Path(__file__).parent / "template" / "study.html.j2"
 Indices = tuple[np.ndarray, np.ndarray]  # Sobol's, of each parameter alone, and with all that it does with others
 
 
-@dataclass(frozen=True, kw_only=True)
-class Column:
+class Column(NamedTuple):
     """A parameter or a quantity of all points."""
 
     name: str  # in the dataset
@@ -39,13 +37,11 @@ class Column:
     words: tuple[str, ...] = ()  # in their order; empty of numbers
 
     @property
-    def label(self) -> str:
-        """Meaning and unit, for an axis."""
+    def label(self) -> str:  # meaning and unit, for an axis
         return self.meaning if self.unit in ("1", "") else f"{self.meaning}, {self.unit}"
 
     @property
-    def levels(self) -> np.ndarray:
-        """The values that it takes, each once."""
+    def levels(self) -> np.ndarray:  # the values that it takes, each once
         return np.unique(self.values[np.isfinite(self.values)])
 
     def shown(self, value: float) -> str:
@@ -63,8 +59,7 @@ class Effect(NamedTuple):
     share: float  # of the quantity's variance that these means explain, 0 … 1; of drawn points see `Table.is_adjusted`
 
 
-@dataclass(frozen=True, kw_only=True)
-class Table:
+class Table(NamedTuple):
     """A study's points as columns."""
 
     points: Points
@@ -77,8 +72,7 @@ class Table:
         """Whether points are samples of distributions. Shares are then adjusted for the number of groups (R̄²).
 
         Means over k groups of n drawn points explain (k − 1)/(n − 1) of a variance that has nothing to do with the
-        parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points.
-        """
+        parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points."""
         return self.points.design.axes is None
 
     @property
@@ -100,16 +94,14 @@ class Table:
             _, group = np.unique(np.searchsorted(edges, x, side="right"), return_inverse=True)
             levels = np.bincount(group, x) / np.bincount(group)
         count = np.bincount(group)
-        mean = np.bincount(group, y) / count
+        mean, n, k = np.bincount(group, y) / count, len(y), len(count)
         share = float(np.sum(count * (mean - y.mean()) ** 2) / np.sum((y - y.mean()) ** 2))
-        n, k = len(y), len(mean)
         if self.is_adjusted and n > k:
             share = max(0.0, 1.0 - (1.0 - share) * (n - 1) / (n - k))
-        return Effect(at=levels, mean=mean, share=share)
+        return Effect(levels, mean, share)
 
     @property
-    def telling(self) -> list[Column]:
-        """Quantities that differ between points."""
+    def telling(self) -> list[Column]:  # quantities that differ between points
         return [column for column in self.quantities if len(column.levels) > 1]
 
     def strongest(self, quantity: Column) -> list[tuple[Column, float]]:
@@ -120,13 +112,8 @@ class Table:
 
     def sobol_indices(self, quantity: Column) -> Indices | None:
         """Of a quantity, (n_parameters,) each; None where the study was not sampled for them, or points are missing.
-
-        Errors
-        ------
-        Of the order of 1/√base; small ones may come out negative.
-
-        Source: Saltelli et al., Computer Physics Communications 181 (2010), by scipy.stats.sobol_indices.
-        """
+        Errors: of the order of 1/√base; small ones may come out negative.
+        Source: Saltelli et al., Computer Physics Communications 181 (2010), by scipy.stats.sobol_indices."""
         n, d = self.points.design.base, len(self.points.design.keys)
         if not n or not np.isfinite(quantity.values).all() or not np.ptp(quantity.values) > 0.0:
             return None

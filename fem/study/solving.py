@@ -15,20 +15,20 @@ import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, partial
 from importlib.metadata import version
 from math import inf, nan
 from multiprocessing import connection, get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fem.commands.start_up import count_display
 from fem.interface import OF_CHECK, Result, check_quantities, simulate, statics
-from fem.quantities import OF_RATING, OF_STATICS, Quantity
+from fem.quantities import OF_RATING, OF_STATICS
 from fem.rating.answers import values_of
 from fem.result.store import readable
 from fem.solver.simulate import make_plan, programs_named
@@ -82,18 +82,14 @@ class Points:
 
 
 def checked_points(study: Study, design: Design, count: Callable[[], None] = lambda: None) -> Points:
-    """Validate every point; `count` is called after each.
-
-    Errors
-    ------
-    UsageError: naming points and keys that can't be used, the first few of them.
-    """
-    digests, faults = [], []
+    """Validate every point; `count` is called after each. UsageError: naming points and keys that can't be used, the
+    first few of them."""
+    digests, faults, keep = [], [], study.keep
     first: dict[str, object] = {}
     for i in range(len(design.points)):
         try:
             scene = study.scene.varied(design.changes(i))
-            _check_signals(scene, study.keep, first)
+            _check_signals(scene, keep, first)
         except (SceneError, UsageError) as error:
             reason = str(error).replace("\n", "; ").replace(f"{study.scene.name}: ", "")
             faults.append(f"{design.describe(i)}: {reason}")
@@ -101,7 +97,7 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
                 break
             continue
         # the name of a point's file
-        facts = [FORMAT, scene.to_toml(), sorted(scene.files), study.keep.model_dump(), program()]
+        facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
         digests.append(hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32])
         count()
     if faults:
@@ -111,8 +107,8 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
 
 def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
     """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
-    moving = [name for name in keep.quantities if not name.startswith(("first_", "static_", "rating_"))]
-    if moving and sample_count(scene) < 2:
+    count, numerics, rate = sample_count(scene), scene.numerics, keep.signal_rate_kHz
+    if count < 2 and not all(name.startswith(("first_", "static_", "rating_")) for name in keep.quantities):
         raise UsageError(
             "numerics.duration_ms = 0: a run at rest has only the quantities first_…, static_… and rating_…; keep no "
             "others, or run longer"
@@ -123,10 +119,10 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
     for name in keep.signals:
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
-    interval, rate = scene.numerics.output_interval_us, keep.signal_rate_kHz
+    interval = numerics.output_interval_us
     one_of = keep.one_of(1e-6 * interval)
     sizes: dict[str, object] = {
-        "numerics.duration_ms": scene.numerics.duration_ms,
+        "numerics.duration_ms": numerics.duration_ms,
         "numerics.output_interval_us": round(one_of * interval, 6),
     }
     if any(known[name].dimensions == PER_ROLLER for name in keep.signals):
@@ -137,7 +133,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
                 f"{key} = {value}: signals must have the same length in every point; the first one has {first[key]}; "
                 "fix it in [fixed]"
             )
-    if one_of > 1 and (count := sample_count(scene)) <= one_of:
+    if one_of > 1 and count <= one_of:
         raise UsageError(
             f"keep.signal_rate_kHz = {rate:g}: keeps one of {one_of} samples, but the run has {count}; "
             "use a higher rate, or run longer (numerics.duration_ms)"
@@ -157,8 +153,7 @@ def program() -> str:
     return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Wanted:
+class Wanted(NamedTuple):
     """What is kept of each point."""
 
     keep: KeepTable
@@ -166,61 +161,54 @@ class Wanted:
     runs: bool = False  # result files too
 
     @property
-    def needs_no_run(self) -> bool:
-        """Whether all that is kept are ratings of the scene."""
+    def needs_no_run(self) -> bool:  # whether all that is kept are ratings of the scene
         return set(self.keep.quantities) <= set(OF_RATING) and not self.keep.signals and not self.runs
 
 
-@dataclass(frozen=True, kw_only=True)
-class Solved:
+class Solved(NamedTuple):
     """What became of a point."""
 
     status: str  # COMPLETE, FAILED (numerically, or refused), STOPPED (by its time limit), LOST (with its worker)
     text: str = ""  # why it is not complete
     seconds: float = 0.0  # wall time
-    quantities: Mapping[str, float] = field(default_factory=dict)
-    signals: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times, …), decimated
+    quantities: Mapping[str, float] = {}
+    signals: Mapping[str, np.ndarray] = {}  # (n_times, …), decimated
     signal_interval: float = 0.0  # s
     run: bytes | None = None  # the result file
 
 
 def solve(scene: Scene, wanted: Wanted, stop: Callable[[], bool] = lambda: False) -> Solved | None:
     """Simulate a scene and keep what is wanted; a failure is kept with its reason. None: `stop` said so."""
-    began = time.monotonic()
-
-    def spent() -> float:
-        return time.monotonic() - began
-
+    began, status = time.monotonic(), FAILED
+    spent = lambda: time.monotonic() - began  # noqa: E731
     try:
         if wanted.needs_no_run:
-            quantities = rated(scene, wanted.keep.quantities)
-            return Solved(status=COMPLETE, seconds=spent(), quantities=quantities)
+            return Solved(quantities=rated(scene, wanted.keep.quantities), status=COMPLETE, seconds=spent())
         result = simulate(scene, stop=lambda: stop() or spent() > wanted.seconds)
-        if result.status != COMPLETE and stop():
+        if result.status == COMPLETE:
+            return Solved(**_kept(result, wanted), status=COMPLETE, seconds=spent())
+        if stop():
             return None
-        if result.status != COMPLETE:
-            reached = 1e3 * float(result.time[-1]) if len(result.time) else 0.0
-            reason = f"stopped at {reached:.4g} ms: limits.seconds_per_point = {wanted.seconds:g} s were over"
-            return Solved(status=STOPPED, text=reason, seconds=spent())
-        return Solved(status=COMPLETE, seconds=spent(), **_kept(result, wanted))
+        reached = 1e3 * float(result.time[-1]) if len(result.time) else 0.0
+        status = STOPPED
+        reason = f"stopped at {reached:.4g} ms: limits.seconds_per_point = {wanted.seconds:g} s were over"
     except (RunFailed, UsageError, SceneError) as error:
         reason = str(error)
     except MemoryError:
         reason = "not enough memory"
     except Exception as error:  # a study of thousands is not to end by one point; the text says what is wrong
         reason = f"{type(error).__name__}: {error}"
-    return Solved(status=FAILED, text=reason, seconds=spent())
+    return Solved(status=status, text=reason, seconds=spent())
 
 
 def _kept(result: Result, wanted: Wanted) -> dict[str, Any]:
     """Quantities, signals, decimated by a whole number after a filter without phase, and the file of a run."""
-    keep, known = wanted.keep, dict(result.quantities)
-    if any(name in OF_CHECK for name in keep.quantities):
-        known |= {quantity.name: quantity for quantity in check_quantities(result.residual())}
-    if any(name in OF_STATICS for name in keep.quantities):
-        stiffness = statics(result.scene).stiffness
-        known["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
-    quantities = {name: float(known[name].value) for name in keep.quantities if name in known}
+    keep, known = wanted.keep, {name: found.value for name, found in result.quantities.items()}
+    if not OF_CHECK.keys().isdisjoint(keep.quantities):
+        known |= {quantity.name: quantity.value for quantity in check_quantities(result.residual())}
+    if not OF_STATICS.keys().isdisjoint(keep.quantities):
+        known["static_stiffness"] = statics(result.scene).stiffness
+    known |= rated(result.scene, keep.quantities)
     interval = 1e-6 * result.scene.numerics.output_interval_us
     one_of, signals, run = keep.one_of(interval), {name: result[name] for name in keep.signals}, None
     if one_of > 1:
@@ -231,8 +219,9 @@ def _kept(result: Result, wanted: Wanted) -> dict[str, Any]:
         with TemporaryDirectory(prefix="run-study-") as folder:
             run = result.save(Path(folder) / "run.nc").read_bytes()
     return dict(
-        quantities=quantities | rated(result.scene, keep.quantities), signal_interval=one_of * interval, run=run,
+        quantities={name: float(known[name]) for name in keep.quantities if name in known}, run=run,
         signals={name: np.ascontiguousarray(values) for name, values in signals.items()},
+        signal_interval=one_of * interval,
     )  # fmt: skip
 
 
@@ -243,8 +232,7 @@ def rated(scene: Scene, names: Collection[str]) -> dict[str, float]:
     return {name: factor * answers[answer] for name, (answer, factor) in wanted.items()}
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyOptions:
+class StudyOptions(NamedTuple):
     """How a study is to be run."""
 
     workers: int | None = None  # None: as many as pay
@@ -261,8 +249,7 @@ class StudyOptions:
         return processors if processors > 1 and total > WORTH_PROCESSES else 0
 
 
-@dataclass(frozen=True, kw_only=True)
-class Expected:
+class Expected(NamedTuple):
     """What a study will take."""
 
     seconds: float  # of one processor, of a point, mean
@@ -271,13 +258,9 @@ class Expected:
 
 
 def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
-    """Expected cost of the points from the plans of three of them; compiles their kernels first.
-
-    Errors
-    ------
-    UsageError: no plan can be made of any of the three.
-    """
-    seconds, refused, keep = [], "", points.study.keep
+    """Expected cost of the points from the plans of three of them; compiles their kernels first. UsageError: no plan
+    can be made of any of the three."""
+    seconds, refused, keep, memory = [], "", points.study.keep, nan
     for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
         try:
             scene, run = points.scene(i), 0.0
@@ -293,15 +276,14 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
             refused = refused or f"{points.design.describe(i)}: {error}"
     if not seconds:
         raise UsageError(refused)
-    memory = nan
     with suppress(ImportError):
         import resource
 
         memory = 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     scene = points.scene(0)
     variables, rate = readable(scene), keep.signal_rate_kHz or 1e3 / scene.numerics.output_interval_us
-    rollers = scene.bearing.present
-    columns = sum(rollers if variables[name].dimensions == PER_ROLLER else 1 for name in keep.signals)
+    per_roller = [variables[name].dimensions == PER_ROLLER for name in keep.signals]
+    columns = sum(scene.bearing.present if each else 1 for each in per_roller)
     disk = POINT_FILE + 2.0 * 8.0 * columns * scene.numerics.duration_ms * rate
     return Expected(seconds=sum(seconds) / len(seconds), memory=memory, disk=disk)
 
@@ -310,15 +292,10 @@ def solve_points(
     points: Points, pending: list[int], folder: "Folder", options: StudyOptions, total: float, stop: Callable[[], bool]
 ) -> dict[int, Solved]:
     """Solve points, of so many seconds in all, and keep them in the folder, until `stop` says so; those lost.
-
-    Errors
-    ------
     OSError: a point can't be kept; those before it are. UsageError: no scheduler, before anything is written; another
-    study in the folder.
-    """
+    study in the folder."""
     lost = {}
     wanted = Wanted(keep=points.study.keep, seconds=points.study.limits.seconds_per_point, runs=options.keep_runs)
-    count_of = options.processes(total)
     with (
         scheduler_client(options.scheduler) if options.scheduler is not None else nullcontext() as client,
         folder.held(points, options.resume),
@@ -331,7 +308,8 @@ def solve_points(
                 lost[i] = solved
             count()
 
-        solver: Solver = Processes(count_of, wanted) if count_of else Solver(wanted, stop)
+        processes = options.processes(total)
+        solver: Solver = Processes(processes, wanted) if processes else Solver(wanted, stop)
         if client is not None:
             solver = Cluster(client, wanted)
         solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
@@ -343,12 +321,8 @@ def solve_points(
 def solve_all(
     solver: "Solver", scenes: Iterator[tuple[int, Scene]], add: Callable[[int, Solved], None], stop: Callable[[], bool]
 ) -> None:
-    """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
-
-    Errors
-    ------
-    OSError: `add`'s, or no process can be started.
-    """
+    """Solve numbered scenes and hand what became of each to `add`, in the order in which they end. OSError: `add`'s, or
+    no process can be started."""
     ended: list[tuple[int, Solved]] = []
     following = next(scenes, None)
     try:
@@ -473,8 +447,7 @@ class Cluster(Solver):
 
     A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
     compiled code. A worker that hangs there answers nobody, so that it is watched from outside: each point tells when
-    it begins, and long after its limit the worker's process is killed.
-    """
+    it begins, and long after its limit the worker's process is killed."""
 
     def __init__(self, client: Any, wanted: Wanted):
         super().__init__(wanted)  # busy: points by task
@@ -515,19 +488,12 @@ class Cluster(Solver):
             if began < latest and not future.done():
                 del self.busy[future], self._begun[point]
                 future.cancel()  # or it would be restarted elsewhere
-                self._restart(worker)
+                with suppress(OSError, TimeoutError):  # the worker may have gone by itself
+                    try:  # its process is killed; its nanny starts another, and what waited there is solved elsewhere
+                        self._client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
+                    except ValueError:  # without a nanny it is given up: nobody here can kill it
+                        self._client.retire_workers([worker])
                 yield point, self.hung()
-
-    def _restart(self, worker: str) -> None:
-        """Kill a worker's process; its nanny starts another, and what waited there is solved elsewhere.
-
-        One without a nanny is given up: nobody here can kill it.
-        """
-        with suppress(OSError, TimeoutError):  # it may have gone by itself
-            try:
-                self._client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
-            except ValueError:
-                self._client.retire_workers([worker])
 
 
 @contextmanager
@@ -536,8 +502,7 @@ def scheduler_client(where: str) -> Iterator[Any]:
     from distributed import Client
     from distributed.comm import connect
 
-    async def knock() -> None:
-        """Greet what is there, and leave: a client would wait for its answer without end."""
+    async def knock() -> None:  # greet what is there, and leave: a client would wait for its answer without end
         await (await connect(where, timeout=CONNECT)).close()
 
     try:

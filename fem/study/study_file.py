@@ -4,12 +4,11 @@ import csv
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from itertools import product
 from math import isfinite, nan, prod
 from pathlib import Path
 from sys import float_info
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -43,8 +42,7 @@ class SamplingTable(Table):
     file: str | None = Field(None, min_length=1)
 
     @property
-    def is_drawn(self) -> bool:
-        """Whether points are drawn from distributions."""
+    def is_drawn(self) -> bool:  # whether points are drawn from distributions
         return self.method in ("lhs", "sobol")
 
     def _faults(self) -> Iterator[str]:
@@ -105,8 +103,7 @@ class StudyTable(Table):
     limits: LimitsTable = LimitsTable()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Parameter:
+class Parameter(NamedTuple):
     """One key of the scene: a list of values, a range, or a distribution of scipy.stats."""
 
     key: str
@@ -126,8 +123,7 @@ class Parameter:
         return self.quantiles(shares)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Study:
+class Study(NamedTuple):
     """A study: what is varied, from which scene on, and what is kept of each point."""
 
     name: str
@@ -140,8 +136,7 @@ class Study:
     listed: str | None = None  # text of the CSV table of points
 
 
-@dataclass(frozen=True, kw_only=True)
-class Design:
+class Design(NamedTuple):
     """The points of a study in a fixed order: on a grid the last parameter changes fastest."""
 
     keys: tuple[str, ...]  # dotted keys of the scene
@@ -178,16 +173,11 @@ class Design:
 
 def read_study(path: Path) -> Study:
     """The study of a TOML file; paths in it are from its own folder. Its scene may need keys that all points give.
-
-    Errors
-    ------
-    UsageError, SceneError: unreadable, not TOML, unknown keys, impossible values; each with its key.
-    """
+    UsageError, SceneError: unreadable, not TOML, unknown keys, impossible values; each with its key."""
     text = _text(path)
-    table = _validated(path, text)
-    study = study_of(path, text, None)
+    table, study = StudyTable.parsed(load(text, str(path)), str(path)), study_of(path, text, None)
     listed = None if table.sampling.file is None else _text(path.parent / table.sampling.file)
-    study, base = replace(study, listed=listed), None if table.scene is None else path.parent / table.scene
+    study, base = study._replace(listed=listed), None if table.scene is None else path.parent / table.scene
     try:
         scene = read_scene(base)
     except SceneError:  # it may lack what all points have
@@ -195,39 +185,30 @@ def read_study(path: Path) -> Study:
         given = [key for k, key in enumerate(design.keys) if all(point[k] is not None for point in design.points)]
         scene = read_scene(base, changes=table.fixed | {key: design.changes(0)[key] for key in given})
     try:
-        return replace(study, scene=scene.varied(table.fixed))
+        return study._replace(scene=scene.varied(table.fixed))
     except SceneError as error:
         raise UsageError(f"{path}: [fixed]: {error}") from None
 
 
 def study_of(path: Path, text: str, listed: str | None) -> Study:
-    """The study of a TOML text, with the built-in scene.
-
-    Parameters
-    ----------
-    path : where the text stands, to be named in errors
-    listed : text of the table of points, for method = "list"
-
-    Errors
-    ------
-    UsageError: also of parameters that the method can't take.
+    """The study of a TOML text, with the built-in scene. UsageError: also of parameters that the method can't take.
+    `path` : where the text stands, to be named in errors; `listed` : text of the table of points, for method = "list"
     """
-    table = _validated(path, text)
+    table = StudyTable.parsed(load(text, str(path)), str(path))
     method = table.sampling.method
     with _naming(path):
         parameters = {key: read_parameter(key, value) for key, value in table.parameters.items()}
-    if method == "list" and parameters:
-        raise UsageError(f'{path}: [parameters]: with method = "list" they are the columns of its file; leave them out')
-    if method != "list" and not parameters:
-        raise UsageError(f'{path}: [parameters]: empty; name a key of the scene and its values, "operation.speed_rpm"')
-    with _naming(path):
-        for parameter in parameters.values():
+        if method == "list" and parameters:
+            raise UsageError('[parameters]: with method = "list" they are the columns of its file; leave them out')
+        if method != "list" and not parameters:
+            raise UsageError('[parameters]: empty; name a key of the scene and its values, "operation.speed_rpm"')
+        for key, parameter in parameters.items():
             if table.sampling.is_drawn:
                 parameter.drawn(np.array([0.5]))
             else:
                 parameter.axis(method)
-    for key in parameters.keys() & table.fixed.keys():
-        raise UsageError(f'{path}: "{key}" stands in [fixed] and in [parameters]; leave it in one of them')
+            if key in table.fixed:
+                raise UsageError(f'"{key}" stands in [fixed] and in [parameters]; leave it in one of them')
     return Study(
         name=table.name or path.stem, scene=read_scene(), sampling=table.sampling, parameters=parameters,
         keep=table.keep, limits=table.limits, text=text, listed=listed,
@@ -241,13 +222,8 @@ def _text(path: Path) -> str:
         raise UsageError(f"{path}: {error}") from None
 
 
-def _validated(path: Path, text: str) -> StudyTable:
-    return StudyTable.parsed(load(text, str(path)), str(path))
-
-
 @contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Name the file where a value of it can't be used."""
+def _naming(path: Path) -> Iterator[None]:  # name the file where a value of it can't be used
     try:
         yield
     except UsageError as error:
@@ -276,13 +252,12 @@ def read_parameter(key: str, spec: Any) -> Parameter:
     if len(spec) != 1:
         raise UsageError(f"{place}: must be {SPECS}")
     ((name, arguments),) = spec.items()
-    if isinstance(arguments, dict) or key == key.partition(".")[0]:
+    if isinstance(arguments, dict) or "." not in key:
         raise UsageError(f'parameters.{key}: dotted keys of the scene are quoted, "{key}.{name}" = …')
-    return _distribution(key, place, name, arguments)
+    return _distribution(key, f"{place}.{name}", name, arguments)
 
 
-def _choice(key: str, place: str, given: list[Any]) -> Parameter:
-    """Values given one by one; drawn with equal shares."""
+def _choice(key: str, place: str, given: list[Any]) -> Parameter:  # values given one by one; drawn with equal shares
     n = len(given)
     if not 1 <= n <= MOST_VALUES:
         raise UsageError(f"{place}: holds {n} values; 1 to {MOST_VALUES} are allowed")
@@ -292,42 +267,39 @@ def _choice(key: str, place: str, given: list[Any]) -> Parameter:
     if len(set(given)) < n:
         twice = next(value for i, value in enumerate(given) if value in given[:i])
         raise UsageError(f"{place}: {quoted(twice)} is there twice")
-    at = lambda shares: [given[i] for i in np.minimum((shares * n).astype(int), n - 1)]  # noqa: E731
-    return Parameter(key=key, values=tuple(given), quantiles=at)
+    return Parameter(key, tuple(given), lambda at: [given[i] for i in np.minimum((at * n).astype(int), n - 1)])
 
 
 def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
     """From one value to another, both included, evenly or by equal factors; without a count drawn in between."""
+    low, high, count, scale = (spec.get(name) for name in RANGE_KEYS)
     for name in spec:
         if name not in RANGE_KEYS:
             raise UsageError(f"{place}.{name}: unknown key; known here: {', '.join(RANGE_KEYS)}")
     for name in ("from", "to"):
         if not _is_number(spec.get(name)):
             raise UsageError(f"{place}.{name} = {quoted(spec.get(name))}: must be a number")
-    low, high, count, scale = spec["from"], spec["to"], spec.get("count"), spec.get("scale", "linear")
     if not low < high:
         raise UsageError(f"{place}: from = {low:g} must be below to = {high:g}")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES):
         raise UsageError(f"{place}.count = {quoted(count)}: must be a whole number from 2 to {MOST_VALUES}")
-    if scale not in ("linear", "log"):
+    if scale not in (None, "linear", "log"):
         raise UsageError(f'{place}.scale = {quoted(scale)}: must be "linear" or "log"')
-    if scale == "log" and low <= 0.0:
+    if (is_log := scale == "log") and low <= 0.0:
         raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
     whole = isinstance(low, int) and isinstance(high, int)
 
-    def at(shares: np.ndarray) -> np.ndarray:
-        return low * (high / low) ** shares if scale == "log" else low + (high - low) * shares
+    def at(shares: np.ndarray) -> list[float]:
+        return (low * (high / low) ** shares if is_log else low + (high - low) * shares).tolist()
 
-    def drawn(shares: np.ndarray) -> list[Value]:
-        if whole:  # each whole number has the same share
-            return [min(int(low + s * (high - low + 1)), high) for s in shares]
-        return at(shares).tolist()
+    def drawn(shares: np.ndarray) -> list[Value]:  # each whole number has the same share
+        return [min(int(low + s * (high - low + 1)), high) for s in shares] if whole else at(shares)
 
     if count is None:
-        return Parameter(key=key, quantiles=drawn)
-    values = [low, *at(np.linspace(0.0, 1.0, count))[1:-1].tolist(), high]  # round-off may leave the scene's range
-    kind = round if whole and scale == "linear" and all(value == round(value) for value in values) else float
-    return Parameter(key=key, values=tuple(map(kind, values)))
+        return Parameter(key, quantiles=drawn)
+    values = [low, *at(np.linspace(0.0, 1.0, count))[1:-1], high]  # round-off may leave the scene's range
+    kind = round if whole and not is_log and all(value == round(value) for value in values) else float
+    return Parameter(key, tuple(map(kind, values)))
 
 
 def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
@@ -335,12 +307,12 @@ def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
     from scipy import stats
 
     if name == "uniform":
-        raise UsageError(f"{place}.uniform: write {{ from = …, to = … }}")
+        raise UsageError(f"{place}: write {{ from = …, to = … }}")
     law = getattr(stats, SHORTHAND.get(name, name), None)
     if not isinstance(law, stats.rv_continuous):
-        raise UsageError(f"{place}.{name}: no range and no continuous distribution of scipy.stats; must be {SPECS}")
+        raise UsageError(f"{place}: no range and no continuous distribution of scipy.stats; must be {SPECS}")
     if not isinstance(arguments, list) or not all(map(_is_number, arguments)):
-        raise UsageError(f"{place}.{name} = {quoted(arguments)}: must be a list of numbers: shapes, location, scale")
+        raise UsageError(f"{place} = {quoted(arguments)}: must be a list of numbers: shapes, location, scale")
 
     def quantiles(shares: np.ndarray) -> list[Value]:
         with warnings.catch_warnings(action="ignore"):  # of what is no number, which is refused
@@ -350,21 +322,17 @@ def _distribution(key: str, place: str, name: str, arguments: Any) -> Parameter:
         middle = float(quantiles(np.array([0.5]))[0])
     except TypeError:
         wanted = f"give shapes ({law.shapes or 'none'}), then location and scale"
-        raise UsageError(f"{place}.{name}: {len(arguments)} arguments; {wanted}") from None
+        raise UsageError(f"{place}: {len(arguments)} arguments; {wanted}") from None
     except (ArithmeticError, ValueError, RuntimeError):  # of a search for what has no closed form
         middle = nan
     if not isfinite(middle):
-        raise UsageError(f"{place}.{name} = {quoted(arguments)}: outside the distribution's domain")
-    return Parameter(key=key, quantiles=quantiles)
+        raise UsageError(f"{place} = {quoted(arguments)}: outside the distribution's domain")
+    return Parameter(key, quantiles=quantiles)
 
 
 def design_of(study: Study) -> Design:
     """The points of a study; the same study gives the same points.
-
-    Errors
-    ------
-    UsageError: lengths that differ, too many points, a list that is none.
-    """
+    UsageError: lengths that differ, too many points, a list that is none."""
     method, parameters = study.sampling.method, study.parameters
     keys = tuple(parameters)
     if method == "list":
@@ -394,8 +362,7 @@ def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Desi
     """Points of a Latin hypercube or of a scrambled Sobol sequence.
 
     With indices A, B, and for each parameter A with its column of B, one below the other, ((d + 2) n, d).
-    Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them.
-    """
+    Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them."""
     from scipy.stats import qmc
 
     d, n = len(parameters), sampling.samples or 0
@@ -416,30 +383,28 @@ def _drawn(sampling: SamplingTable, parameters: Mapping[str, Parameter]) -> Desi
 def _listed(name: str, text: str) -> Design:
     """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
     try:
-        rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+        rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
     except csv.Error as error:
         raise UsageError(f"{name}: a row can't be read: {error}") from None
+    rows = [row for row in rows if any(row)]
     if len(rows) < 2:
         raise UsageError(f"{name}: holds no points; a header of scene keys and a row for each point are needed")
-    keys = tuple(cell.strip() for cell in rows[0])
+    keys = tuple(rows[0])
     if not all(keys) or len(set(keys)) < len(keys):
         raise UsageError(f"{name}: its header must name a key of the scene in each column, none twice")
     _check_count(len(rows) - 1, len(keys), name)
-
-    def value(number: int, key: str, cell: str) -> Value | None:
-        if not cell:
-            return None
-        try:
-            read = load(f"value = {cell}", "")["value"]
-        except SceneError:
-            read = cell
-        if not is_value(read):
-            raise UsageError(f"{name}: row {number}, {key} = {quoted(cell)}: is no value of a scene")
-        return read
-
     points = []
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(keys):
             raise UsageError(f"{name}: row {number} has {len(row)} values, its header {len(keys)}")
-        points.append(tuple(value(number, key, cell.strip()) for key, cell in zip(keys, row, strict=True)))
+        values: list[Value | None] = []
+        for key, cell in zip(keys, row, strict=True):
+            try:
+                value = load(f"value = {cell}", "")["value"] if cell else None
+            except SceneError:
+                value = cell
+            if cell and not is_value(value):
+                raise UsageError(f"{name}: row {number}, {key} = {quoted(cell)}: is no value of a scene")
+            values.append(value)
+        points.append(tuple(values))
     return Design(keys=keys, points=points)

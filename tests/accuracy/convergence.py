@@ -258,7 +258,7 @@ def processors():
             path = f"{folder}/{name}.nc"
             words = ["--quiet", "--mesh-size", "2", "--duration", "5", "--output", path]
             environment = os.environ | {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""}
-            start = "from fem.commands.run_fem import run_fem; run_fem()"
+            start = "from fem.commands.entry import run_fem; run_fem()"
             subprocess.run([sys.executable, "-c", start, *words], env=environment, check=True)
             with h5py.File(path) as file:
                 runs[name] = {column: file[column][:] for column in COLUMNS}

@@ -367,7 +367,7 @@ def command(name: str, *arguments: object, folder: Path | None = None, prepare=N
 
 def start_run(path, *options, duration="2000"):
     """The command in a process of its own, once it has committed samples."""
-    run_fem = [sys.executable, "-m", "fem.commands.run_fem", "--mesh-size", "2", "--duration", duration]
+    run_fem = [sys.executable, "-m", "fem", "--mesh-size", "2", "--duration", duration]
     process = subprocess.Popen([*run_fem, "--output", str(path), *options], stderr=subprocess.PIPE, text=True)
 
     def has_committed() -> bool:

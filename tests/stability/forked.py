@@ -23,8 +23,8 @@ from fem.kernels.kernel_folder import cache_folder
 from tests.waiting import ASLEEP, limit_processor_time, wait_until
 
 ENTRIES = {
-    "run-fem": ("fem.commands.run_fem", "run_fem"), "check-residual": ("residual.cli", "check_residual"),
-    "render-fem": ("fem.commands.render_fem", "render_fem"),
+    "run-fem": ("fem.commands.entry", "run_fem"), "check-residual": ("residual.cli", "check_residual"),
+    "render-fem": ("fem.commands.entry", "render_fem"),
 }  # fmt: skip
 USUAL = (  # modules of what the commands do in tests
     "fem.runner", "fem.solver.elements.plan", "fem.solver.rigid.lagrangian", "fem.pictures.recover",

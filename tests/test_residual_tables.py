@@ -91,27 +91,10 @@ def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path):
     assert "no accelerations" in " ".join(summary["notes"]) and "no friction term" in page
 
 
-def uneven(run_time, seed=3):
-    """Sampling times that wander by up to 30 % of the interval."""
-    step = run_time[1]
-    return run_time + 0.3 * step * np.random.default_rng(seed).uniform(-1, 1, run_time.size)
-
-
-def write_uneven(run, folder, time):
-    """The same prescribed motion, told at other times."""
-    omega, cage = 2 * np.pi * 500.0, run.angle[1] - run.angle[0]
-    angle = run.angle[0] + cage / run.time[1] * time[:, None]
-    x, y = 2e-7 * np.cos(omega * time), -4.1e-6 + 2e-7 * np.sin(omega * time)
-    bearing = run.scene.ideal_bearing()
-    distance = bearing.inner_raceway_radius + bearing.roller_radius + 2.05e-6 * np.sin(angle)
-    rollers = x[:, None] + distance * np.cos(angle), y[:, None] + distance * np.sin(angle)
-    moved = replace(run, time=time, inner_x=x, inner_y=y, roller_x=rollers[0], roller_y=rollers[1])
-    return write_table(moved, folder / "uneven.csv")
-
-
 def test_uneven_sampling_is_resampled_where_asked_for_and_a_gap_not_bridged(run, tmp_path):
-    time = uneven(run.time)
-    path = write_uneven(run, tmp_path, time)
+    """Of sampling times that wander by up to 30 % of the interval."""
+    time = run.time + 0.3 * run.time[1] * np.random.default_rng(3).uniform(-1, 1, run.time.size)
+    path = write_table(make_run(time=time), tmp_path / "uneven.csv")
     with pytest.raises(InputError, match="--resample"):
         read_table(path, run.scene)
     trajectory = read_table(path, run.scene, resample=True)
@@ -122,7 +105,7 @@ def test_uneven_sampling_is_resampled_where_asked_for_and_a_gap_not_bridged(run,
     assert np.std(budget.x.error[10:-10]) == pytest.approx(np.std(exact_errors(run)[0]), rel=0.02)
     time[400:] += 50 * run.time[1]
     with pytest.raises(InputError, match="gap"):
-        read_table(write_uneven(run, tmp_path, time), run.scene, resample=True)
+        read_table(write_table(make_run(time=time), path), run.scene, resample=True)
 
 
 def test_even_sampling_is_left_alone_but_for_rounded_stamps_and_a_missing_row_is_no_rounding(run, tmp_path):

@@ -40,15 +40,18 @@ def harris_force(depth, length_mm=10.0):
     return 7.86e4 * length_mm ** (8 / 9) * (1e3 * np.maximum(depth, 0.0)) ** (10 / 9)
 
 
-def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None):
-    """Make a run whose inner ring circles at `tone`, Hz; its rollers carry a cos-shaped load zone and move on."""
+def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None, time=None, creep=1.0):
+    """Make a run whose inner ring circles at `tone`, Hz; its rollers carry a cos-shaped load zone and move on.
+
+    `time` : s, other instants than equal ones; `creep` : the rollers' speed over that of rolling
+    """
     scene = Scene() if scene is None else scene
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    time = interval * np.arange(n_times)
+    time = interval * np.arange(n_times) if time is None else time
     omega = 2 * np.pi * tone
     inner_x = amplitude * np.cos(omega * time)
     inner_y = -4.1e-6 + amplitude * np.sin(omega * time)
-    cage = 0.5 * operation.speed * bearing.inner_raceway_radius / bearing.pitch_radius
+    cage = creep * 0.5 * operation.speed * bearing.inner_raceway_radius / bearing.pitch_radius
     n = bearing.n_rollers
     angle = operation.first_roller_angle + 2 * np.pi * np.arange(n) / n + cage * time[:, None]
     depth = 4.1e-6 * (-np.sin(angle)) / 2

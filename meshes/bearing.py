@@ -56,8 +56,6 @@ def _sectors(raceway: float, mesh_size: float) -> int:
 
 def _ring(inner: float, outer: float, raceway: float, mesh_size: float) -> Annulus:
     return Annulus(
-        inner_radius=inner,
-        outer_radius=outer,
-        sectors=_sectors(raceway, mesh_size),
+        inner_radius=inner, outer_radius=outer, sectors=_sectors(raceway, mesh_size),
         layers=max(2, round((outer - inner) / mesh_size)),
-    )
+    )  # fmt: skip

@@ -19,12 +19,9 @@ FORMATS = {
 
 
 def write_fields(
-    path: Path,
-    points: np.ndarray,
-    blocks: Sequence[np.ndarray],
-    point_data: Mapping[str, np.ndarray],
+    path: Path, points: np.ndarray, blocks: Sequence[np.ndarray], point_data: Mapping[str, np.ndarray],
     cell_data: Mapping[str, Sequence[np.ndarray]],
-) -> None:
+) -> None:  # fmt: skip
     """Write a plane mesh with its fields, atomically, in the format of the name's ending.
 
     points : (n_points, 2), m; blocks : cells of one kind each, (n_cells, 3) or (n_cells, 4)
@@ -34,11 +31,9 @@ def write_fields(
 
     kinds = {3: "triangle", 4: "quad"}
     mesh = meshio.Mesh(
-        np.column_stack([points, np.zeros(len(points))]),
-        [(kinds[cells.shape[1]], cells) for cells in blocks],
-        point_data=dict(point_data),
-        cell_data={name: list(values) for name, values in cell_data.items()},
-    )
+        np.column_stack([points, np.zeros(len(points))]), [(kinds[cells.shape[1]], cells) for cells in blocks],
+        point_data=dict(point_data), cell_data={name: list(values) for name, values in cell_data.items()},
+    )  # fmt: skip
     path.parent.mkdir(parents=True, exist_ok=True)
     with replaced(path) as part:
         meshio.write(part, mesh, **FORMATS[path.suffix.lower()])
@@ -65,10 +60,6 @@ def quality(mesh: Mesh) -> Quality:
     cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
     angle = np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
     return Quality(
-        nodes=len(mesh.points),
-        cells=len(mesh.cells),
-        smallest_edge=float(edge.min()),
-        largest_edge=float(edge.max()),
-        smallest_angle=float(angle.min()),
-        largest_angle=float(angle.max()),
-    )
+        nodes=len(mesh.points), cells=len(mesh.cells), smallest_edge=float(edge.min()), largest_edge=float(edge.max()),
+        smallest_angle=float(angle.min()), largest_angle=float(angle.max()),
+    )  # fmt: skip

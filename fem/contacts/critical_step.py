@@ -29,14 +29,9 @@ CLOSE = 0.02  # of 4, in which that is found by so few looks
 
 
 def critical_time_step(
-    model: Model,
-    largest_force: float,
-    mounting: Mounting = HELD,
-    hub_mass: float = inf,
-    further: float = 0.0,
-    mass: ReciprocalMass = LUMPED,
-    sticks: bool = True,
-) -> float:
+    model: Model, largest_force: float, mounting: Mounting = HELD, hub_mass: float = inf, further: float = 0.0,
+    mass: ReciprocalMass = LUMPED, sticks: bool = True,
+) -> float:  # fmt: skip
     """Longest stable step, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
     0 where `mass` does not make every body's as long as is worth it.

@@ -32,10 +32,10 @@ class Motion:
 
     roller_angle: np.ndarray  # of the rollers' centres, from +x
     roller_turn: np.ndarray  # each roller's own frame
-    ring_turn: float  # the inner ring's frame
-    cage_speed: float
-    roller_speed: float
-    ring_speed: float
+    ring_turn: float = 0.0  # the inner ring's frame
+    cage_speed: float = 0.0
+    roller_speed: float = 0.0
+    ring_speed: float = 0.0
     outer_turn: float = 0.0  # of the outer ring
     outer_speed: float = 0.0
 
@@ -57,14 +57,10 @@ class Motion:
 
 def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
     """Nothing turns; the first roller's angle from +x, rad."""
-    return Motion(
-        roller_angle=roller_angles(bearing, first_roller_angle), roller_turn=np.zeros(bearing.n_rollers), ring_turn=0.0,
-        cage_speed=0.0, roller_speed=0.0, ring_speed=0.0,
-    )  # fmt: skip
+    return Motion(roller_angle=roller_angles(bearing, first_roller_angle), roller_turn=np.zeros(bearing.n_rollers))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Unloaded:
+class Unloaded(NamedTuple):
     """What the bodies of finite elements do without forces at their contacts."""
 
     inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight

@@ -27,13 +27,9 @@ GRID = "first_approach", "approach_step", "first_slope", "slope_step"
 
 
 def tilted_tables(
-    bearing: Bearing,
-    axial: Axial,
-    laws: tuple[ContactLaw, ContactLaw],
-    largest_force: float,
-    largest_slope: float,
+    bearing: Bearing, axial: Axial, laws: tuple[ContactLaw, ContactLaw], largest_force: float, largest_slope: float,
     meshed: tuple[float, float] = NOTHING,
-) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:
+) -> tuple[ContactTable | SpalledTable, ContactTable | SpalledTable]:  # fmt: skip
     """Tables of the inner and the outer contact by their plane laws, from the user's cache where they are there.
 
     largest_force : N, of a contact at rest; largest_slope : rad, of a roller to a ring, either way

@@ -158,16 +158,17 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
 
     Errors: Polar inertia of a `GradedDisc`: at most 1e-3 too large on meshes finer than a fiftieth of the radius.
     """
-    mesh, stiffness, lumped = _assembled(shape, material, thickness)
-    full = material.density * thickness * np.pi * shape.radius**2
-    mass = lumped * (full / lumped.sum())
+    mesh, stiffness, mass = _assembled(shape, material, thickness, shape.radius**2)
     if isinstance(shape, Disc):
         mass = _end_corrected(mass, mesh.points, shape)
     nodes = {"points": mesh.points, "cells": mesh.cells, "mass": mass}
     return DiscBody(shape=shape, material=material, stiffness=stiffness, **nodes)
 
 
-def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
+def _assembled(
+    shape: Shape, material: Material, thickness: float, square: float
+) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
+    """Mesh, stiffness, and masses of nodes that are the circles' together; `square` : their area over π, m²."""
     mesh = mesh_of(shape)
 
     def make():
@@ -177,7 +178,8 @@ def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh
     found = kept("matrices", repr((shape, material, thickness)), make)
     size = 2 * len(mesh.points)
     stiffness = sparse.csr_matrix((found["data"], found["indices"], found["indptr"]), shape=(size, size))
-    return mesh, stiffness, found["mass"]
+    full = material.density * thickness * np.pi * square
+    return mesh, stiffness, found["mass"] * (full / found["mass"].sum())
 
 
 class Assembled(NamedTuple):
@@ -221,12 +223,13 @@ def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarr
     Source: after Gregory's end correction of the trapezoidal rule, weights 1/2, 1, … → 5/12, 13/12, …
     """
     surface, below = disc.rows[-1], disc.rows[-2]
-    n = len(mass)
-    on_surface = np.arange(n) >= n - surface.nodes
-    on_below = (np.arange(n) >= n - surface.nodes - below.nodes) & ~on_surface
+    edge = len(mass) - surface.nodes
+    on_surface, on_below = slice(edge, None), slice(edge - below.nodes, edge)
     excess = mass @ np.sum(points**2, axis=1) - 0.5 * mass.sum() * disc.radius**2
-    moved = excess / (surface.radius**2 - below.radius**2)
-    return mass * (1.0 - on_surface * moved / mass[on_surface].sum() + on_below * moved / mass[on_below].sum())
+    moved, found = excess / (surface.radius**2 - below.radius**2), mass.copy()
+    found[on_surface] *= 1.0 - moved / mass[on_surface].sum()
+    found[on_below] *= 1.0 + moved / mass[on_below].sum()
+    return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,7 +267,7 @@ class RingBody:
         """Places of the free components among the rows of `matrix`."""
         return (2 * self.n_sectors * self.free_rows[:, None] + np.arange(2 * self.n_sectors)).ravel()
 
-    n_free_nodes = property(lambda self: (self.n_rows - 1) * self.n_sectors)
+    n_free_nodes = property(lambda self: self.free_places.size // 2)
     total_mass = property(lambda self: float(self.n_sectors * self.row_mass.sum()))
     angles = property(lambda self: 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors)
 
@@ -363,12 +366,12 @@ def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: flo
 
     Errors: RuntimeError: the mesh's sectors are not equal to 1e-9.
     """
-    mesh, stiffness, lumped = _assembled(shape, material, thickness)
+    square = shape.outer_radius**2 - shape.inner_radius**2
+    mesh, stiffness, lumped = _assembled(shape, material, thickness, square)
     rows, sectors = shape.layers + 1, shape.sectors
     stencil = _sector_stencil(stiffness, rows, sectors, 0)
     elsewhere = _sector_stencil(stiffness, rows, sectors, sectors // 3)
-    full = material.density * thickness * np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
-    mass = (lumped * (full / lumped.sum())).reshape(rows, sectors)
+    mass = lumped.reshape(rows, sectors)
     spread = np.abs(stencil - elsewhere).max() / np.abs(stencil).max()
     if spread > 1e-9 or np.ptp(mass, axis=1).max() > 1e-9 * mass.max():
         raise RuntimeError(f"the sectors of {shape} differ by {spread:.1e}: the mesh is not rotation-invariant")

@@ -50,8 +50,6 @@ class SupportedRing(LooseRing):
     held_nodes: np.ndarray  # (n_points,), of each point
     width: float  # m, of each, as the scene asks for
 
-    n_free_nodes = property(lambda self: self.n_rows * self.n_sectors - len(self.held_sectors))
-
     # width that the nodes of each point stand for, half an edge beyond either end, (n_points,), m
     held_width = property(lambda self: self.held_nodes * self.edge)
     # between nodes of the outside, m
@@ -125,8 +123,6 @@ class BoredRing(LooseRing):
     stiffness: float  # N/m, of the bore at one node
     touching: np.ndarray  # (n_sectors,), bool, where springs are taken to act
     surrounded: "BoredRing | None" = None  # the same ring with every spring, of which all sectors are alike
-
-    n_free_nodes = property(lambda self: self.n_rows * self.n_sectors)
 
     @cached_property
     def _factor(self):

@@ -79,7 +79,7 @@ def contact_force(approach, A, B, Q_line, guess):
             break
     if any_lane((Q >= Q_line) & (approach > 0.0)):
         # the ripple in B tilts the line as well: with another slope than this place's energy would not be conserved
-        line = (approach * (1.0 / A) - 0.5 * Q_line) / (B - 0.5 * log(Q_line))  # STEEPEST but for B's ripple
+        line = (approach * (1.0 / A) - 0.5 * Q_line) / (B - 0.5 * log(Q_line) - 0.5)  # STEEPEST but for B's ripple
         Q = select(Q >= Q_line, maximum(line, Q_line), Q)
     return select(apart, 0.0, Q + (approach - approach))
 
@@ -198,7 +198,7 @@ def contact_energy(Q, A, B, Q_line):
     q = min(Q, Q_line)
     energy = 0.5 * A * q * q * (B - 0.5 * log(q) - 0.25)
     if Q > Q_line:
-        energy += 0.5 * A * (B - 0.5 * log(Q_line)) * (Q * Q - Q_line * Q_line)
+        energy += 0.5 * A * (B - 0.5 * log(Q_line) - 0.5) * (Q * Q - Q_line * Q_line)
     return energy
 
 

@@ -90,11 +90,9 @@ class ErrorEstimate:
     mesh_size = property(lambda self: 1e-3 * self.coarse.scene.numerics.mesh_size_mm)  # Of the second run, m
 
     def find(
-        self,
-        samples: dict[str, np.ndarray],
-        report: Callable[[Progress], None] = lambda progress: None,
+        self, samples: dict[str, np.ndarray], report: Callable[[Progress], None] = lambda progress: None,
         stop: Callable[[], bool] = lambda: False,
-    ) -> list[Estimate]:
+    ) -> list[Estimate]:  # fmt: skip
         """Run the coarse plan and compare, unless it is stopped; `samples` of the finished run, by the result file's
         names (NEEDED).
 

@@ -209,11 +209,9 @@ def plan_warnings(
 ) -> tuple[str, ...]:
     """Sentences; none where all is well. `interval` between samples, s."""
     found = (
-        RIGID_CORE if scene.model == "fem" and model.bearing.bore_radius == 0.0 else None,
-        _yield(model, equilibrium),
-        _sampling(model.bearing, operation, equilibrium, interval),
-        _edges(model, equilibrium),
-    )
+        RIGID_CORE if scene.model == "fem" and model.bearing.bore_radius == 0.0 else None, _yield(model, equilibrium),
+        _sampling(model.bearing, operation, equilibrium, interval), _edges(model, equilibrium),
+    )  # fmt: skip
     return (*(sentence for sentence in found if sentence), *of_scene(scene, model.bearing, operation, interval))
 
 

@@ -69,11 +69,9 @@ class SampleReader:
         at_start, gained = self.base, moved - self.base[2]
         values |= {
             "time": (self.count + np.arange(len(rows))) / self.plan.looks * self.plan.interval,
-            "roller_rho": np.hypot(x, y),
-            "roller_theta": self._unwrap(np.arctan2(y, x)),
-            "work_external": works - at_start[0],
-            "work_dissipated": values["work_dissipated"] - at_start[1],
-        }
+            "roller_rho": np.hypot(x, y), "roller_theta": self._unwrap(np.arctan2(y, x)),
+            "work_external": works - at_start[0], "work_dissipated": values["work_dissipated"] - at_start[1],
+        }  # fmt: skip
         self.count += len(rows)
         imbalance = gained + (stored - at_start[3]) - values["work_external"] + values["work_dissipated"]
         exchanged = np.fmax(stored - self.plan.pressed_energy, np.abs(gained))

@@ -40,14 +40,10 @@ def programs_named(make: Callable[[], T]) -> T:
 
 
 def run(
-    plan: "Plan",
-    write: "Callable[[Samples], None]",
-    report: "Callable[[Progress], None]" = lambda progress: None,
-    stop: Callable[[], bool] = lambda: False,
-    state: "RunState | None" = None,
-    keep: "Callable[[Frame], None]" = lambda frame: None,
-    restart: Callable[[str], None] = lambda reason: None,
-) -> "Progress":
+    plan: "Plan", write: "Callable[[Samples], None]", report: "Callable[[Progress], None]" = lambda progress: None,
+    stop: Callable[[], bool] = lambda: False, state: "RunState | None" = None,
+    keep: "Callable[[Frame], None]" = lambda frame: None, restart: Callable[[str], None] = lambda reason: None,
+) -> "Progress":  # fmt: skip
     """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
 
     report : is called after each block

@@ -158,14 +158,11 @@ class RunState(ABC):
         """Where the run stands after its last sample."""
         last, per_sample = max(0, self.done - 1), self.steps_per_sample
         return Progress(
-            samples=self.done,
-            steps=last * per_sample,
-            steps_left=(self.plan.n_samples - 1 - last) * per_sample,
-            simulated=last * self.plan.interval,
-            wall=self.wall,
+            samples=self.done, steps=last * per_sample, steps_left=(self.plan.n_samples - 1 - last) * per_sample,
+            simulated=last * self.plan.interval, wall=self.wall,
             speed=(self.void_steps + last * per_sample) / self.wall if self.wall > 0.0 else 0.0,
             imbalance=self.imbalance,
-        )
+        )  # fmt: skip
 
 
 class Plan(ABC):

@@ -36,9 +36,7 @@ from fem.kernels.law import SLIP_FLOOR, STEEPEST, creep_traction
 
 WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
-# steps of `_creep`: tractions from slips without any; from those with all last ones; of every other contact in turn,
-# each with all others' tractions; last tractions on all bodies, on rigid ones alone; tractions on bodies with nodes
-ALONE, BESIDE, IN_TURN, AS_BEFORE, BODIES_AS_BEFORE, NODES = range(6)
+ALONE, IN_TURN, AS_BEFORE = range(3)  # steps of `_creep`
 
 
 @part
@@ -81,11 +79,8 @@ def friction_contacts(groups, rollers, disc, contacts, drive, later):
 
     Those of springs are given by places. Of others each is implicit in its own patch's velocity. Where patches of
     neighbours overlap (on coarse meshes), each starts from its last value and every other one is solved for in turn
-    (Gauss and Seidel): without neighbours' part sticking contacts would shake each other.
-
-    Where contacts share a rigid body but no nodes, the rigid bodies have been given all last tractions when each finds
-    its own: a step's tractions differ from the last by so little that what they do to each other's slip is caught up
-    with in the next.
+    (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Bodies declared rigid have
+    springs at all contacts.
 
     `later` : nodes are given the impulses of the normal forces here too, in one pass
     """
@@ -107,16 +102,8 @@ def friction_contacts(groups, rollers, disc, contacts, drive, later):
 @part
 def _creep_at_once(groups, rollers, disc, contacts, drive):
     """Of contacts that share no nodes."""
-    if contacts.friction.whole is None:
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _creep_all(groups, rollers, disc, contacts, drive, ALONE)
-    else:
-        _creep_all(groups, rollers, disc, contacts, drive, BODIES_AS_BEFORE)
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _creep_all(groups, rollers, disc, contacts, drive, BESIDE)
-        _move_all_bodies(groups, rollers, disc, contacts, drive, True)
-        _creep_all(groups, rollers, disc, contacts, drive, NODES)
-        _move_all_bodies(groups, rollers, disc, contacts, drive, False)
+    slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+    _creep_all(groups, rollers, disc, contacts, drive, ALONE)
 
 
 @part(inlined=False)
@@ -186,11 +173,11 @@ def _full_slip(pair, rollers, contacts, group, Q):
 
 
 @part
-def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
+def _find_tractions(pair, rollers, disc, contacts, dt, some):
     """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.
 
-    `again`: the slips are with the last tractions; of ALL contacts with those of the rigid bodies alone. The
-    difference from the tractions that the bodies have been given is left in `change`.
+    The slips are without tractions, or, but of ALL contacts, with the last ones. The difference from the tractions that
+    the bodies have been given is left in `change`.
     """
     friction = contacts.friction
     for group in range(0, rollers.n, WIDTH):
@@ -201,16 +188,11 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
             store(friction.change, row, splat(0.0))
             continue
         full_slip, mobility = _full_slip(pair, rollers, contacts, group, Q), load(friction.mobility, row) * dt
-        given, slip, chosen, taken = splat(0.0), load(friction.slip_left, row), Q > 0.0, mobility
-        if again:
-            given = load(friction.traction, row)
-            if some == ALL:
-                whole = surfaces.body_mobility(disc) + surfaces.body_mobility(first_surface(pair, disc))
-                taken = splat(whole * dt)
+        given, slip, chosen = splat(0.0), load(friction.slip_left, row), Q > 0.0
         if some != ALL:
-            number = count_from(group + some)
+            given, number = load(friction.traction, row), count_from(group + some)
             chosen = chosen & (number - lanes.to_int(lanes.to_float(number) * 0.5) * 2 == 0)
-        T, left = creep_traction(slip - taken * given, friction.coefficient * Q, full_slip, mobility)
+        T, left = creep_traction(slip - mobility * given, friction.coefficient * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, slip))
         store(friction.traction, row, T)
@@ -218,15 +200,12 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
 
 
 @part
-def _apply(pair, rollers, disc, contacts, share, dt):
-    """Give the bodies of a pair the impulses of its tractions in a step.
-
-    Bodies with nodes get those of `share`, (3, columns), N, rigid ones those of the changes of tractions.
-    """
+def _apply(pair, rollers, disc, contacts, dt):
+    """Give the bodies of a pair the impulses of the changes of its tractions in a step."""
     patches, side, moment, surface = contacts.patches, 2 * pair.row, splat(0.0), first_surface(pair, disc)
     surfaces.clear_ghost_nodes(surface)
     for group in range(0, rollers.n, WIDTH):
-        given = load(share, pair.row * rollers.columns + group) * dt  # along t on side 1
+        given = load(contacts.friction.change, pair.row * rollers.columns + group) * dt  # along t on side 1
         if any_lane(given != 0.0):
             nx, ny = _normals(contacts, pair, group)
             surfaces.scatter_force(disc, patches, side + 1, group, None, given * -pair.sign)
@@ -292,42 +271,24 @@ def _drag_bodies(pair, rollers, disc, contacts, dt):
 
 @part
 def _creep(pair, rollers, disc, contacts, drive, what):
-    """A step of finding a pair's tractions, or of giving bodies their impulses."""
+    """Tractions from slips without any; or of every other contact in turn, each with all others' tractions, which
+    begin as they were before."""
     friction, dt = contacts.friction, drive.dt
-    if what == ALONE or what == BESIDE:
-        _find_tractions(pair, rollers, disc, contacts, dt, ALL, what == BESIDE)
-    if what == AS_BEFORE or what == BODIES_AS_BEFORE:  # begin with the last tractions of contacts still closed
+    if what == ALONE:
+        _find_tractions(pair, rollers, disc, contacts, dt, ALL)
+        _apply(pair, rollers, disc, contacts, dt)
+    if what == AS_BEFORE:  # of contacts that are still closed
         for group in range(0, rollers.n, WIDTH):
             row = pair.row * rollers.columns + group
             last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
             store(friction.traction, row, last)
             store(friction.change, row, last)
-    if what == ALONE or what == AS_BEFORE:
-        _apply(pair, rollers, disc, contacts, friction.change, dt)
-    if what == BODIES_AS_BEFORE:
-        _drag_bodies(pair, rollers, disc, contacts, dt)
-    if what == NODES:  # which have been given nothing yet, the rigid bodies the last tractions
-        _apply(pair, rollers, disc, contacts, friction.traction, dt)
+        _apply(pair, rollers, disc, contacts, dt)
     if what == IN_TURN:
         for some in range(2):
             slip_velocity(pair, rollers, disc, contacts, rollers.turn_kick, friction.slip_left)
-            _find_tractions(pair, rollers, disc, contacts, dt, some, True)
-            _apply(pair, rollers, disc, contacts, friction.change, dt)
-
-
-@part
-def _move_bodies(pair, rollers, disc, contacts, drive, out):
-    """Add what rigid bodies move to the slips left; or take it out, with what a change of their own traction will."""
-    friction, mobility = contacts.friction, surfaces.body_mobility(disc)
-    mobility = (mobility + surfaces.body_mobility(first_surface(pair, disc))) * drive.dt
-    for group in range(0, rollers.n, WIDTH):
-        row, (nx, ny) = pair.row * rollers.columns + group, _normals(contacts, pair, group)
-        along, around = surfaces.body_motion(disc, second_rollers(pair, group, rollers.n), nx, ny)
-        along_0, around_0 = surfaces.body_motion(first_surface(pair, disc), count_from(group), nx, ny)
-        moved, left = along - pair.sign * around - along_0, load(friction.slip_left, row)
-        if pair.surface is None:
-            moved = moved - around_0
-        store(friction.slip_left, row, left - moved - mobility * load(friction.change, row) if out else left + moved)
+            _find_tractions(pair, rollers, disc, contacts, dt, some)
+            _apply(pair, rollers, disc, contacts, dt)
 
 
 # tangential springs
@@ -353,7 +314,7 @@ def _pull(pair, rollers, disc, contacts, drive, later):
     if later:
         _push_and_drag(pair, rollers, disc, contacts, dt)
     else:
-        _apply(pair, rollers, disc, contacts, friction.change, dt)
+        _apply(pair, rollers, disc, contacts, dt)
 
 
 @part
@@ -409,4 +370,4 @@ def spring_energy(shear, n):
 
 
 grip_all, slip_all, _pull_all = every(_grip, Pair), every(slip_velocity, Pair), every(_pull, Pair)
-_creep_all, _move_all_bodies = every(_creep, Pair), every(_move_bodies, Pair)
+_creep_all = every(_creep, Pair)

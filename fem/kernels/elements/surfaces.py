@@ -341,17 +341,6 @@ def body_mobility(surface):
     return 0.0
 
 
-@part
-def body_motion(surface, column, nx, ny):
-    """Velocity of rigid bodies along t and that of their surface by their spin, m/s, but for the shaft's."""
-    if isinstance(surface, Hub):
-        return surface.velocity[1] * nx - surface.velocity[0] * ny, splat(0.0)
-    if isinstance(surface, RigidDisc):
-        along = gather(surface.velocity, column + surface.columns) * nx - gather(surface.velocity, column) * ny
-        return along, (gather(surface.spin, column) + gather(surface.turn_kick, column)) * surface.radius
-    return splat(0.0), splat(0.0)
-
-
 # what contacts give; all return moments about the origin, N m s, of impulses on rings
 
 

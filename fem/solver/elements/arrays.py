@@ -269,11 +269,9 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
-        groups=pair_groups(model, (inner, outer), drive, housing, data, columns),
-        contacts=lined_up(contacts),
-        drive=drive,
-        scratch=lined_up(filled(state.Scratch, sizes, **copies)),
-    )
+        groups=pair_groups(model, (inner, outer), drive, housing, data, columns), contacts=lined_up(contacts),
+        drive=drive, scratch=lined_up(filled(state.Scratch, sizes, **copies)),
+    )  # fmt: skip
 
 
 def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:

@@ -190,12 +190,10 @@ class ElementPlan(CompiledPlan):
             body = getattr(self.model, name)
             q = quality(Mesh(points=body.points, cells=body.cells))
             table.add_row(
-                name.replace("_", " ") + (", rigid: only drawn" if body.material.rigid else ""),
-                str(q.nodes),
-                str(q.cells),
-                f"{1e3 * q.smallest_edge:.3f} - {1e3 * q.largest_edge:.3f}",
+                name.replace("_", " ") + (", rigid: only drawn" if body.material.rigid else ""), str(q.nodes),
+                str(q.cells), f"{1e3 * q.smallest_edge:.3f} - {1e3 * q.largest_edge:.3f}",
                 f"{q.smallest_angle:.0f} - {q.largest_angle:.0f}",
-            )
+            )  # fmt: skip
         return table
 
     def rows(self) -> dict[str, str]:

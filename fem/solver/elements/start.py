@@ -89,14 +89,11 @@ def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | Non
     if middle.axes is not None:
         axes = tilts_moving(middle.axes, places_moving(found.before.axes, middle.axes, found.after.axes, found.time))
     return replace(
-        still,
-        hub_velocity=found.rate("hub"),
+        still, hub_velocity=found.rate("hub"),
         roller_velocity=found.rate("rho")[:, None] * motion.radial + (ideal.cage * middle.rho)[:, None] * motion.around,
-        roller_rate=found.rate("rollers"),
-        inner_rate=found.rate("inner_ring"),
-        outer_rate=found.rate("outer_ring"),
+        roller_rate=found.rate("rollers"), inner_rate=found.rate("inner_ring"), outer_rate=found.rate("outer_ring"),
         tilts=axes,
-    )
+    )  # fmt: skip
 
 
 def rest_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:

@@ -72,11 +72,9 @@ def sections_of(bearing: Bearing, ideal: Kinematics, row: float, short: float, l
     time = np.arange(INSTANTS)[:, None] / INSTANTS * (2.0 * pi / turning)
     at = roller_angles(bearing, 0.0) + ideal.cage * time
     contact = {
-        "inner_ring": at - ideal.shaft * time,
-        "outer_ring": at - ideal.outer_ring * time,
-        "inside": at + pi - ideal.roller * time,
-        "outside": at - ideal.roller * time,
-    }
+        "inner_ring": at - ideal.shaft * time, "outer_ring": at - ideal.outer_ring * time,
+        "inside": at + pi - ideal.roller * time, "outside": at - ideal.roller * time,
+    }  # fmt: skip
     near = np.zeros(INSTANTS, dtype=bool)
     for body, _, (roller, middle, half), radius in arcs:
         met = contact[body] if roller is None else contact[body][:, roller, None]
@@ -443,13 +441,11 @@ class LagrangianPlan(RigidPlan):
         largest = forces["inner_force"].max(), forces["outer_force"].max()
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
-            "contact law": f"{options.law}, {problem.laws.inner.range}",
-            "damping of a contact": problem.damping.words,
-            **self.operation.mounting.rows,
-            **self.step_rows(", halved where contacts rattle"),
+            "contact law": f"{options.law}, {problem.laws.inner.range}", "damping of a contact": problem.damping.words,
+            **self.operation.mounting.rows, **self.step_rows(", halved where contacts rattle"),
             "expected time": in_words("lagrange", self.expected_seconds),
             "largest static forces": largest_loads(self.bearing, *largest, tilts=tilts),
-        }
+        }  # fmt: skip
 
 
 def make_plan(scene: Scene) -> LagrangianPlan:

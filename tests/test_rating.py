@@ -342,14 +342,12 @@ def test_pitch_of_a_hub_under_load(clearance, along, across):
     assert mean[1, 1] == pytest.approx(along, rel=2e-3) and mean[0, 0] == pytest.approx(across, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("law", "clearance"), [("harris", 0), ("harris", 20), ("iso16281", 0), ("iso16281", 20), ("elastic", -12)]
-)
+@pytest.mark.parametrize(("law", "clearance"), [("harris", 0), ("iso16281", 20), ("elastic", -12)])
 def test_mean_at_a_fixed_displacement(law, clearance):
     """Rotational symmetry: kxx = F/δ, kyy = dF/dδ, kxy = 0; without clearance kxx/kyy = 1/n.
 
-    Rollers of a hub held between rigid rings know nothing of each other: those of all angles of the cage at once. Of
-    elastic rings under preload no contact opens, so that few angles give the mean.
+    Rollers of a hub held between rigid rings know nothing of each other: Gauss' points of one over the load zone, close
+    where it ends. Of elastic rings under preload no contact opens, so that few angles of the cage give the mean.
     """
     bearing, operation = at_rest(clearance)
     if law == "elastic":
@@ -357,17 +355,22 @@ def test_mean_at_a_fixed_displacement(law, clearance):
         model = reduced_bearing(bearing, kinematics(bearing, 0.0))
         turned = roller_angles(bearing, 0.0) + 2.0 * np.pi / bearing.n_rollers * np.arange(10)[:, None] / 10
     else:
-        depth, step, fine = 4e-6 + bearing.radial_clearance, 1e-3, 4000
-        laws = contact_laws(law, bearing)
-        angles = 2.0 * np.pi * np.arange(fine * bearing.n_rollers) / (fine * bearing.n_rollers)
+        depth, step, laws = 4e-6 + bearing.radial_clearance, 1e-3, contact_laws(law, bearing)
+        alone, (points, weights) = replace(bearing, n_rollers=1), np.polynomial.legendre.leggauss(40)
 
     def mean(depth):
-        place = np.array([0.0, -depth])
+        place, rows = np.array([0.0, -depth]), []
         if law == "elastic":
-            rows = zip(*(held_elastic(model, angles, place) for angles in turned), strict=True)
-            return [np.mean(each, axis=0) for each in rows]
-        force, _, stiffness = held_rigid(bearing, operation, laws, angles, place)
-        return force / fine, place, stiffness / fine
+            rows = [held_elastic(model, angles, place) for angles in turned]
+            return [np.mean(each, axis=0) for each in zip(*rows, strict=True)]
+        zone = np.arccos(bearing.radial_clearance / depth)
+        for side in (-1.0, 1.0):
+            for v, weight in zip(0.5 * (points + 1.0), 0.5 * weights, strict=True):
+                angle = np.array([-0.5 * np.pi + side * zone * (1.0 - v**3)])
+                share = bearing.n_rollers * zone * 3.0 * v**2 * weight / (2.0 * np.pi)
+                rows.append([share * each for each in held_rigid(alone, operation, laws, angle, place)])
+        force, _, stiffness = (np.sum(each, axis=0) for each in zip(*rows, strict=True))
+        return force, place, stiffness
 
     force, place, stiffness = mean(depth)
     low, high = mean((1.0 - step) * depth), mean((1.0 + step) * depth)

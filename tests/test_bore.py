@@ -16,7 +16,7 @@ from fem.kernels.columns import CONTACT, ELASTIC, KINETIC
 from fem.kernels.elements import bodies, rings
 from fem.kernels.elements.bodies import ARC, AX, PLACE_X, PLACE_Y
 from fem.kernels.elements.rings import HALO
-from fem.kernels.elements.samples import _copy, _ring_elastic, _ring_kinetic, _ring_strain_power
+from fem.kernels.elements.samples import _changes, _copy, _ring_elastic, _ring_strain_power
 from fem.kernels.jit import OPTIONS
 from fem.kernels.mounts import Housing as HousingBody
 from fem.solver.elements.arrays import bore_body, ring_nodes
@@ -164,7 +164,7 @@ def live(ring, bore, housing, drive, room, line, rows, stride):
         bodies.slow_body(bore, drive)
         if i % stride == 0:
             slowed = drive.slowing / drive.dt * _ring_strain_power(ring, room, line)
-            row[KINETIC] = 0.5 * (_ring_kinetic(ring, room) + slowed)
+            row[KINETIC] = 0.5 * (_changes(ring, room)[1] + slowed)
             bodies.write_body(bore, drive, row)
             bodies.write_body(housing, drive, row)
             row[ELASTIC] = 0.5 * _ring_elastic(ring, room, drive.dt)

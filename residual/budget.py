@@ -156,8 +156,6 @@ def traction_resultant(contacts: Overlaps, traction) -> Pair:
 
 
 class LawScore(NamedTuple):
-    """Error forces that one law leaves."""
-
     name: str
     errors: tuple[Statistics, Statistics]  # in x and y
     contact_rms: float | None  # N, of run − law per closed contact; None where the source holds no forces

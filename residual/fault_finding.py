@@ -321,7 +321,6 @@ class SinkageMap:
 
     @property
     def seen(self) -> float:
-        """Share of the circumference."""
         return float(np.mean(np.isfinite(self.height)))
 
     @cached_property
@@ -399,7 +398,6 @@ class FoundSpall(NamedTuple):
 
     @property
     def width(self) -> float:
-        """From edge to edge, m."""
         return float(self.spall[1])
 
     @property

@@ -53,7 +53,6 @@ MORE_ROLLERS = 2.0  # than the equilibrium loads, or fewer: vibration
 
 
 def cells(*values: float | None, digits: int = 4, noise: float = 0.0) -> list[str]:
-    """Numbers as cells of a table."""
     return [text(value, digits, noise) for value in values]
 
 
@@ -93,7 +92,6 @@ def peak_name(peak: Peak) -> str:
 
 
 def peak_sentences(e: Evaluation) -> list[str]:
-    """The highest peaks of each error force."""
     said = []
     for d in e.directions:
         names = [(p, "no line" if peak_name(p) == "-" else peak_name(p)) for p in d.peaks[:4]]
@@ -103,7 +101,6 @@ def peak_sentences(e: Evaluation) -> list[str]:
 
 
 def watched_table(e: Evaluation) -> Section:
-    """Lines that the user asks for."""
     rows = [
         [x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)", *cells(x.rms, y.rms, digits=3),
          ", ".join(cells(x.background, y.background, digits=3)), "yes" if x.resolved else "no"]
@@ -113,7 +110,6 @@ def watched_table(e: Evaluation) -> Section:
 
 
 def same_run(e: Evaluation, other: Evaluation) -> bool:
-    """Whether both are of one run, by two laws."""
     return e.record.source == other.record.source
 
 
@@ -505,7 +501,6 @@ def search_sentences(search: FaultSearch) -> list[str]:
 
 
 def body_name(place: Place | Fault) -> str:
-    """Name a body, or the one that a fault is on."""
     return f"the {place.body.replace('_', ' ')}" if place.roller is None else f"roller {place.roller}"
 
 

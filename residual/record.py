@@ -31,8 +31,6 @@ Held = np.ndarray | None  # None where the source holds none
 
 @dataclass(frozen=True, kw_only=True)
 class CageMotion:
-    """A cage's samples."""
-
     x: np.ndarray  # (n_times,), m, of its centre
     y: np.ndarray
     angle: np.ndarray  # (n_times,), rad, since the run's start

@@ -51,8 +51,6 @@ BOTH = np.array([-1.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Content of a report."""
-
     tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
     search: FaultSearch | None = None  # for spalls; None: none was made
     figures: bool = True  # most of a report's time

@@ -59,7 +59,6 @@ class TooCoarse(NamedTuple):
 
     @property
     def cause(self) -> str:
-        """Why the balance fails, and the remedy."""
         better = self.remedy if self.seldom else "a shorter interval"
         samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration; {better} does"
         rings = "the elastic rings vibrate, with an inertia other than M at the hub"
@@ -151,7 +150,6 @@ class PositionNoise(NamedTuple):
 
     @property
     def source(self) -> str:
-        """The cause in words."""
         if self.step > 0.0 and self.step * UNIFORM >= 0.5 * max(*self.hub, self.roller):
             return f"their rounding to {length(self.step, 3)}"
         hub, roller = length(max(self.hub), 2), length(self.roller, 2)
@@ -159,7 +157,6 @@ class PositionNoise(NamedTuple):
 
     @property
     def note(self) -> str:
-        """The floor in words."""
         x, y = self.error
         return (
             f"the table's positions have an error, {self.source}, that alone makes an error force of about "
@@ -227,7 +224,6 @@ class Stationarity(NamedTuple):
 
     @property
     def note(self) -> str | None:
-        """Remedy for a transient; None where there is none."""
         if self.settled == 0:
             return None
         widths = "; ".join(f"{name} {', '.join(text(1e9 * each, 3) for each in s)} nm" for name, s in self.hub.items())

@@ -94,7 +94,6 @@ def read_result(path: str | Path) -> Record:
 
 
 def _from_file(path, file):
-    """Read an open result file; the record is not checked yet."""
     attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
     printed = ("status", "warnings", "program_version")
     attributes |= {name: _words(attributes[name]) for name in printed if name in attributes}

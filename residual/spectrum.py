@@ -325,8 +325,6 @@ def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortT
 
 
 class Envelope(NamedTuple):
-    """Envelope of one signal in a band."""
-
     low: float  # Hz, the band
     high: float
     rms: float  # of the band itself

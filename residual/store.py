@@ -15,8 +15,6 @@ from lagrange.version import VERSION
 
 
 class Page(NamedTuple):
-    """A page to be written."""
-
     name: str  # of its file
     template: Path
     shown: Mapping[str, Any]

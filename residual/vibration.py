@@ -58,8 +58,6 @@ HIGHEST = 2.2  # times BPFI: as far as lines are looked for in short-time spectr
 
 
 class LineLevel(NamedTuple):
-    """Level of one line in one signal."""
-
     name: str
     frequency: float  # Hz, from kinematics or as asked for
     rms: float  # in low … high
@@ -232,8 +230,6 @@ def _modulated_hub(frequency, hubs, lines, resolution):
 
 
 class FaultLine(NamedTuple):
-    """One line of the envelope's spectrum."""
-
     name: str
     frequency: float  # Hz, by the run's own cage speed
     amplitude: float  # m/s², not rms

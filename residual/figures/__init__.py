@@ -228,8 +228,6 @@ class PlainScalar(ScalarFormatter):
 
 
 class PlainLog(LogFormatterSciNotation):
-    """Powers of ten."""
-
     def __call__(self, x, pos=None) -> str:
         return plain(super().__call__(x, pos))
 

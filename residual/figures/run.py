@@ -73,7 +73,6 @@ def method_sentence(e: Evaluation, other: Evaluation | None) -> str:
 
 
 def history(e: Evaluation, equations: bool) -> Drawing:
-    """The hub's place, one roller's radial place, and the error forces over time."""
     t, loaded, time = e.record, e.budget.loaded, 1e3 * e.record.time
     j = chosen_roller(loaded, e.chatter)
     rho = np.hypot(t.roller_x[:, j], t.roller_y[:, j]) - t.bearing.pitch_radius
@@ -93,7 +92,6 @@ def history(e: Evaluation, equations: bool) -> Drawing:
 
 
 def orbit(e: Evaluation) -> Drawing:
-    """The hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
     t, statics = e.record, e.statics
     figure, (axes,) = panels(1, 4.6, x="x without mean, µm", y=["y without mean, µm"])
     x, y = t.inner_x.mean(), t.inner_y.mean()
@@ -113,7 +111,6 @@ def orbit(e: Evaluation) -> Drawing:
 
 
 def load_distribution(e: Evaluation) -> Drawing:
-    """The inner contact force around the bearing in polar coordinates, the load downwards."""
     force, statics = e.force, e.statics
     figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
@@ -136,14 +133,12 @@ def load_distribution(e: Evaluation) -> Drawing:
 
 
 def _dots(axis, angle, *rows, most=MOST_POINTS):
-    """Draw quantities of all rollers and times over their angles, so many points at most."""
     some = slice(None, None, max(1, angle.size // most))
     drawn = [(np.asarray(values)[some].ravel(), colour, label, DOTS) for values, colour, label in rows]
     curves(axis, angle[some].ravel(), *drawn)
 
 
 def loads(e: Evaluation) -> Drawing:
-    """The law's and the run's inner contact forces over the roller's angle from the load line."""
     own, budget, contacts = e.record.inner_force, e.budget, e.budget.contacts
     angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y, -contacts.direction_x)))
     names = ["inner contact force, N", "run − law, closed contacts, N"]
@@ -163,7 +158,6 @@ def loads(e: Evaluation) -> Drawing:
 
 
 def tilt(e: Evaluation) -> Drawing | None:
-    """Tilts of rollers and moments of their contacts over the roller's angle from the load line."""
     t, angle = e.record, np.degrees(e.record.from_load)
     if e.tilt is None:
         return None
@@ -215,7 +209,6 @@ def pressure(e: Evaluation) -> Drawing | None:
 
 
 def energy(e: Evaluation) -> Drawing | None:
-    """The changes of energies and works since the first sample, and what does not add up."""
     time, energies = 1e3 * e.record.time, e.record.energies
     if not set(ENERGIES) <= set(energies):
         return None
@@ -286,7 +279,6 @@ def passage(e: Evaluation) -> Drawing | None:
 
 
 def against(e: Evaluation, other: Evaluation) -> Drawing:
-    """The hub's motion or, for two laws of one run, the errors; loads by angle; spectra."""
     laws = e.record.source == other.record.source
     figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x="frequency, Hz")
     for each, name, colour, width in zip((e, other), named(e, other), (BLUE, RED), (1.4, 0.8), strict=True):
@@ -392,7 +384,6 @@ def passages(e: Evaluation) -> Iterator[Drawing]:
 
 
 def _overlay(e, number, found):
-    """Force and hub's acceleration over the angle from one spall's middle."""
     record, spall = e.record, spalls(e.record.bearing)[number]
     found = found[:: -(-len(found) // MOST_PASSAGES)]
     half = float(np.degrees(found[0].half_width))

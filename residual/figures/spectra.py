@@ -47,7 +47,6 @@ def middle(e: Evaluation, passages: float) -> slice:
 
 
 def whole(e: Evaluation) -> Drawing:
-    """Densities of the errors up to the Nyquist frequency on logarithmic axes, kinematic lines and peaks marked."""
     figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=[f"PSD of error_{axis}, N²/Hz" for axis in "xy"])
     handles, marked, mark = [], [], None
     for axis, d in zip(axes, e.directions, strict=True):
@@ -146,7 +145,6 @@ def budget(e: Evaluation) -> list[Drawing | None]:
 
 
 def _terms(e, acting):
-    """The terms over time, and their rms."""
     more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
     shares, x = (1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE), "rms, N (full colour: x, faint: y)"
     figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x=x)
@@ -177,7 +175,6 @@ def _terms(e, acting):
 
 
 def _stacked(e, acting):
-    """The terms less their means, stacked, over two roller passages in the middle of the record."""
     shown = middle(e, PASSAGES_STACKED)
     time = 1e3 * e.record.time[shown]
     figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} without mean, N" for axis in "xy"])
@@ -201,7 +198,6 @@ def _stacked(e, acting):
 
 
 def _term_spectra(e, acting):
-    """The density of every term beside the error's."""
     figure, axes = panels(2, 6.4, lines=3, x="frequency, Hz", y=[f"PSD, {axis}, N²/Hz" for axis in "xy"])
     for axis, d in zip(axes, e.directions, strict=True):
         f, psd = _by_decade(d.spectrum)
@@ -239,7 +235,6 @@ def _by_decade(spectrum):
 
 
 def acceleration(e: Evaluation) -> Drawing:
-    """Amplitude spectra of the acceleration in both directions, in g."""
     figure, (axis,) = panels(1, 3.2, lines=1, x="frequency, Hz")
     for d, colour in zip(e.directions, (SKY, BLUE), strict=True):
         spectrum, frequency = d.vibration.spectrum, d.vibration.spectrum.frequency[1:]
@@ -351,14 +346,12 @@ def orders(e: Evaluation) -> Drawing | None:
 
 
 def measured_figures(check: "Check", folder: Path) -> list[Drawing]:
-    """A record's lines in the envelope, its spectrum and an excerpt, and where a line stands out its pulse."""
     with rc_context(look.STYLE):
         drawn = (_modulation(check), _record(check), _pulse(check))
         return [look.save(each, folder) for each in drawn if each is not None]
 
 
 def _modulation(check):
-    """Depth of modulation over frequency, or over turns of the shaft where two records are compared."""
     found = check.record.diagnosis
     judged = [check.record] if check.other is None else [check.record, check.other]
     figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
@@ -394,7 +387,6 @@ def _modulation(check):
 
 
 def _record(check):
-    """Spectrum of each record, and an excerpt of the first about its largest magnitude."""
     figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
     own, other = check.record, check.other
     shared = other is None or other.signal.unit == own.signal.unit
@@ -443,7 +435,6 @@ def _pulse(check):
 
 
 def trend_figure(trend: "Trend", folder: Path) -> Drawing:
-    """Depths of lines and the level over a series."""
     with rc_context(look.STYLE):
         figure, (upper, lower) = panels(2, 4.6, lines=1)
         used = [(k, entry) for k, entry in enumerate(trend.entries, 1) if entry.depths is not None]
@@ -464,7 +455,6 @@ def trend_figure(trend: "Trend", folder: Path) -> Drawing:
 
 
 def _thinned(x, y, top):
-    """A curve up to `top`, its highest points kept."""
     x, y = x[x <= top], y[x <= top]
     each = max(1, int(np.ceil(x.size / MOST_POINTS)))
     if each == 1:

@@ -74,7 +74,6 @@ class Question:
 
     @property
     def ways(self) -> int:
-        """In how many ways the bearing is described."""
         sizes = (self.elements, self.element_diameter, self.pitch_diameter)
         return (self.bearing is not None) + (self.scene is not None) + any(size is not None for size in sizes)
 
@@ -299,7 +298,6 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
 
 
 def print_check(check: Check, folder: Path) -> None:
-    """Print the verdict, what it rests on, and where the page is."""
     found, rows = check.record.diagnosis, {name: section.rows for name, section in tables(check).items()}
     print(f"Verdict: {found.verdict}. {found.headline}")
     for sentence in (*found.reasons, *check.record.notes):
@@ -402,7 +400,6 @@ def _comparison(check, other):
 
 
 def _numbers(judged):
-    """Verdict, lines and levels of one record."""
     found, unit = judged.diagnosis, {"m/s²": "m_s2", "m/s": "m_s"}.get(judged.signal.unit, "own_unit")
 
     def place(of) -> dict[str, Any]:
@@ -450,8 +447,6 @@ class Growth(NamedTuple):
 
 
 class Trend(NamedTuple):
-    """A series as it was given."""
-
     entries: list[Entry]
     growth: list[Growth]  # one for each line, highest τ first
 
@@ -520,7 +515,6 @@ def growth(series: Sequence[dict[str, float]]) -> list[Growth]:
 
 
 def record_table(trend: Trend) -> Section:
-    """Verdict, levels and depths of each record."""
     rows = [
         [e.record, f"not used: {e.reason}", *["-"] * (5 + len(BODIES))] if e.depths is None else
         [e.record, e.verdict, text(e.rms, 3), text(e.velocity_mm_s, 3), text(e.kurtosis, 3), text(e.crest, 3),
@@ -555,7 +549,6 @@ def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict[str, A
 
 
 def print_trend(trend: Trend, folder: Path) -> None:
-    """Print what the series says, a line for each record, and where the page is."""
     for sentence in trend.sentences:
         print(shown(sentence))
     for row in record_table(trend).rows:

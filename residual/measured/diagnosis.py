@@ -235,8 +235,6 @@ class Geometry(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One line of the envelope's spectrum."""
-
     name: str
     expected: float  # Hz, kinematic, at the nominal speed
     found: float  # Hz
@@ -245,8 +243,6 @@ class Line(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """The comb of one part of the bearing."""
-
     name: str  # of its first line
     expected: float  # Hz, kinematic, at the nominal speed
     found: float  # Hz
@@ -283,7 +279,6 @@ class Diagnosis(NamedTuple):
 
     @property
     def headline(self) -> str:
-        """The verdict as a sentence."""
         return HEADLINES[self.verdict]
 
     def of(self, name: str) -> Finding:
@@ -360,7 +355,6 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
 
 
 def _check(signal, geometry, shaft, tolerance):
-    """Refuse what can't be judged."""
     if not 0.0 < shaft < 1e5:
         raise InputError(f"--speed {60.0 * shaft:g}: must be a number of revolutions per minute above 0")
     if not 0.0 <= tolerance <= WIDEST:
@@ -592,7 +586,6 @@ class Pulse(NamedTuple):
 
     @property
     def contrast(self) -> float:
-        """Highest power over the lowest."""
         return float(self.power.max() / max(self.power.min(), np.finfo(float).tiny))
 
 

@@ -52,7 +52,6 @@ class Channels:
 
     @property
     def longest(self) -> list[str]:
-        """Names of the longest signals."""
         most = max(map(len, self.values.values()), default=0)
         return [name for name, values in self.values.items() if len(values) == most]
 
@@ -193,7 +192,6 @@ def _matlab(data, path):
 
 
 def _archive(data, path):
-    """The arrays of an NPZ file."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         entries = archive.infolist()
         if not any(entry.filename.endswith(".npy") for entry in entries):

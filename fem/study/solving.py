@@ -368,23 +368,6 @@ class Solver:
         """End what is still under way."""
 
 
-class Worker:
-    """A process, and the point that it solves."""
-
-    def __init__(self) -> None:
-        context = get_context("spawn")  # a fork would inherit the locks of threads that it lacks
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=serve, args=(theirs,), daemon=True)
-        self.process.start()
-        theirs.close()
-        self.point, self.began = -1, inf
-
-    def kill(self) -> None:
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
-
-
 def serve(pipe: connection.Connection) -> None:
     """Solve what comes, until the study has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the study hears it and decides
@@ -394,41 +377,55 @@ def serve(pipe: connection.Connection) -> None:
 
 
 class Processes(Solver):
-    """Processes of this machine, started when they are needed; those busy by their pipes."""
+    """Processes of this machine, started when they are needed; point and start of those busy by their pipes."""
 
     def __init__(self, count: int, wanted: Wanted):
         super().__init__(wanted)
-        self._count, self._idle = count, list[Worker]()
+        self._count, self._idle = count, list[Any]()
+        self._processes: dict[Any, Any] = {}  # by their pipes
 
     def has_room(self) -> bool:
         return len(self.busy) < self._count
 
     def begin(self, point: int, scene: Scene) -> None:
-        worker = self._idle.pop() if self._idle else Worker()
-        self.busy[worker.pipe] = worker
-        worker.point, worker.began = point, time.monotonic()
+        if not self._idle:
+            context = get_context("spawn")  # a fork would inherit the locks of threads that it lacks
+            ours, theirs = context.Pipe()
+            self._processes[ours] = context.Process(target=serve, args=(theirs,), daemon=True)
+            self._processes[ours].start()
+            theirs.close()
+            self._idle.append(ours)
+        pipe = self._idle.pop()
+        self.busy[pipe] = point, time.monotonic()
         with suppress(OSError):  # it has died, which its pipe tells
-            worker.pipe.send((scene, self.wanted))
+            pipe.send((scene, self.wanted))
 
     def ended(self) -> Iterator[tuple[int, Solved]]:
-        for pipe in connection.wait(list(self.busy), LOOK):
-            worker = self.busy.pop(pipe)
+        ready: list[Any] = connection.wait(list(self.busy), LOOK)
+        for pipe in ready:
+            point, _ = self.busy.pop(pipe)
             try:
-                yield worker.point, worker.pipe.recv()
-                self._idle.append(worker)
+                yield point, pipe.recv()
+                self._idle.append(pipe)
             except (EOFError, OSError):
-                worker.kill()
-                text = f"its process died (exit code {worker.process.exitcode}), as where memory is short"
-                yield worker.point, Solved(status=LOST, text=text)
-        for worker in list(self.busy.values()):
-            if time.monotonic() - worker.began > self.wanted.seconds + GRACE:
-                del self.busy[worker.pipe]
-                worker.kill()
-                yield worker.point, self.hung()
+                text = f"its process died (exit code {self._kill(pipe)}), as where memory is short"
+                yield point, Solved(status=LOST, text=text)
+        for pipe, (point, began) in list(self.busy.items()):
+            if time.monotonic() - began > self.wanted.seconds + GRACE:
+                del self.busy[pipe]
+                self._kill(pipe)
+                yield point, self.hung()
+
+    def _kill(self, pipe: Any) -> int:
+        process = self._processes.pop(pipe)
+        process.kill()
+        process.join()
+        pipe.close()
+        return process.exitcode
 
     def close(self) -> None:
-        for worker in (*self._idle, *self.busy.values()):
-            worker.kill()
+        for pipe in list(self._processes):
+            self._kill(pipe)
 
 
 def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:

@@ -18,6 +18,28 @@ sys.path.insert(0, str(ROOT))
 LONGEST_WORD = 40  # characters: a longer one may break on a phone
 NAMES = tuple(f"reference/{name}.md" for name in ("scene", "examples", "result", "commands", "packages"))
 
+ATTRIBUTES = {  # of a result file
+    "format_version": "version of this layout",
+    "program": "program that wrote the file",
+    "program_version": "version of the package",
+    "source": "digest of the program's own code",
+    "scene": "the whole scene as TOML",
+    "scene_checksum": "CRC-32 of the scene's text",
+    "mesh_nodes": "nodes of the elastic bodies",
+    "degrees_of_freedom": "degrees of freedom of the model",
+    "time_step": "time step, s",
+    "long_step": "s, time step away from edges of spalls, if steps have two lengths",
+    "critical_time_step": "s, with all contacts closed",
+    "steps": "number of time steps",
+    "wall_seconds": "wall time of the time loop, s",
+    "setup_seconds": "wall time before the time loop, s",
+    "committed_samples": "number of samples that are complete",
+    "warnings": "one warning per line; empty if none",
+    "status": '"complete", "running", "interrupted", "failed: …"',
+    "faults": "surface faults in words, if any",
+    "coarse_mesh_size": "mesh size of the second run of --estimate-error, m",
+}
+
 
 def pages() -> dict[str, str]:
     """Markdown by the page's path."""
@@ -62,7 +84,6 @@ def examples_page() -> str:
 
 def result_page() -> str:
     """Variables and attributes of a result file."""
-    from fem.result.store import ATTRIBUTES
     from lagrange.columns import COLUMNS, columns_of
 
     rows = [

@@ -1,6 +1,5 @@
 """A run from a scene to a result file by whichever solver: checkpoints, signals, how it went, what is printed."""
 
-import signal
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
@@ -117,7 +116,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
                     run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, restart)
                 checkpoints.save()
                 if stopped and state.done < plan.n_samples:
-                    outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
+                    outcome = Outcome.by(stopped)
             except RunFailed as error:
                 outcome, reason = Outcome.FAILED, error
             store.finish(outcome.status.format(reason=reason), **state.outcome_attributes)
@@ -179,8 +178,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
             return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
     if stopped:
-        terminated = stopped[0] == signal.SIGTERM
-        return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
+        return _ended(Outcome.by(stopped, "ESTIMATE_"), path=path)
     write_estimates(path, found, estimate.mesh_size)
     rows = []
     for each in found:

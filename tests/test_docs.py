@@ -7,6 +7,7 @@ import sys
 import tomllib
 from types import SimpleNamespace
 
+import h5py
 import pytest
 
 from fem.commands import rate_bearing, render_fem, run_fem, run_study
@@ -174,8 +175,10 @@ def test_the_tutorials_commands_run_in_order(whole, tmp_path, monkeypatch, reque
     assert (tmp_path / "runs" / "NU206-residual" / "report.html").is_file()
 
 
-def test_the_handbook_knows_every_key_command_and_package(handbook):
+def test_the_handbook_knows_every_key_attribute_command_and_package(handbook, coarse_run):
     pages = handbook.pages()
+    with h5py.File(coarse_run) as file:
+        assert set(file.attrs) <= set(handbook.ATTRIBUTES)
     assert tuple(pages) == handbook.NAMES
     for table in key_tables():
         assert not table.name or f"[{table.name}]" in pages["reference/scene.md"]

@@ -1,6 +1,5 @@
 """The command `run-study`. Imports little: everything heavy waits until a study has been read."""
 
-import signal
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -103,7 +102,7 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
             left = len(folder.pending(points))
             done = len(pending) - left
             say(f"interrupted; {done} points are in {folder.path}; --resume goes on with the other {left}")
-            return (Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED).code
+            return Outcome.by(stopped).code
     else:
         with folder.held(points, options.resume):  # the study's text may have changed
             pass

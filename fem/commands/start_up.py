@@ -64,6 +64,11 @@ class Outcome(Enum):
     def __init__(self, code: int, sentence: str, status: str):
         self.code, self.sentence, self.status = code, sentence, status
 
+    @classmethod
+    def by(cls, signals: list[int], of: str = "") -> "Outcome":
+        """Of what the first of these signals has ended; `of` : "ESTIMATE_", an estimate."""
+        return cls[f"{of}TERMINATED" if signals[0] == signal.SIGTERM else f"{of}INTERRUPTED"]
+
 
 def _check_environment() -> None:  # refuse settings with which the time loops can't be loaded
     threads = os.environ.get("NUMBA_NUM_THREADS")

@@ -7,6 +7,7 @@ half-widths of the widest one.
 """
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from math import asin, pi
 from pathlib import Path
@@ -52,7 +53,7 @@ class Sketch(Drawing):
     look: Look
 
 
-class Renderer:
+class Renderer(AbstractContextManager):
     """Draws samples of a run with scales that fit all of those it is made for; use as a context manager.
     UsageError: the request does not suit the run, the run is damaged."""
 
@@ -83,9 +84,6 @@ class Renderer:
         sketch = Sketch(instant=instant, drawn=drawn_bearing(instant), magnification=look.magnification, look=look)
         self._paint(sketch, *self._canvas.panels)
         return self._canvas.image()
-
-    def __enter__(self) -> "Renderer":
-        return self
 
     def __exit__(self, *_) -> None:
         self._canvas.plotter.close()

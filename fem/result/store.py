@@ -20,7 +20,7 @@ import re
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from functools import wraps
 from math import prod
@@ -204,7 +204,7 @@ def _naming_the_file(method: Callable) -> Callable:  # writeFailed with the file
     return named
 
 
-class ResultFile:
+class ResultFile(AbstractContextManager):
     """Appends samples; use as a context manager.
     UsageError: another program has the file open; it is not what was stored. OSError: no room on the disk, a folder or
     an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails."""
@@ -453,9 +453,6 @@ class ResultFile:
         if self._handle is not None:
             os.close(self._handle)
         self._handle = None
-
-    def __enter__(self) -> "ResultFile":
-        return self
 
     def __exit__(self, *_) -> None:
         self.close()

@@ -272,24 +272,24 @@ def _choice(key: str, place: str, given: list[Any]) -> Parameter:  # values give
 
 def _range(key: str, place: str, spec: dict[str, Any]) -> Parameter:
     """From one value to another, both included, evenly or by equal factors; without a count drawn in between."""
-    low, high, count, scale = (spec.get(name) for name in RANGE_KEYS)
     for name in spec:
         if name not in RANGE_KEYS:
             raise UsageError(f"{place}.{name}: unknown key; known here: {', '.join(RANGE_KEYS)}")
     for name in ("from", "to"):
         if not _is_number(spec.get(name)):
             raise UsageError(f"{place}.{name} = {quoted(spec.get(name))}: must be a number")
+    low, high, count, scale = spec["from"], spec["to"], spec.get("count"), spec.get("scale", "linear")
     if not low < high:
         raise UsageError(f"{place}: from = {low:g} must be below to = {high:g}")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES):
         raise UsageError(f"{place}.count = {quoted(count)}: must be a whole number from 2 to {MOST_VALUES}")
-    if scale not in (None, "linear", "log"):
+    if scale not in ("linear", "log"):
         raise UsageError(f'{place}.scale = {quoted(scale)}: must be "linear" or "log"')
     if (is_log := scale == "log") and low <= 0.0:
         raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
     whole = isinstance(low, int) and isinstance(high, int)
 
-    def at(shares: np.ndarray) -> list[float]:
+    def at(shares: np.ndarray) -> list[Value]:
         return (low * (high / low) ** shares if is_log else low + (high - low) * shares).tolist()
 
     def drawn(shares: np.ndarray) -> list[Value]:  # each whole number has the same share

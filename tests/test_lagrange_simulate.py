@@ -14,7 +14,6 @@ from fem.kernels.lane_functions import exponential
 from lagrange.bearing import Cage, Operation
 from lagrange.contact.damping import ContactDamping, tilted_damper
 from lagrange.contact.laws import BALL_LAWS, ROLLER_LAWS, ContactLaws, PowerLaw, contact_laws
-from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import (
@@ -56,13 +55,6 @@ MOUNTED = replace(
 )
 
 
-def own_errors(run, ax, ay):
-    """Error forces (22), (23) of a run's positions with accelerations, N."""
-    state = approaches(run.bearing, run.inner_x, run.inner_y, run.roller_x, run.roller_y)
-    resultant = contact_resultant(state, run.laws.inner.force(state.inner))
-    return np.array(error_forces(run.operation, ax, ay, *resultant))
-
-
 @pytest.mark.parametrize("angles", ["kinematic", "free"])
 @pytest.mark.parametrize(("operation", "choices", "faults"), [
     (RUNNING, {}, ()), (RUNNING, {"start": "rest", "load_ramp": 3e-4}, ()),
@@ -88,14 +80,13 @@ def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, a
     (DGBB_209, replace(RUNNING, radial_load=8900.0, inner_mass=0.5), "hertz", 4530.0),
 ])  # fmt: skip
 def test_energy_is_kept_while_elements_pass_through_the_load_zone(bearing, operation, law, largest):
-    run = simulate(Problem(bearing, operation, contact_laws(law, bearing)), 1e-3, 1e-5)
+    """Of the paper's bearing 14 nm vertical and 120 nm horizontal, peak to peak, at the ball-pass frequency."""
+    run = simulate(Problem(bearing, operation, contact_laws(law, bearing)), 1 / 381.52, 2e-5)
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()
     assert run.inner_force.max() == pytest.approx(largest, rel=0.02)
-
-
-def test_own_residual_is_round_off_with_own_accelerations():
-    run = simulate(Problem(PAPER, RUNNING, HARRIS), 5e-4, 1e-5)
-    assert np.max(np.abs(own_errors(run, run.inner_ax, run.inner_ay))) < 1e-7  # 3e-18 m of 0.5 GN/m
+    if law == "harris":  # an independent solution
+        assert 1e9 * np.ptp(run.inner_y) == pytest.approx(14.5, abs=1.0)
+        assert 1e9 * np.ptp(run.inner_x) == pytest.approx(122.0, abs=4.0)
 
 
 def test_accelerations_are_those_of_the_path():
@@ -120,13 +111,6 @@ def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeyp
     np.testing.assert_allclose(run.inner_y, finer.inner_y, atol=1e-12)
     np.testing.assert_allclose(shorter.inner_y, finer.inner_y[::10], atol=1e-12)
     assert np.ptp(run.inner_y) > 1e-6
-
-
-def test_varying_compliance_has_the_size_of_the_statics():
-    """14 nm vertical and 120 nm horizontal, peak to peak, at the ball-pass frequency (independent solution)."""
-    run = simulate(Problem(PAPER, RUNNING, HARRIS), 1 / 381.52, 2e-5)
-    assert 1e9 * np.ptp(run.inner_y) == pytest.approx(14.5, abs=1.0)
-    assert 1e9 * np.ptp(run.inner_x) == pytest.approx(122.0, abs=4.0)
 
 
 def test_free_rollers_keep_the_angular_momentum():
@@ -252,10 +236,10 @@ def test_statics_over_a_spall(depth, body, angle):
 
 @pytest.mark.parametrize(("body", "unloads_from"), [("outer_ring", 0.530e-3), ("inner_ring", 0.425e-3)])
 def test_a_roller_unloads_fully_from_a_width_on(body, unloads_from):
-    for width, is_loaded in ((0.98 * unloads_from, True), (1.02 * unloads_from, False)):
-        bearing = replace(PAPER, faults=(spall(body, DOWN, width=width),))
+    for share in (0.98, 1.02):
+        bearing = replace(PAPER, faults=(spall(body, DOWN, width=share * unloads_from),))
         found = static_equilibrium(bearing, STANDING, HARRIS, roller_mass=0.0)
-        assert (found.inner_force[0] > 0.0) == is_loaded
+        assert (found.inner_force[0] > 0.0) == (share < 1.0)
 
 
 def still_at(hub, rho, theta, **more):
@@ -323,7 +307,6 @@ def test_energy_of_compiled_steps_is_balanced_over_a_spall_and_the_strike(body, 
         # the roller was unloaded and struck
         assert run.outer_force[:, 0].min() == 0.0
     assert errors[0] < 1e-3 and errors[1] < 1e-4 and errors[1] < errors[0] / 3.0
-
 
 
 # Equations of motion with tilt against Lagrange's equations derived by computer algebra

@@ -268,8 +268,8 @@ class _Row:
         self.slack = np.concatenate(
             [np.zeros(2), hub.slope, np.full(n, bearing.pitch_radius), 0.5 * (hub.slope_x * cos + hub.slope_y * sin)]
         )
-        self.springs, self.loose, shaft = np.zeros(4 + 2 * n), np.zeros(4 + 2 * n), operation.mounting.shaft
-        (self.springs if self.tilts else self.loose)[:2] = LOOSE  # the loose ones are in steps alone
+        self.springs, shaft = np.zeros(4 + 2 * n), operation.mounting.shaft
+        self.springs[:2] = LOOSE if self.tilts else 0.0
         self.springs[2:4] = max(hub.stiffness, LOOSE * self.length**2) if hub.is_free else 0.0
         if shaft is not None:
             self.springs[:2], self.slack[:2] = shaft.stiffness, -np.asarray(placement.ring)
@@ -293,18 +293,33 @@ class _Row:
             self.least, self.blur = (n * finest, finest), 10.0 * ROUND_OFF * self.track
 
     def upright(self, hub: np.ndarray) -> np.ndarray:
-        """Places with parallel axes to begin from: rollers midway between where they touch either raceway."""
-        cos, sin = np.cos(self.placement.theta), np.sin(self.placement.theta)
+        """Places with parallel axes to begin from: rollers between both raceways, or on the one that bears them."""
+        cos, sin, track = np.cos(self.placement.theta), np.sin(self.placement.theta), self.track
         across = hub[1] * cos - hub[0] * sin
         touch = hub[0] * cos + hub[1] * sin + np.sqrt(np.maximum(self.reach**2 - across**2, 0.0))
-        return np.concatenate([hub, np.zeros(2), 0.5 * (touch + self.track), np.zeros(cos.size)])
+        push = self.applied[self.rho] - self.inertial[self.rho] * track
+        inner, outer = (each.law.approach(np.abs(push)) for each in self.laws)
+        rest = np.where(push > 0.0, track + outer, touch - inner)
+        rho = np.where((touch < track) & (push != 0.0), rest, 0.5 * (touch + track))
+        return np.concatenate([hub, np.zeros(2), rho, np.zeros(cos.size)])
+
+    def upright_parts(self, here: _Point, loose: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Stiffness of parallel axes: of the hub, (2, 2), hub by rollers, (2, n), each roller's own, (n,), N/m.
+
+        `loose` : N/m, between either raceway and a roller, which then follows the hub wherever nothing holds it
+        """
+        n = here.own.size // 4
+        closing, k, turning = here.ways[: 2 * n], np.diag(here.stiff)[: 2 * n], here.turning
+        closing, k = np.concatenate([closing, closing[:n] - closing[n:]]), np.concatenate([k, np.full(n, 0.25 * loose)])
+        on_hub = closing[:, :2].T * k
+        hub = on_hub @ closing[:, :2] + turning[:2, :2] + np.diag(self.springs[:2])
+        own = k @ closing[:, self.rho] ** 2 + np.diag(turning)[self.rho] + self.inertial[self.rho]
+        return hub, on_hub @ closing[:, self.rho] + turning[:2, self.rho], own
 
     def upright_stiffness(self, here: _Point) -> np.ndarray:
         """Of the hub as elements follow it, (2, 2), N/m; those that nothing holds do not."""
-        whole = here.ways.T @ here.stiff @ here.ways + here.turning + np.diag(self.springs + self.inertial)
-        own = np.diag(whole)[self.rho]
-        follow = whole[:2, self.rho] / np.where(own > 0.0, own, np.inf)
-        return whole[:2, :2] - follow @ whole[self.rho, :2]
+        hub, between, own = self.upright_parts(here, 0.0)
+        return hub - between / np.where(own > 0.0, own, np.inf) @ between.T
 
     def settled(self, moved: np.ndarray) -> tuple[np.ndarray, _Point]:
         """Places in equilibrium from others that are near; what contacts have `taken` stays."""
@@ -339,14 +354,28 @@ class _Row:
 
     def newton(self, here: _Point) -> np.ndarray:
         """Newton's step; along directions with negative stiffness downhill."""
-        moves, step = self.moves, np.zeros(self.moves.size)
+        moves, step, longest = self.moves, np.zeros(self.moves.size), LONGEST * self.bearing.roller_radius
+        if not self.tilts:  # a roller knows the others by the hub alone
+            hub, between, own = self.upright_parts(here, LOOSE)
+            own, left = np.maximum(np.abs(own), LOOSE * LEAST_SCALED), here.left
+            follow = between / own
+            values, vectors = np.linalg.eigh(hub - follow @ between.T)
+            values = np.maximum(np.abs(values), LEAST_SCALED * np.abs(values).max() + LOOSE)
+            way = vectors @ ((vectors.T @ (left[:2] - follow @ left[self.rho])) / values) * moves[:2]
+            # rollers in clearance hold the others back only where no step downhill is left otherwise
+            step[:2] = way * min(1.0, longest / max(float(np.abs(way).max()), 1e-30))
+            step[self.rho] = np.clip((left[self.rho] - step[:2] @ between) / own, -longest, longest)
+            if left @ step > 0.0:
+                return step
+            step[:2], step[self.rho] = way, (left[self.rho] - way @ between) / own
+            return step * min(1.0, longest / max(float(np.abs(step).max()), 1e-30))
         whole = self.stiffness(here, here.stiff)[np.ix_(moves, moves)]
         scale = np.sqrt(np.abs(np.diag(whole)))
         values, vectors = np.linalg.eigh(whole / np.outer(scale, scale))
         values = np.maximum(np.abs(values), LEAST_SCALED)
         step[moves] = (vectors @ ((vectors.T @ (here.left[moves] / scale)) / values)) / scale
         ways = np.abs(step[:2]).max(), np.abs(step[self.rho]).max(), self.length * np.abs(step[self.tilt]).max()
-        return step * min(1.0, LONGEST * self.bearing.roller_radius / max(*map(float, ways), 1e-30))
+        return step * min(1.0, longest / max(*map(float, ways), 1e-30))
 
     def at(self, moved) -> _Point:
         rho, tilt, n = moved[self.rho], moved[self.tilt], self.bearing.n_rollers
@@ -401,5 +430,5 @@ class _Row:
         return moved + np.concatenate([np.zeros(4), *(idle * apart * [[1.0], [-1.0]])]) if idle.any() else moved
 
     def stiffness(self, here: _Point, contacts: np.ndarray) -> np.ndarray:
-        own = np.diag(self.springs + self.loose + self.inertial)
+        own = np.diag(self.springs + self.inertial)
         return here.ways.T @ (contacts + self.between) @ here.ways + here.turning + own

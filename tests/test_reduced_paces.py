@@ -73,9 +73,9 @@ def test_strikes_are_those_of_short_steps_throughout(model, body):
 @pytest.mark.slow
 @RIGID
 def test_all_around_a_bearing_changes_its_steps_with_it(model):
-    """Cage, shaft, housing, sensor, unbalance, waves between the spalls; later the cage's hits part the paths."""
+    """Cage, shaft, housing, sensor, unbalance, waves between the spalls; later the cage parts paths of any steps."""
     state, found, other, wanted = beside_short_steps(plan_of(
-        8.0, model=model, lagrange={"angles": "free"} if model == "lagrange" else {},
+        3.0, model=model, lagrange={"angles": "free"} if model == "lagrange" else {},
         cage={"mass_kg": 0.02, "guidance": "inner_ring", "guidance_clearance_mm": 0.3, "drag_torque_N_m": 0.001},
         support={"kind": "housing", "mass_kg": 12.0, "stiffness_N_per_m": 1.5e7, "damping_N_s_m": 2200.0},
         sensor={"frequency_Hz": 15000.0, "damping_ratio": 0.05}, operation=NU206["operation"] | {
@@ -84,7 +84,8 @@ def test_all_around_a_bearing_changes_its_steps_with_it(model):
     ))  # fmt: skip
     assert state.paces.made.min() > 0 and not state.paces.smooth
     assert error(state) < 1e-4 and error(other) < 1e-4
-    assert_near(found, wanted, 1e-2, "inner_force", "outer_force", "inner_y", "housing_y", "sensor_ay")
+    # measured 6e-4; steps half as long as the short ones differ from these by 2e-3, and by 4e-2 after 4 ms
+    assert_near(found, wanted, 5e-3, "inner_force", "outer_force", "inner_y", "housing_y", "sensor_ay")
 
 
 @pytest.mark.slow

@@ -105,14 +105,7 @@ def static_equilibrium(
 
 
 def held_hub(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    hub: np.ndarray,
-    *,
-    angles: np.ndarray,
-    turns: Turns = UNTURNED,
-    ring: Place = (0.0, 0.0),
+    bearing: Bearing, operation: Operation, laws: ContactLaws, hub, *, angles, turns=UNTURNED, ring=(0.0, 0.0)
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Force that holds the hub at a place, (2,), N, ρ of elements in radial balance, (n_rollers,), m, its stiffness.
 

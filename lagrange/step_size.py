@@ -5,7 +5,7 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
-from lagrange.contact.laws import contact_laws
+from lagrange.contact.laws import ContactLaws, contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics_met
 from lagrange.surface.deviation import profiles
@@ -67,8 +67,13 @@ def _stiffness(bearing: Bearing, operation: Operation, share: float = 1.0) -> tu
     force = share * 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
     force += bearing.roller_mass * (bearing.pitch_radius * cage**2 + operation.gravity)
     laws = contact_laws("hertz" if isinstance(bearing, BallBearing) else "johnson", bearing)
-    inner, outer = (float(law.slope(law.approach(force))) for law in laws)
+    inner, outer = _slopes(laws, force, force)
     return inner, outer
+
+
+def _slopes(laws: ContactLaws, *forces: float) -> list[float]:
+    """Stiffness of the inner and the outer contact under forces, N, N/m."""
+    return [float(law.slope(law.approach(force))) for law, force in zip(laws, forces, strict=True)]
 
 
 LEAP = 0.5  # of 1/ω of the stiffest mode, by forces a little ahead: its frequency is 0.01 % off
@@ -81,10 +86,7 @@ SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 
 def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> float:
     """Angular frequency, rad/s, of an element between contacts that carry these forces, N, or of all together."""
-    stiffness = [
-        float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
-        for law, force in zip(problem.laws, (inner_force, outer_force), strict=True)
-    ]
+    stiffness = _slopes(problem.laws, max(inner_force, SMALLEST_FORCE), max(outer_force, SMALLEST_FORCE))
     pocket = 0.0 if problem.free_cage is None else TOGETHER * problem.free_cage.stiffness
     alone = sqrt((sum(stiffness) + pocket) / problem.bearing.roller_mass)
     return max(alone, fastest_in_machine(problem.bearing, problem.operation, *stiffness))

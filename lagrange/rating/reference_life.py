@@ -54,14 +54,7 @@ class LaminaLoads:
 
 
 def rigid_loads(
-    row: Dimensions,
-    load: float,
-    clearance: float = 0.0,
-    tilt: float = 0.0,
-    *,
-    profile: bool | np.ndarray = True,
-    laminae: int = LAMINAE,
-    first: float = 0.0,
+    row: Dimensions, load: float, clearance=0.0, tilt=0.0, *, profile=True, laminae=LAMINAE, first=0.0
 ) -> LaminaLoads:
     """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
 

@@ -16,7 +16,7 @@ from lagrange.scene.scene import parse_scene_text
 from residual import check_vibration, cli
 from tests import documented
 from tests.documented import ROOT, blocks
-from tests.measurements import DOCS, slug
+from tests.measurements import DOCS, MEASUREMENT_PAGES, slug
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
 APPS = {
@@ -45,15 +45,16 @@ def handbook():
     return module
 
 
-@every_page
+@pytest.mark.parametrize("page", [*PAGES, *MEASUREMENT_PAGES], ids=lambda path: path.name)
 def test_links_lead_somewhere(page, handbook):
     for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`\n]*`", "", read(page))):
         name, _, anchor = target.partition("#")
-        if target.startswith(("http:", "https:")) or (page.parent == DOCS and name in handbook.NAMES):
-            continue
         path = (page.parent / name).resolve() if name else page
+        if target.startswith(("http:", "https:")) or path in {DOCS / made for made in handbook.NAMES}:
+            continue
         assert path.exists(), target
-        assert page.parent != DOCS or path.is_relative_to(DOCS), f"{target}: the site has the files of docs/ only"
+        in_site = not page.is_relative_to(DOCS) or path.is_relative_to(DOCS)
+        assert in_site, f"{target}: the site has the files of docs/ only"
         if anchor:
             text = re.sub(r"^```.*?^```", "", read(path), flags=re.M | re.S)
             assert anchor in map(slug, re.findall(r"^#+ (.+)$", text, re.M)), target

@@ -426,6 +426,7 @@ def picture(*arguments, say):
 
 BAD_PICTURES = {
     "picture of no file": options("{folder}/gone.nc", say="gone.nc & no such", main=render_main),
+    "picture of a folder": options("{folder}", say="no such result file", main=render_main),
     "picture without runs": options(say="run-fem & runs", main=render_main),
     "picture of text": content("bad.nc", "time,inner_x\n0,0\n", "can't be read as a result file", render_main),
     "picture of half a file": spoilt(

@@ -132,6 +132,10 @@ def test_a_file_whose_frames_are_gone_is_not_gone_on_with_and_those_beyond_its_s
         del file[GROUP]
     assert run_main([*options, "2", "--resume"]) == 2
     assert "frames" in capsys.readouterr().err
+    path = changed(with_fields, tmp_path, lambda file: file[GROUP]["inner_ring_stress"].__setitem__((3, 7, 1), 1.0))
+    assert StoredRun(path).instant(100).stored  # another frame than the damaged one
+    with pytest.raises(UsageError, match=r"sample 150 .* checksum"):
+        StoredRun(path).instant(150)
     path = changed(with_fields, tmp_path, lambda file: file.attrs.update(committed_samples=101))
     assert StoredRun(path).stored_samples.tolist() == [0, 50, 100]
     assert read_instant(path).time == pytest.approx(1e-3, rel=1e-12)

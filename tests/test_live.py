@@ -103,7 +103,7 @@ def test_pressures_along_rollers_are_those_of_their_forces_and_moments():
 
 
 @pytest.mark.parametrize(("some", "words"), [
-    ({"radial_load_N": -5.0}, "operation.radial_load_N = -5.0: must be greater"),
+    ({"radial_load_N": -5.0}, "^these values: operation.radial_load_N = -5.0: must be greater"),
     ({"speed_rpm": 1e6}, "operation.speed_rpm"), ({"clearance_um": 5000.0}, "too large"),
     ({"clearance_um": -500.0}, "preload"), ({"friction_coefficient": 2.0}, "friction_coefficient = 2.0"),
     ({"outer_ring_spall_mm": -1.0}, "width_mm = -1.0"), ({"inner_ring_spall_mm": 50.0}, "too wide"),

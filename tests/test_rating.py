@@ -203,10 +203,11 @@ def cycle_of(loads, speeds, shares):
 
 
 @pytest.mark.parametrize(("call", "words"), [
-    (lambda: life_modification(0.05, 1.0), ""), (lambda: basic_life(1.0, 0.0), ""),
-    (lambda: life.in_hours(1.0, 0.0), ""), (lambda: life.reference_viscosity(0.0, 46.0), ""),
-    (lambda: life.reliability_factor(91.0), ""), (lambda: elastic_pitch_of("bodies.rollers=rigid"), ""),
-    (lambda: elastic_pitch_of("bearing.type=ball"), ""),
+    (lambda: life_modification(0.05, 1.0), "not given below 0.1"), (lambda: basic_life(1.0, 0.0), "without load"),
+    (lambda: life.in_hours(1.0, 0.0), "does not turn"), (lambda: life.reference_viscosity(0.0, 46.0), "does not turn"),
+    (lambda: life.reliability_factor(91.0), "the standard lists 90, 95"),
+    (lambda: elastic_pitch_of("bodies.rollers=rigid"), "one is rigid"),
+    (lambda: elastic_pitch_of("bearing.type=ball"), "not for balls"),
     (lambda: life.caged_cylinders(of("NCF3010")), "this bearing has a full complement"),
     (lambda: life.caged_cylinders(of("NA4910")), "this bearing has needles"),
     (lambda: life.caged_cylinders(replace(N209, cosine=0.97)), "this bearing has a contact angle"),

@@ -108,7 +108,8 @@ def test_refined_outlines_and_nodes_lie_on_the_circles(drawn):
     assert len(ring) > 2000 and np.hypot(*ring.T).max() == pytest.approx(18e-3, rel=1e-9)
 
 
-def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
+def test_forces_on_the_rollers_carry_the_load_and_an_arrow_ends_at_its_tip(can_draw, instant):
+    from fem.pictures.canvas import arrow
     from fem.pictures.views import contact_forces
 
     (inner_at, inner), (outer_at, outer), *_ = contact_forces(instant)
@@ -118,6 +119,11 @@ def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
     assert outer.sum(axis=0) == pytest.approx([0.0, -expected], abs=0.02 * operation.radial_load)
     for at, force in ((inner_at, inner), (outer_at, outer)):
         assert np.all(np.sum(at * force, axis=1) <= 0.0)  # both push into the roller
+    (x, y), (wide, high) = (arrow((1.0, 2.0), (1.0, 2.5), 0.02, border=border).T for border in (0.0, 0.01))
+    assert (y.min(), y.max()) == pytest.approx((2.0, 2.5))
+    area = 0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+    assert area == pytest.approx(0.02 * (0.5 - 0.064) + 0.5 * 0.06 * 0.064)
+    assert wide.min() < x.min() - 0.0099 and high.max() > 2.51  # its border surrounds it
 
 
 def test_scales_end_at_round_numbers_and_suit_the_most_loaded_frame_of_a_film(run):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -122,28 +123,23 @@ def times(run: Path, folder: Path) -> None:
     sample = stored.nearest(1e-3 * float(INSTANT))
     once = Request()
     for name, request in (("bearing, first picture", once), ("bearing", once), ("close-up", Request(view="close-up"))):
-        with _Row(name, folder / "one.png"):
+        with _row(name, folder / "one.png"):
             draw(StoredRun(run), folder / "one.png", request, sample)
     for name in ("film.mp4", "film.gif"):
-        with _Row(f"{name}, 120 frames, 960 wide", folder / name):
+        with _row(f"{name}, 120 frames, 960 wide", folder / name):
             assert render_main([str(run), "--animation", str(folder / name), "--quiet"]) == 0
-    with _Row("run.vtkhdf, 120 instants", folder / "run.vtkhdf"):
+    with _row("run.vtkhdf, 120 instants", folder / "run.vtkhdf"):
         assert render_main([str(run), "--export", str(folder / "run.vtkhdf"), "--quiet"]) == 0
 
 
-class _Row:
+@contextmanager
+def _row(name: str, path: Path):
     """Prints a line of the table about the work inside and the file, or folder of its name, that comes of it."""
-
-    def __init__(self, name: str, path: Path):
-        self._name, self._path = name, path
-
-    def __enter__(self) -> None:
-        self._began, self._used = time.perf_counter(), processor_seconds(*EVERY)
-
-    def __exit__(self, *_) -> None:
-        took, used = time.perf_counter() - self._began, processor_seconds(*EVERY) - self._used
-        size = sum(file.stat().st_size for file in (self._path, *self._path.with_suffix("").glob("*")))
-        print(f"| {self._name} | {took:.1f} | {used:.1f} | {1e-6 * size:.2g} |", flush=True)
+    began, before = time.perf_counter(), processor_seconds(*EVERY)
+    yield
+    took, used = time.perf_counter() - began, processor_seconds(*EVERY) - before
+    size = sum(file.stat().st_size for file in (path, *path.with_suffix("").glob("*")))
+    print(f"| {name} | {took:.1f} | {used:.1f} | {1e-6 * size:.2g} |", flush=True)
 
 
 app = App(help=__doc__)

@@ -259,19 +259,14 @@ def checked_out(revision: str, unfused: bool) -> Iterator[tuple[Tree, Tree]]:
         subprocess.run([*git, "worktree", "add", "--quiet", "--detach", str(folder), revision], check=True)
         try:
             if unfused:
-                here = _copied(Path(room) / "here")
+                here, strange = Path(room) / "here", shutil.ignore_patterns("__pycache__")
+                for package in ("lagrange", "meshes", "fem", "residual"):
+                    shutil.copytree(HERE / package, here / package, ignore=strange)
                 for tree in (here, folder):
                     _unfuse(tree)
             yield Tree(here, Path(room) / "mine"), Tree(folder, Path(room) / "of-base")
         finally:
             subprocess.run([*git, "worktree", "remove", "--force", str(folder)], check=True)
-
-
-def _copied(folder: Path) -> Path:
-    """A copy of this tree's packages."""
-    for package in ("lagrange", "meshes", "fem", "residual"):
-        shutil.copytree(HERE / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder
 
 
 def _unfuse(tree: Path) -> None:

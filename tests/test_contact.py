@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
+from scipy.interpolate import BSpline
 
 from fem.commands.run_fem import run_main
 from fem.contacts import MODELS, points
@@ -16,6 +17,7 @@ from fem.contacts.resolved import FacetedModel, PenaltyModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
 from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.kernels.elements.rings import HALO
+from fem.kernels.elements.surfaces import CORNER, chord
 from fem.kernels.lanes import WIDTH
 from fem.kernels.law import STEEPEST, contact_force
 from fem.solver.elements.plan import model_of
@@ -288,6 +290,10 @@ def test_hertz_pressure_of_the_papers_contacts_far_below_the_line():
     assert 1e6 * outer.half_width(628.0) == pytest.approx(65.0, abs=0.5)
     assert 1e-6 * inner.peak_pressure(628.0) == pytest.approx(768.0, abs=0.5) and inner.peak_pressure(0.0) == 0.0
     assert min(law.Q_line for law in model(paper(), 1e-3).laws[:2]) > 10.0 * 628.5
+    for found in (model(paper(), 2e-3), of_springs(1e8, False)):  # the kernels' friction needs the same pairs
+        for law, known in zip(found.laws, found.kernel_data(650.0).laws, strict=True):
+            assert known.half_width_factor == law.pair.half_width_factor
+            assert known.curvature * law.pair.relative_radius == pytest.approx(1.0, rel=1e-15)
 
 
 # Contact models: each of a scene's names has one, none solves statics twice
@@ -295,6 +301,7 @@ def test_hertz_pressure_of_the_papers_contacts_far_below_the_line():
 
 @pytest.mark.parametrize(("contact", "mesh_size", "modulus", "kind", "statics"), [
     ("subgrid", 2.0, 210.0, SubgridModel, 0), ("subgrid", 0.6, 5.0, SpreadModel, 1),
+    ("subgrid", 0.9, 5.0, SubgridModel, 1),  # more than twice as coarse as the half-width of 0.43 mm
     ("penalty", 2.0, 210.0, PenaltyModel, None), ("faceted", 2.0, 210.0, FacetedModel, None),
 ])  # fmt: skip
 def test_a_scene_gets_its_model_and_exact_statics_are_solved_once_at_most(
@@ -495,7 +502,11 @@ def test_a_direction_gets_its_place_among_the_nodes(n):
         assert 0.0 <= compiled.place(1.0, -tiny, n) < n
     nodes, weight, offset = points.patch(18, 2.0 * np.pi * 17.4 / 18.0)
     assert nodes.tolist() == [15, 16, 17, 0, 1, 2], "patches wrap round the body"
-    assert weight @ offset == pytest.approx(0.0, abs=1e-15)
+    spline = BSpline.basis_element(np.arange(7) - 3.0, extrapolate=False)  # Schoenberg's quintic
+    for position in 17.0 + np.append(np.linspace(0.0, 0.95, 20), 1.0 - 1e-9):
+        _, weight, offset = points.patch(18, 2.0 * np.pi * position / 18.0)
+        assert_allclose(weight, np.nan_to_num(spline(offset * 18.0 / (2.0 * np.pi))), rtol=0.0, atol=1e-14)
+        assert weight.sum() == pytest.approx(1.0, abs=3e-16) and weight @ offset == pytest.approx(0.0, abs=1e-15)
 
 
 # Contacts as other programs have them on a coarse mesh: penalty springs between circles, or between facets
@@ -519,6 +530,12 @@ def test_sagittas_are_those_of_the_meshes_own_chords():
         below = np.hypot(*nodes.T).mean() - np.hypot(*middle.T)
         assert_allclose(below, sign * law.sagitta[side], rtol=6e-3)
     assert of_springs(STIFF_PENALTY, faceted=False).inner_law.sagitta == (0.0, 0.0)
+    depth, slope = np.transpose([chord(t) for t in (np.arange(20_000) + 0.5) / 20_000])
+    assert depth.max() == pytest.approx(chord(0.5)[0]) and depth.max() == pytest.approx(1.0, abs=2.0 * CORNER**2)
+    assert depth.mean() == pytest.approx(2.0 / 3.0, abs=1e-8), "rounding the corners moves no mean"
+    change, after = 20_000 * (np.roll(depth, -1) - depth), np.roll(slope, -1)  # round the node as well
+    assert_allclose(change, 0.5 * (slope + after), atol=2e-3)
+    assert np.abs(after - slope).max() < 0.02, "no jump, at the node neither"
 
 
 def test_the_hub_sinks_by_the_springs_compliance_and_the_step_limit_knows_them():
@@ -530,6 +547,8 @@ def test_the_hub_sinks_by_the_springs_compliance_and_the_step_limit_knows_them()
     at_rest = standing(paper(), ON_A_ROLLER)
     soft, softer = (equilibrium(of_springs(k, False), at_rest, Loads(kit.LOAD)).hub[1] for k in (2e7, 1e7))
     assert soft - softer == pytest.approx(2.0 * kit.LOAD / share * (1e-7 - 0.5e-7), rel=8e-3)
+    assert of_springs(1e8, False).give(kit.LOAD) == pytest.approx(2.0 * kit.LOAD / 1e8, rel=1e-12)
+    assert model(paper(), 2e-3).give(kit.LOAD) == 0.0, "only springs may give way"
     limits = [critical_time_step(of_springs(k, False), 650.0) for k in (1e7, 1e11, 1e12)]
     assert limits[0] > 10.0 * limits[2] and limits[1] / limits[2] == pytest.approx(np.sqrt(10.0), rel=0.02)
 

@@ -208,8 +208,9 @@ def test_overlaps_are_those_of_plain_distances_and_directions_their_derivatives(
         np.testing.assert_allclose((at(-step).inner - at(step).inner) / (2.0 * step), found.direction_x, atol=1e-8)
         away = at(0.0, -step).inner - at(0.0, step).inner
         np.testing.assert_allclose(away / (2 * step), found.direction_y, atol=1e-8)
-    for touching in (reach, track):
-        assert overlaps(PAPER, 0.0, 0.0, np.array([touching]), np.zeros(1)).inner == pytest.approx(0.0, abs=1e-17)
+    for touching, side in ((reach, "inner"), (track, "outer")):
+        found = overlaps(PAPER, 0.0, 0.0, np.array([touching]), np.zeros(1))
+        assert getattr(found, side) == pytest.approx(0.0, abs=1e-17)
 
 
 @pytest.mark.parametrize(

@@ -250,10 +250,10 @@ def test_cells_tile_the_shape_without_holes_or_overlap(shape):
     def polygon_area(radius, corners):
         return 0.5 * corners * radius**2 * sin(2.0 * pi / corners)
 
-    mesh = make(shape)
+    mesh, disc = make(shape), isinstance(shape, Disc)
     x, y = np.moveaxis(mesh.points[mesh.cells], -1, 0)
     areas = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-    if isinstance(shape, Disc):
+    if disc:
         wanted, rims, holes = polygon_area(shape.radius, shape.surface_nodes), shape.surface_nodes, 0
     else:
         wanted = polygon_area(shape.outer_radius, shape.sectors) - polygon_area(shape.inner_radius, shape.sectors)
@@ -264,6 +264,19 @@ def test_cells_tile_the_shape_without_holes_or_overlap(shape):
     count = Counter(map(tuple, np.sort(ends, axis=1).tolist()))  # how often each edge is used
     assert set(count.values()) == {1, 2} and sum(n == 1 for n in count.values()) == rims
     assert len(mesh.points) - len(count) + len(mesh.cells) == 1 - holes, "Euler's formula"
+    # where contact weights expect them: a disc's surface last, a ring's rows from the inside, each from angle 0 on
+    around, layers = (shape.surface_nodes if disc else shape.sectors), shape.layers
+    radii = [shape.radius] if disc else np.linspace(shape.inner_radius, shape.outer_radius, layers + 1)
+    places = np.outer(radii, np.exp(2j * pi * np.arange(around) / around)).ravel()
+    np.testing.assert_allclose(mesh.points[-places.size :] @ [1.0, 1j], places, rtol=0.0, atol=1e-14 * radii[-1])
+    inside = 1.0 + 3.0 * layers * (layers + 1.0) if layers == int(layers) else 3.0 * (layers + 0.5) ** 2
+    assert len(mesh.points) == (inside if disc else places.size) and mesh.cells.shape[1] == (3 if disc else 4)
+    if disc:
+        assert shape.surface_spacing == pytest.approx(2.0 * pi * shape.radius / around, rel=1e-13)
+    else:  # off the right angle by half a sector
+        found = quality(mesh)
+        wanted = 90.0 - 180.0 / around, 90.0 + 180.0 / around
+        assert (found.smallest_angle, found.largest_angle) == pytest.approx(wanted, abs=1e-9)
 
 
 @pytest.mark.parametrize("layers", [2, 3, 4, 5, 8, 13, 20, 1.5, 2.5, 3.5, 4.5, 9.5, 20.5])

@@ -219,6 +219,15 @@ def test_a_full_disk_at_a_page_names_the_page(here, monkeypatch, capsys):
     assert raised.value.filename == str(here / "report")
 
 
+def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
+    path = tmp_path / "run.nc"
+    path.write_bytes(EARLIER)
+    small = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (10**6, 10**6))
+    done = kit.command("run-fem", *OPTIONS, "--duration", "60", "--output", path, prepare=small)
+    assert done.returncode == 2 and f"error: {path}: File too large" in done.stderr and "Traceback" not in done.stderr
+    assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == EARLIER
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux")
 def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
     """The limit on file sizes is lowered while the run goes; it hits the variables that lie beyond it."""

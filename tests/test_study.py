@@ -270,6 +270,11 @@ def test_drawn_points_follow_their_distributions(method, here):
     assert np.unique(length, return_counts=True)[1] == pytest.approx([64] * 2, abs=1)
     assert points_of(text).design.points == design.points
     assert points_of(text.replace("seed = 3", "seed = 4")).design.points != design.points
+    if method == "sobol":  # matrices of its indices differ in one column each
+        points = points_of(text.replace('"sobol"', '"sobol"\nindices = true').replace("= 128", "= 8")).design.points
+        A, B, *mixed = (points[8 * k : 8 * (k + 1)] for k in range(7))
+        for i, AB in enumerate(mixed):
+            assert AB == [(*a[:i], b[i], *a[i + 1 :]) for a, b in zip(A, B, strict=True)]
 
 
 def test_dry_run_tells_the_cost_and_writes_nothing_and_the_built_in_scene_is_left_as_it_is(here, capsys):

@@ -243,6 +243,8 @@ def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
         found = ["it is not complete"] if file.attrs["status"] != "complete" else []
         forces = ("inner_force", "outer_force", "roller_roller_force")
         found += [f"{name} pulls" for name in forces if name in file and np.min(file[name][:]) < 0.0]
+        arrays = {name: values[:] for name, values in file.items() if isinstance(values, h5py.Dataset)}
+        found += [f"{name} is not finite" for name, values in arrays.items() if not np.all(np.isfinite(values))]
     if not says("beyond Hertz's theory", "is so wide that its law"):
         found += _misplaced(record)
     imbalance, stored, exchanged, kinetic = _energy(record)

@@ -147,8 +147,8 @@ def runs(tmp_path_factory):
         path = folder / f"{name}.nc"
         same = ("model=reduced", "numerics.output_interval_us=10")
         options = [word for each in (*same, *spalls[name]) for word in ("--set", each)]
-        # longer where the spall strikes less often: of 300 ms of a spalled roller one path in six has a foreign line
-        # four times above its floor, of 900 none twice
+        # longer where the spall strikes less often: of 300 ms of a spalled roller or inner ring one path in four to six
+        # has a foreign line four times above its floor, of these lengths none twice
         duration = {"inner": "600", "roller": "900"}.get(name, "150")
         assert run_main([*options, "--duration", duration, "--output", str(path), "--quiet"]) == 0
         return path

@@ -8,27 +8,20 @@ from math import degrees, hypot, pi
 import numpy as np
 
 from lagrange.bearing import is_plain, load_factor
-from lagrange.catalogue import dimension_series
-from lagrange.contact.hertz import hertz_columns
 from lagrange.kinematics import kinematics
 from lagrange.messages import G, Section, shown
-from lagrange.rating import life, sources
-from lagrange.rating.reference_life import COLUMNS, run_loads
-from lagrange.rating.sources import Unavailable
 from lagrange.scene.faults import RPM
 from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.evaluation import LOADED, SOUND, Evaluation
 from residual.fault_finding import MAP_STANDS_OUT, FaultSearch, Place, SinkageMap
 from residual.formatting import hertz, share, text
 from residual.laws import Interval
-from residual.load_zone import largest_pressures
 from residual.record import Record, varies
 from residual.sampling import WITHIN
 from residual.spectrum import Peak, rms
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT
 
 SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
-OIL_DENSITY = 870.0  # kg/m³, as rate-bearing takes it
 SAME = 1e-6  # relative: sums and differences of stored numbers leave less
 MANY_TIMES = 3.0  # from here on a ratio instead of per cent
 REFERENCE = "harris"  # what a fit is compared with, for rollers
@@ -44,7 +37,6 @@ OMITTED = {  # terms of the budget that the Lagrangian model has not
     "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
     "other_forces": "other forces, for which the table has no column",
 }  # fmt: skip
-SIDES = ("inner", "outer")
 # of contradictions
 FASTER, SLOWER = 0.02, 0.1  # than rolling: rollers slip backwards, and hardly creep forward
 ASTRAY = 0.05  # of the load: the contact forces of a table carry what acts in it
@@ -217,61 +209,6 @@ def cage_rows(e: Evaluation) -> list[tuple[str, str]]:
         moves = f"{mean} up to {text(farthest)} µm from the bearing's, pockets push with up to {text(force)} N"
         rows.append(("Cage", moves))
     return rows
-
-
-def rating_table(e: Evaluation) -> Section:
-    """Ratings by the run's own loads, with sources; none of a table from elsewhere. `rate-bearing` has the others."""
-    t, bearing, scene, kind = e.record, e.record.bearing, e.record.scene, "words stacked"
-    if t.inner_force is None or t.outer_force is None or "work_dissipated" not in t.energies:
-        return Section(columns=(), rows=[], kind=kind)
-    columns = vars(t) | dict(t.energies)
-    try:
-        row = life.Dimensions.of(scene.unmounted_bearing())
-        run = run_loads(bearing, t.operation, {name: np.asarray(columns[name]) for name in COLUMNS})
-    except Unavailable as error:
-        return Section(columns=(), rows=[("ratings", f"none: {error}", "")], kind=kind)
-    cycle = run.cycle
-
-    def pressures() -> str:
-        found = largest_pressures(t) if scene.axial is not None else ()
-        if scene.axial is None:
-            largest = hertz_columns(bearing, {f"{side}_force": columns[f"{side}_force"].max() for side in SIDES})
-            found = tuple(float(largest[f"{side}_peak_pressure"]) for side in SIDES)
-        return " and ".join(text(1e-6 * each) for each in found) + " MPa"
-
-    def torques() -> str:
-        life.caged_cylinders(row)
-        if scene.lubricant is None:
-            raise Unavailable("no viscosity: the scene has no [lubricant]")
-        viscosity = 1e6 * scene.lubricant.viscosity_Pa_s / OIL_DENSITY
-        diameters = 2e3 * (bearing.bore_radius or bearing.inner_raceway_radius), 2e3 * bearing.outside_radius
-        at = *diameters, cycle.load(), cycle.speed, viscosity, dimension_series(scene.bearing.designation)
-        return f"{text(life.skf_torque(*at).total)}; {text(life.palmgren_torque(*at).total)} N mm"
-
-    def hours(revolutions) -> str:
-        return f"{text(life.in_hours(revolutions, cycle.speed))} h"
-
-    rows = []
-    for meaning, source, compute in (
-        ("basic load ratings C and C0", sources.DYNAMIC,
-         lambda: f"{text(life.dynamic_capacity(row))} and {text(life.static_capacity(row))} N"),
-        ("equivalent load P of the run; its largest load", sources.LOAD,
-         lambda: f"{text(cycle.load())} N; {text(cycle.largest_load)} N"),
-        ("static safety factor", sources.STATIC, lambda: text(life.static_capacity(row) / cycle.largest_load)),
-        ("basic rating life L10", sources.LIFE,
-         lambda: hours(life.basic_life(life.dynamic_capacity(row), cycle.load()))),
-        ("L10r by the run's roller loads", sources.OF_RUN, lambda: hours(run.life(row, scene.axial is not None))),
-        ("largest Hertz pressure, inner and outer raceway", sources.HERTZ, pressures),
-        ("torque of the run's dissipation", sources.OF_RUN,
-         lambda: f"{text(1e3 * run.torque, 3)} N mm, {text(run.dissipated, 3)} W"),
-        ("frictional torque by SKF; by Palmgren, ±30 %", sources.BOTH_FRICTIONS, torques),
-    ):  # fmt: skip
-        try:
-            value = compute()
-        except Unavailable as error:
-            value = f"none: {error}"
-        rows.append((meaning, value, f"{source.name} †" if source.second_hand else source.name))
-    return Section(columns=(), rows=rows, kind=kind)
 
 
 def interpretation(e: Evaluation) -> list[str]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
-from lagrange.axial.pressure import SHARP, Ends, borne, pressures_under, profile_ends
+from lagrange.axial.pressure import Ends, borne, pressures_under, profile_ends
 from lagrange.axial.slices import Slices
 from lagrange.contact.hertz import Pair, contact_pairs
 from lagrange.contact.laws import law_names
@@ -17,11 +17,9 @@ from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
 PHASES = 24  # of one roller pitch; where rollers are missing, of each pitch of a turn
-FLAT = 1e-10  # m: less have contacts not sunk
 FAINT = 0.01  # of the largest force: contacts taken as open
 INSIDE = 0.99  # of the largest moment that a force has: beyond, a roller stands on an end
 BINS, ROLLERS = 120, 3  # of angles; shown from their side
-CANDIDATES = 64  # contacts of which one has the largest pressure
 
 
 def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
@@ -114,10 +112,6 @@ class _Side(NamedTuple):
         except (RuntimeError, ValueError) as error:
             raise Unavailable(str(error)) from None
 
-    def has_loaded_edge(self, pressure: np.ndarray) -> bool:
-        """Whether one of contacts with such pressures, (n, n_slices), Pa, has."""
-        return bool(self.ends.are_loaded(self.slices, borne(self.pair, pressure)).any())
-
 
 def _sides(record):
     """Inner and outer one; none where the source does not hold what pressures follow from."""
@@ -152,24 +146,8 @@ def along_rollers(record: Record) -> AlongRollers | None:
         found[largest >= 0] = side.pressures(largest[largest >= 0])
     angle = 2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5)
     along = np.array([side.pressures(sample * force.shape[1] + rollers) for side in sides])
-    edges = any(side.has_loaded_edge(found) for side, found in zip(sides, around, strict=True))
+    edges = any(
+        side.ends.are_loaded(side.slices, borne(side.pair, found)).any()
+        for side, found in zip(sides, around, strict=True)
+    )
     return AlongRollers(slices.place, angle, around, float(record.time[sample]), rollers, along, edges)
-
-
-def largest_pressures(record: Record) -> tuple[float, ...]:
-    """Of inner and outer raceway, Pa: of the contacts whose ends a straight line of pressure would press most.
-
-    Unavailable: a loaded end has an edge, the source does not hold what pressures follow from; as of `along_rollers`.
-    """
-    found, half = [], 0.5 * record.bearing.roller_length
-    for side in _sides(record):
-        most = np.argsort(side.force + 3.0 * np.abs(side.moment) / half, axis=None)[-CANDIDATES:]
-        pressure = side.pressures(most)
-        if side.has_loaded_edge(pressure):
-            raise Unavailable(SHARP)
-        if np.any(side.sunk.ravel()[most] > FLAT):
-            raise Unavailable("a spall of part of the rollers' length ends with an edge, where pressure has no limit")
-        found.append(float(pressure.max()))
-    if not found:
-        raise Unavailable("rollers tilt, and the source does not say how pressure changes along them")
-    return tuple(found)

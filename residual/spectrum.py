@@ -36,8 +36,6 @@ MOST_PEAKS = 12  # of a spectrum
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
 MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
-PASSAGE_SHARE = 0.5  # of a roller passage, a piece of a short-time spectrum: events once per roller are separate
-RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
 FEWEST_IN_WINDOW = 32  # samples
 MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
 BAND = (2.0**-0.5, 2.0**0.5)  # of a resonance, of its envelope: one octave around it
@@ -301,17 +299,15 @@ class ShortTime(NamedTuple):
     length: float  # s, of a piece
 
 
-def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortTime | None:
+def short_time_spectrum(signal, interval: float, duration: float) -> ShortTime | None:
     """Short-time spectrum of a signal, (n_times,), N, its mean removed; None where it is too short for it.
 
-    A piece of length T tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are left out.
-
-    `passing` : Hz, the ball-pass frequency; 0: nothing passes
+    A piece of the duration T, s, tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are
+    left out.
     """
     from scipy.signal import ShortTimeFFT
 
     signal = np.asarray(signal, dtype=float)
-    duration = PASSAGE_SHARE / passing if passing > 0.0 else RECORD_SHARE * signal.size * interval
     length = max(FEWEST_IN_WINDOW, round(duration / interval))
     if signal.size < 4 * length:
         return None

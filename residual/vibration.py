@@ -29,11 +29,7 @@ SIDES = tuple(product(("BPFO", "2×BPFO", "BPFI", "2×BPFI"), ("shaft", OUTER_RI
 BOTH_SIDES = (-1, "−"), (1, "+")
 HUB = "hub on its contacts"
 NEAR_RESONANCE = 0.08  # of it: of rollers without mass, whose two contacts are taken as equally stiff
-MOST_PASSAGES = 4  # named in a product with the hub's vibration: further ones are weak
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
-# what passes a place of the outer ring, the inner ring, a roller, and what swells and fades its force
-PASSES = ("BPFO", 1, ("FTF", OUTER_RING)), ("BPFI", 1, ("shaft",)), ("BSF", 2, ("FTF",))
-APART = 20  # bins between harmonics of one family: by chance a peak lies within half a bin of one in twenty
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 # of envelopes and levels
 VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
@@ -159,74 +155,18 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
 def named_peaks(
     peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float], resonance: float, noise: float
 ) -> list[Peak]:
-    """Name peaks without a line after a resolved sideband within half a bin, or after higher multiples of passes.
+    """Name peaks without a line after a resolved sideband within half a bin.
 
-    Those near the hub's resonance in the spectrum's direction, Hz, are named so too, and what passing rollers make of a
-    higher one of them; peaks of no more than the noise, N rms, are left out. Peaks: highest first.
+    Those near the hub's resonance in the spectrum's direction, Hz, are named so too; peaks of no more than the noise,
+    N rms, are left out.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
-    named, hubs, near = list[Peak](), list[float](), 0.5 * spectrum.resolution  # Hz
-    for peak in peaks:
-        if peak.rms <= noise:
-            continue
-        modulated = None if peak.line else _modulated_hub(peak.frequency, hubs, lines, spectrum.resolution)
-        if modulated:
-            peak = peak._replace(also=(*peak.also, modulated))
-        elif abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
-            peak = peak._replace(also=(*peak.also, HUB))
-            hubs += [] if peak.line else [peak.frequency]
-        if peak.line is None and not modulated:
-            names = [level.name for level in bands if abs(level.frequency - peak.frequency) <= near][:1]
-            names = names or high_lines(peak.frequency, spectrum, lines)
-            peak = peak._replace(line=names[0], also=(*names[1:], *peak.also)) if names else peak
-        named.append(peak)
+    named, near = list[Peak](), 0.5 * spectrum.resolution  # Hz
+    for peak in (peak for peak in peaks if peak.rms > noise):
+        names = () if peak.line else [each.name for each in bands if abs(each.frequency - peak.frequency) <= near]
+        hub = (HUB,) if abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance else ()
+        named.append(peak._replace(line=next(iter(names), peak.line), also=(*peak.also, *hub)))
     return named
-
-
-def high_lines(frequency: float, spectrum: Spectrum, lines: dict[str, float]) -> list[str]:
-    """Multiples of passes beyond `lines`, Hz, and their sidebands within half a bin of a frequency, nearest first.
-
-    "10×BPFO": a spall's strikes are short, and strongest where they meet a resonance, many harmonics up. A name needs
-    evidence: of a multiple that another one stands out too, the next below or above it or the first; of a sideband its
-    multiple, or the same sideband of the next multiples. None of a family whose multiples lie so near each other that
-    chance would name peaks.
-    """
-    found, reach = [], MAIN_LOBE * spectrum.resolution
-    for name, every, modulators in PASSES:
-        spacing = every * lines.get(name, 0.0)
-        if spacing < APART * spectrum.resolution:
-            continue
-        shifts = [(f"{symbol}{m}", sign * lines[m]) for m in modulators if m in lines for sign, symbol in BOTH_SIDES]
-        for side, shift in [("", 0.0), *shifts]:
-            k = round((frequency - shift) / spacing)
-            away = abs(frequency - shift - k * spacing)
-            full = name if k * every == 1 else f"{k * every}×{name}"
-            if k < 1 or away > 0.5 * spectrum.resolution or (not side and full in lines):
-                continue
-            witnesses = [*((n * spacing + shift) for n in (k - 1, k + 1) if n > 0), k * spacing if side else spacing]
-            if any(  # stands out, so far from the peak that it is no part of that
-                abs(w - frequency) >= 2.0 * reach and _in_band(spectrum, w - reach, w + reach)[2] for w in witnesses
-            ):
-                found.append((away, f"{full}{side}"))
-    return [full for _, full in sorted(found)]
-
-
-def _modulated_hub(frequency, hubs, lines, resolution):
-    """Which multiple of BPFO a frequency lies below or above one of the hub's, within half a bin: "2×BPFO − hub ...".
-
-    A free vibration, Hz, of a hub on contacts whose stiffness every passing roller changes alike is a product of its
-    own oscillation and of what repeats with BPFO (Floquet), so it shows at |k BPFO ± f|, too: near half-odd multiples
-    of BPFO where f lies near one. None where these lie so near each other that chance would name peaks.
-    """
-    passing = lines.get("BPFO", 0.0)
-    if not hubs or passing < 2 * len(hubs) * APART * resolution:
-        return None
-    for hub, (sign, symbol) in product(hubs, BOTH_SIDES):
-        k = round((frequency - sign * hub) / passing)
-        if 0 < abs(k) <= MOST_PASSAGES and abs(k * passing + sign * hub - frequency) <= 0.5 * resolution:
-            multiple = "BPFO" if abs(k) == 1 else f"{abs(k)}×BPFO"
-            return f"{HUB} − {multiple}" if k < 0 else f"{multiple} {symbol} {HUB}"
-    return None
 
 
 class FaultLine(NamedTuple):
@@ -452,6 +392,6 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     return OrderSpectra(
         tracking, power_spectrum(tracking.resampled(error), step, slowest), spectrum,
         named_peaks(spectra.find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
-        spectra.short_time_spectrum(thinned, step * fewer, spectra.PASSAGE_SHARE / TURNS_PER_PIECE),
+        spectra.short_time_spectrum(thinned, step * fewer, TURNS_PER_PIECE),
         None if envelope is None else power_spectrum(tracking.resampled(envelope.level), step, slowest),
     )  # fmt: skip

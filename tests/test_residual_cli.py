@@ -48,8 +48,7 @@ from tests.waiting import GIVE_UP, wait_until
 
 STEP = 1e-5  # s, of made-up runs
 FIGURES = (
-    "history whole_spectra budget orbit load_distribution passage loads energy budget_stacked budget_spectra envelope "
-    "hub_spectrum"
+    "history whole_spectra budget orbit load_distribution passage loads energy budget_spectra envelope hub_spectrum"
 )
 PLAIN = "--quiet", "--no-figures"
 
@@ -120,7 +119,7 @@ def test_report_folder_is_complete_its_page_fetches_nothing_and_escapes_names(od
     page = (odd / "report.html").read_text(encoding="utf-8")
     assert "a &lt;b&gt; &amp; c" in page and "<b> &" not in page
     assert not any(word in page for word in ('src="http', "<script src", "@import"))
-    assert page.count("data:image/") == 12 and len(page) < 5_000_000
+    assert page.count("data:image/") == 11 and len(page) < 5_000_000
 
 
 def test_residual_file_opens_in_xarray_by_netcdf(odd):

@@ -19,21 +19,8 @@ from residual.formatting import TERM_COLOURS
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, recorded
 
-# the 209 bearing of Harris' examples
-BALLS = {
-    "type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "inner_raceway_diameter_mm": 52.291,
-    "outer_raceway_diameter_mm": 77.706, "bore_diameter_mm": 45.0, "outside_diameter_mm": 85.0,
-    "outer_conformity": 0.52,
-}  # fmt: skip
 
-
-def test_short_time_spectra_need_two_passages(tmp_path):
-    scene = parse_scene({"bearing": BALLS, "operation": {"inner_ring_and_shaft_kg": 0.5}}, "test")
-    drawn = spectra.short_time(evaluate(recorded(tmp_path / "balls.nc", make_run(n_times=1201, scene=scene))))
-    style.save(drawn, tmp_path)
-    assert (tmp_path / "short_time.png").stat().st_size > 10_000 and "half a roller passage" in drawn.caption
-    assert spectra.short_time(evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))) is None
-    # the envelope of a record shorter than a passage
+def test_the_envelope_of_a_record_shorter_than_a_passage_has_twenty_bins(tmp_path):
     scene = parse_scene({"operation": {"speed_rpm": 5.0}}, "test")
     drawn = spectra.resonance_envelope(evaluate(recorded(tmp_path / "slow.nc", make_run(n_times=1201, scene=scene))))
     assert {len(axis.lines[0].get_xdata()) for axis in drawn.figure.axes} == {20}

@@ -24,7 +24,7 @@ from residual.evaluation import evaluate
 from residual.figures import save
 from residual.figures.run import pressure
 from residual.figures.run import tilt as tilt_figure
-from residual.load_zone import largest_pressures
+from residual.load_zone import along_rollers
 from residual.sources import read_result
 from tests.reference.forward_motion import simulate
 from tests.reference.kit import assert_same_bits, defects, missed, moved, rest_of_run, scene
@@ -196,7 +196,7 @@ def test_the_checker_finds_no_error_in_a_run_of_its_own_equations(tmp_path):
         save(drawn, tmp_path)
     assert "0 mrad in x, −1 mrad in y" in tilt_figure(checked).caption
     assert min((tmp_path / f"{name}.png").stat().st_size for name in ("tilt", "pressure")) > 10_000
-    inner, outer = largest_pressures(checked.record)
+    inner, outer = along_rollers(checked.record).around.max(axis=(1, 2))  # Pa
     assert 1e9 < inner < 1.2e9 and outer < inner
     soft = evaluate(read_result(path), law="harris")
     assert np.abs(soft.tilt.contact_law).max() > 1e-3  # another law is found out

@@ -57,7 +57,7 @@ def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[st
             "search": [] if found is None else [search(found)],
         }  # fmt: skip
         if options.equations:
-            drawn["spectra"] = [spectra.whole(e), spectra.resonance_envelope(e), spectra.short_time(e)]
+            drawn["spectra"] = [spectra.whole(e), spectra.resonance_envelope(e)]
             drawn["budget"] = spectra.budget(e)
         methods = {group: method_sentence(e, other if group == "against" else None) for group in drawn}
         return {
@@ -177,7 +177,7 @@ def pressure(e: Evaluation) -> Drawing | None:
     """Pressures over both raceways and along the most loaded rollers; None where the source has none."""
     try:
         found = None if e.tilt is None else along_rollers(e.record)
-    except Unavailable:  # said among the ratings
+    except Unavailable:  # forces and moments are not those of the slices
         return None
     if found is None:
         return None

@@ -14,16 +14,16 @@ from residual.evaluation import Evaluation
 from residual.figures import SCALE, SMALL, Drawing, colour_bar, curves, legend_above, log_panel, mark_lines, panels
 from residual.formatting import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, TERM_COLOURS, family, text
 from residual.measured.diagnosis import DEEP, PASSES_IN_BAND, SMOOTHING
-from residual.spectrum import rms, short_time_spectrum
+from residual.spectrum import rms
 from residual.vibration import HIGHEST, HUB, fault_lines
 
 if TYPE_CHECKING:
     from residual.measured.checks import Check, Trend
 
 TINY = np.finfo(float).tiny
-PASSAGES_STACKED, PASSAGES_SHOWN, PASSES_SHOWN = 2.0, 5.0, 8.0  # of terms, of a run's and of a record's acceleration
+PASSAGES_SHOWN, PASSES_SHOWN = 5.0, 8.0  # of a run's and of a record's acceleration
 BINS_PER_DECADE = 120
-TERM_RANGE, SHORT_TIME_RANGE, ORDERS_RANGE, PATH_RANGE = 1e-9, 1e-7, 1e-8, 1e-9  # of densities shown
+TERM_RANGE, ORDERS_RANGE, PATH_RANGE = 1e-9, 1e-8, 1e-9  # of densities shown
 NEAR = 1.7  # times a frequency: names of lines would overlap
 USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
 NAMES = 1.2  # inches, of terms beside their bars
@@ -106,42 +106,11 @@ def resonance_envelope(e: Evaluation) -> Drawing | None:
     return Drawing("envelope", "Envelope spectra around the ring's resonances", caption, figure)
 
 
-def short_time(e: Evaluation) -> Drawing | None:
-    """How the errors' spectra change along the record; None for a record too short for it."""
-    t, passing = e.record, e.lines.get("BPFO", 0.0)
-    tried = [short_time_spectrum(d.budget.error, t.interval, passing) for d in e.directions]
-    found = [spectrum for spectrum in tried if spectrum is not None]
-    if len(found) < len(tried):
-        return None
-    figure, axes = panels(2, 6.0, lines=0, right=SCALE, x="time, ms", y=["frequency, kHz"] * 2)
-    for axis, d, spectrum in zip(axes, e.directions, found, strict=True):
-        time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
-        top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
-        half = 0.5 * (time[1] - time[0]), 0.5 * frequency[1]
-        image = axis.imshow(
-            spectrum.psd, norm=LogNorm(top * SHORT_TIME_RANGE, top), cmap="viridis", origin="lower", aspect="auto",
-            extent=(time[0] - half[0], time[-1] + half[0], -half[1], frequency[-1] + half[1]), interpolation="nearest",
-        )  # fmt: skip
-        colour_bar(image, [axis], f"PSD of error_{d.name}, N²/Hz", extend="min")
-        if 0.0 < d.resonance < spectrum.frequency[-1]:
-            axis.axhline(1e-3 * d.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
-        axis.set_ylim(0.0, frequency[-1])
-        axis.grid(visible=False)
-    length, half_passage = found[0].length, ", half a roller passage" if passing > 0.0 else ""
-    caption = (
-        f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms{half_passage}, "
-        f"which resolve {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
-    )
-    if any(d.resonance > 0.0 for d in e.directions):
-        caption += " Dashed: the ring's resonance on its contacts."
-    return Drawing("short_time", "Short-time spectra of the error forces", caption, figure)
-
-
 def budget(e: Evaluation) -> list[Drawing | None]:
-    """The errors' terms over time, stacked over two roller passages, and as spectra; none without contact forces."""
+    """The errors' terms over time and as spectra; none without contact forces."""
     x, y = e.budget.x.terms, e.budget.y.terms
     acting = {name: name.replace("_", " ") for name in x if np.any(x[name]) or np.any(y[name])}
-    return [each(e, acting) for each in (_terms, _stacked, _term_spectra)] if e.budget.x.terms else []
+    return [each(e, acting) for each in (_terms, _term_spectra)] if e.budget.x.terms else []
 
 
 def _terms(e, acting):
@@ -172,29 +141,6 @@ def _terms(e, acting):
         "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
     )
     return Drawing("budget", "Budget of the error forces", caption, figure)
-
-
-def _stacked(e, acting):
-    shown = middle(e, PASSAGES_STACKED)
-    time = 1e3 * e.record.time[shown]
-    figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} without mean, N" for axis in "xy"])
-    means = []
-    for axis, d in zip(axes, e.directions, strict=True):
-        terms, total = {label: d.budget.terms[name] for name, label in acting.items()}, d.budget.error
-        values = np.array([v[shown] - v.mean() for v in terms.values()])
-        style = {"colors": [TERM_COLOURS[name] for name in acting], "alpha": 0.75, "linewidth": 0}
-        axis.stackplot(time, np.maximum(values, 0.0), labels=list(terms), **style)
-        axis.stackplot(time, np.minimum(values, 0.0), **style)
-        curves(axis, time, (total[shown] - total.mean(), "black", "error", 1.2))
-        mean = ", ".join(f"{name} {text(v.mean(), 3, e.noise)}" for name, v in terms.items())
-        means.append(f"in {d.name} {mean}")
-    legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
-    caption = (
-        "The terms of the error forces stacked, positive upward and negative downward, each without its mean over the "
-        "record; the black line, their sum, is the error without its mean. Middle of the record, "
-        f"{PASSAGES_STACKED:g} roller passages where the bearing turns. Means, N: {'; '.join(means)}."
-    )
-    return Drawing("budget_stacked", "Terms of the error forces, stacked", caption, figure)
 
 
 def _term_spectra(e, acting):

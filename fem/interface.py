@@ -29,7 +29,7 @@ from fem.rating.answers import rating
 from fem.result import store
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
 from fem.solver.simulate import make_plan, programs_named, run
-from fem.solver.solver import Plan, Progress, Samples
+from fem.solver.solver import Frame, Plan, Progress, Samples
 from lagrange import mounting
 from lagrange.columns import ENERGIES, PER_ROLLER
 from lagrange.contact.hertz import hertz_columns
@@ -41,7 +41,6 @@ from lagrange.surface.passages import SpallEvent, spalls
 if TYPE_CHECKING:
     import xarray
 
-    from fem.solver.elements.arrays import Frame
     from residual import Evaluation
 
 __all__ = [
@@ -96,7 +95,7 @@ class Result:
     scene: Scene = field(repr=False)
     outcome_attributes: Mapping[str, float | str] = field(repr=False)  # of the result file, found out by the run
     plan: Plan | None = field(default=None, repr=False)  # of a run; None: opened from a file
-    frames: tuple["Frame", ...] = field(default=(), repr=False)
+    frames: tuple[Frame, ...] = field(default=(), repr=False)
     path: Path | None = field(default=None, repr=False)  # of the file that it was opened from
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -231,7 +230,7 @@ def simulate(
     with _PLANNING:
         plan = programs_named(lambda: make_plan(scene))
         state = plan.prepare()
-    setup, blocks, frames = time.perf_counter() - began, list[Samples](), list["Frame"]()
+    setup, blocks, frames = time.perf_counter() - began, list[Samples](), list[Frame]()
 
     def restart(reason: str) -> None:
         blocks.clear()

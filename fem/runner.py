@@ -61,12 +61,13 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     checkpoint.refuse_no_place(path)
     if options.resume:
         checkpoint.refuse_nothing_to_resume(path)
-    if options.estimate_error and scene.model == "fem":
-        from fem.solver.errors import coarser_scene
+    if options.estimate_error:
+        from fem.solver.errors import coarser_scene, error_estimate
 
-        coarser_scene(scene)
+        if scene.model == "fem":  # before the plan is made, which takes its time
+            coarser_scene(scene)
     plan = _planned(scene, tell)
-    estimate = programs_named(plan.error_estimate) if options.estimate_error else None
+    estimate = programs_named(lambda: error_estimate(plan)) if options.estimate_error else None
     plan.prepare(tell)
     for sentence in (*plan.notices, *(() if options.quiet else (*plan.warnings, *size_warning(plan)))):
         say(f"warning: {sentence}")

@@ -17,6 +17,7 @@ from fem.elastic.vibration import inertia, shift_vibrations
 from fem.kernels.columns import INNER, OUTER
 from fem.kernels.rigid.strikes import given
 from fem.solver import guards, simulate
+from fem.solver.errors import error_estimate
 from fem.solver.rigid.state import ReducedState
 from fem.solver.simulate import make_plan
 from fem.statics import exact_statics as series
@@ -302,13 +303,13 @@ def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements():
 
 def test_an_estimate_of_its_error_runs_finite_elements_beside_it():
     plan = plan_of("numerics.duration_ms=2", "numerics.mesh_size_mm=2")
-    estimate = plan.error_estimate()
+    estimate = error_estimate(plan)
     assert "finite elements of 2 mm" in estimate.title
     found = {each.quantity.name: each for each in estimate.find(whole_run(plan).values)}
     assert found["hub_mean_y"].relative < 3e-3 and found["largest_force"].relative < 3e-3
     assert found["cage_speed"].relative < 1e-4
     with pytest.raises(UsageError, match="exact series itself"):
-        plan_of("numerics.duration_ms=0").error_estimate()
+        error_estimate(plan_of("numerics.duration_ms=0"))
 
 
 def test_contacts_beyond_the_range_of_their_law_do_not_decide_on_the_step():

@@ -20,9 +20,8 @@ from fem.quantities import labels, run_summary
 from fem.result.store import ResultFile
 from fem.runner import result_megabytes, size_warning
 from fem.solver.elements.plan import LONGEST_UNWATCHED
-from fem.solver.guards import n_in_place, run_warnings
+from fem.solver.guards import Judge, n_in_place, run_warnings
 from fem.solver.limits import of_scene
-from fem.solver.rigid.lagrangian import Judge
 from fem.solver.row_state import SampleReader
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples

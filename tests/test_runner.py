@@ -53,7 +53,7 @@ REFINES = CASES["Lagrangian that refines"]
 @pytest.fixture(autouse=True)
 def strict(monkeypatch):
     """A run restarts for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
-    monkeypatch.setattr("fem.solver.rigid.lagrangian.ENERGY_TOLERANCE", 3e-4)
+    monkeypatch.setattr("fem.solver.guards.ENERGY_TOLERANCE", 3e-4)
 
 
 @pytest.fixture

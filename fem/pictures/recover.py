@@ -17,8 +17,8 @@ from scipy.integrate import cumulative_trapezoid
 from fem.contacts.model import Model
 from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
-from fem.solver.elements.arrays import Frame
 from fem.solver.elements.plan import model_of
+from fem.solver.solver import Frame
 from lagrange import Operation
 from lagrange.errors import UsageError
 from lagrange.kinematics import turned

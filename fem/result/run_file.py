@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 
 from fem.result.store import new_block, variables_of
+from fem.solver.solver import Frame
 from lagrange.errors import UsageError
 from lagrange.files import hdf5
 from lagrange.files.hdf5 import CHECKSUM, Damaged, check_array
@@ -26,7 +27,6 @@ from lagrange.scene.scene import Scene, parse_stored_scene
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model
-    from fem.solver.elements.arrays import Frame
 
 NEEDED = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force")
 PLACES = ("inner_x", "inner_y", "roller_x", "roller_y", "cage_x", "cage_y")
@@ -87,7 +87,7 @@ class RunFile(Mapping[str, np.ndarray]):
         moved = f"housing_{name[-1]}"
         return (self[name].T - self[moved]).T if name in PLACES and moved in self else self[name]
 
-    def frame(self, index: int, model: "Model", turns: tuple[float, float]) -> "Frame":
+    def frame(self, index: int, model: "Model", turns: tuple[float, float]) -> Frame:
         """The fields of one instant, of rings turned so far, rad."""
         return self._read(lambda file: read_frame(file, model, index, turns))
 
@@ -150,7 +150,7 @@ def lay_out(file: h5py.File, model: "Model", capacity: int) -> list[str]:
     return [f"{GROUP}/{name}" for name in FRAME]
 
 
-def stored_values(model: "Model", frame: "Frame") -> dict[str, bytes]:
+def stored_values(model: "Model", frame: Frame) -> dict[str, bytes]:
     """Bytes of a frame under the names of `lay_out`."""
     from fem.solver.elements.arrays import global_fields
 
@@ -185,9 +185,9 @@ def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
     return samples[:count]
 
 
-def read_frame(file: h5py.File, model: "Model", index: int, turns: tuple[float, float]) -> "Frame":
+def read_frame(file: h5py.File, model: "Model", index: int, turns: tuple[float, float]) -> Frame:
     """A stored frame; `turns` : of both rings, rad. Damaged, KeyError, ValueError: damaged or of another mesh."""
-    from fem.solver.elements.arrays import Frame, rotated
+    from fem.solver.elements.arrays import rotated
 
     values, sizes = {}, _sizes(model)
     for name, (dimensions, *_) in FRAME.items():

@@ -47,9 +47,8 @@ except ImportError:  # not a POSIX system: files are not locked there
     fcntl = None
 
 if TYPE_CHECKING:
-    from fem.solver.elements.arrays import Frame
     from fem.solver.errors import Estimate
-    from fem.solver.solver import Plan
+    from fem.solver.solver import Frame, Plan
 
 COMMIT_SECONDS = 0.5  # of wall time between two commits
 COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less often

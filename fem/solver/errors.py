@@ -115,20 +115,22 @@ class ErrorEstimate:
         return estimates(fine, coarse, ratio)
 
 
-def error_estimate(plan: ElementPlan) -> ErrorEstimate:
-    """What to run beside a plan. UsageError: see `coarser_scene`."""
-    coarse = elements.make_plan(coarser_scene(plan.scene))
-    size = coarse.scene.numerics.mesh_size_mm
-    title = f"Discretisation error, estimated with a mesh of {size:g} mm"
-    return ErrorEstimate(title=title, coarse=coarse, fine=plan)
-
-
 STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
 
 
-def reduced_estimate(plan: Plan) -> ErrorEstimate:
-    """The same scene's first stretch by finite elements. UsageError: one sample; finite elements can't take it."""
-    numerics = plan.scene.numerics
+def error_estimate(plan: Plan) -> ErrorEstimate:
+    """What to run beside a plan: a coarser mesh, or finite elements for the reduced model's first stretch.
+
+    UsageError: the model, or the scene's mesh, has none; one sample; finite elements can't take it.
+    """
+    scene, numerics = plan.scene, plan.scene.numerics
+    if scene.model == "fem":
+        coarse = elements.make_plan(coarser_scene(scene))
+        size = coarse.scene.numerics.mesh_size_mm
+        title = f"Discretisation error, estimated with a mesh of {size:g} mm"
+        return ErrorEstimate(title=title, coarse=coarse, fine=plan)
+    if scene.model != "reduced":
+        raise UsageError(f"--estimate-error: the {plan.model_name} has no mesh; leave it out")
     if plan.n_samples < 2:
         raise UsageError(
             "--estimate-error: a standing bearing of the reduced model is the exact series itself; leave it out"
@@ -139,7 +141,7 @@ def reduced_estimate(plan: Plan) -> ErrorEstimate:
         f"The first {end:g} ms against finite elements of {numerics.mesh_size_mm:g} mm; these err as well: see "
         "--model fem --estimate-error"
     )
-    coarse = elements.make_plan(plan.scene.model_copy(update={"model": "fem", "numerics": shorter}))
+    coarse = elements.make_plan(scene.model_copy(update={"model": "fem", "numerics": shorter}))
     return ErrorEstimate(title=title, coarse=coarse)
 
 

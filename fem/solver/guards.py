@@ -22,11 +22,12 @@ from fem.solver.solver import Samples
 from lagrange import BallBearing, Bearing
 from lagrange.contact.hertz import Side, contact_ellipse, contact_pairs
 from lagrange.equations import nothing_carries, touching_distances
+from lagrange.first_state import Problem
 from lagrange.mounting import from_outer_ring
+from lagrange.step_size import critical_time_step, fastest_mode
 from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
-    from fem.solver.elements.plan import ElementPlan
     from fem.statics.contact_balance import Condensed
 
 
@@ -102,16 +103,16 @@ def place_trouble(bearing: Bearing, time_step: float, samples: Samples, at: int,
     )
 
 
-def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
-    """What to say of a sample whose energy doesn't balance, or only grows."""
-    step, imbalance = round(samples["time"][at] / plan.time_step), samples.relative_error()[at]
-    fastest = int(np.argmax(np.abs(samples["roller_spin"][at] - plan.start.kinematics.roller)))
+def energy_trouble(time_step: float, rolling: float, finer: str, samples: Samples, at: int) -> str:
+    """What to say of a sample whose energy doesn't balance, or only grows; `rolling` : of rollers that roll, rad/s."""
+    step, imbalance = round(samples["time"][at] / time_step), samples.relative_error()[at]
+    fastest = int(np.argmax(np.abs(samples["roller_spin"][at] - rolling)))
     where = f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms (roller {fastest} deviates most)"
     if abs(imbalance) <= IMBALANCE_LIMIT:
         return f"vibrations grow without end {where}: the time step is too long; lower numerics.time_step_safety"
     return (
         f"energy imbalance {100 * imbalance:.3g} % of the exchanged energy exceeds {100 * IMBALANCE_LIMIT:.0f} % "
-        f"{where}; {plan.finer}"
+        f"{where}; {finer}"
     )
 
 
@@ -155,6 +156,93 @@ def run_warnings(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
         f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
         f"mm, {MISTRUST.format(f'{1e3 * widest:.3g}')}",
     )
+
+
+JUDGED = 0.5e-3  # s from the start
+SHOCKED = 5.0  # times the largest static force: of 670 sound random starts one reached it, of 25 wrong ones 23
+STABLE = 1.4  # ω·step of the stiffest mode met; leapfrog is stable up to 2
+ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-6 of it
+SURE = 1e-13  # of the kinetic energy: what it rounds to
+MET = ("inner_force", "outer_force", "energy_contact", "energy_error", "least_moved", "largest_moved", "dissipated",
+       "first_kinetic", "first_force", "soon_force")  # fmt: skip
+
+
+class Judge:
+    """What the samples of a run have met so far, of a problem and a step, s."""
+
+    def __init__(self, problem: Problem, step: float):
+        self._problem, self._step = problem, step
+        # forces, N: the largest, of the first sample, and within JUDGED of it; energies, J
+        self.met = dict.fromkeys(MET, 0.0) | {"least_moved": inf, "largest_moved": -inf}
+
+    def meet(self, samples: Samples) -> None:
+        """Take the next samples into account."""
+        met, names = self.met, ("energy_kinetic", "energy_shaft", "energy_support")
+        moved = np.sum([samples[name] for name in names if samples.get(name) is not None], axis=0)
+        forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
+        for name in ("inner_force", "outer_force", "energy_contact"):
+            met[name] = max(met[name], float(np.abs(samples[name]).max()))
+        met["energy_error"] = max(met["energy_error"], float(np.abs(samples.imbalance).max()))
+        met["least_moved"] = min(met["least_moved"], float(moved.min()))
+        met["largest_moved"] = max(met["largest_moved"], float(moved.max()))
+        met["dissipated"] = float(samples["work_dissipated"][-1])
+        if samples["time"][0] == 0.0:
+            met["first_kinetic"], met["first_force"] = float(samples["energy_kinetic"][0]), float(forces[0])
+        met["soon_force"] = float(forces[samples["time"] <= JUDGED].max(initial=met["soon_force"]))
+
+    @property
+    def critical_time_step(self) -> float:
+        """Under the largest forces so far, s."""
+        return critical_time_step(self._problem, self.met["inner_force"], self.met["outer_force"])
+
+    @property
+    def too_fast(self) -> str | None:
+        """A sentence where the stiffest mode under the largest forces so far is too fast for the step."""
+        omega = fastest_mode(self._problem, self.met["inner_force"], self.met["outer_force"])
+        if omega * self._step < STABLE:
+            return None
+        return (
+            f"the forces met make a mode of {omega / (2 * pi):.3g} Hz, too fast for the step of {self._step:.3g} s; "
+            f"set time_step = {0.5 * STABLE / omega:.2g} or less"
+        )
+
+    @property
+    def rattling(self) -> str | None:
+        """A sentence where the energy errs by much of what contacts and dampers took and motion gained or lost."""
+        met, step = self.met, self._step
+        if met["energy_error"] <= SURE * met["first_kinetic"]:
+            return None
+        moved = met["largest_moved"] - met["least_moved"]
+        share = met["energy_error"] / (met["energy_contact"] + moved + met["dissipated"])
+        if share <= ENERGY_TOLERANCE:
+            return None
+        return (
+            f"contacts rattle: the step of {step:.3g} s changes the energy by {100 * share:.2g} % of what the contacts "
+            f"pass on; set time_step = {step / 4:.2g} or less, or add damping"
+        )
+
+    def warnings(self, largest: np.ndarray) -> tuple[str, ...]:
+        """Sentences on a start that does not last, and contacts too wide for their laws; `largest` : (3,), N."""
+        problem, first, soon = self._problem, self.met["first_force"], self.met["soon_force"]
+        bearing, found = problem.bearing, [problem.first_state.warning]
+        steady = problem.operation.is_steady and not bearing.faults
+        if problem.start == "equilibrium" and steady and soon > SHOCKED * first:  # energy can't show a wrong start
+            found.append(
+                f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, "
+                f"{soon / first if first else inf:.2g} times the largest static force: the motion does not "
+                "start in equilibrium; leave out the beginning (check-residual --start), or add contact damping"
+            )
+        # a law that is softer than Hertz's lets bodies overlap far
+        sides = zip(("inner", "outer"), problem.laws, largest.tolist(), strict=False)
+        depth, side = max((float(law.approach(force)), side) for side, law, force in sides)
+        most, wide = ASTRAY * bearing.roller_radius, run_warnings(bearing, largest)
+        if not wide and depth > most:
+            found.append(
+                f"the largest force makes bodies overlap by {1e3 * depth:.3g} mm on the {side} raceway, which is no "
+                f"small approach (at most {1e3 * most:.3g} mm here): places and forces near such contacts are not to "
+                "be trusted; take a stiffer contact law or a lighter load"
+            )
+        return (*(sentence for sentence in found if sentence), *wide)
 
 
 NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach

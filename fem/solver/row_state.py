@@ -206,7 +206,7 @@ class RowState(RunState):
             reason = "the bearing has come apart", f"{hint}contact.friction_coefficient above 0"
             trouble = guards.place_trouble(bearing, plan.time_step, looked, in_place, *reason)
         elif balanced < len(looked):
-            trouble = guards.energy_trouble(plan, looked, balanced)
+            trouble = guards.energy_trouble(plan.time_step, plan.start.kinematics.roller, plan.finer, looked, balanced)
         return min(balanced, in_place), trouble
 
     @property

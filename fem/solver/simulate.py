@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 from lagrange.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:  # the command asks for the names of models long before anything heavy is needed
-    from fem.solver.elements.arrays import Frame
-    from fem.solver.solver import Plan, Progress, RunState, Samples
+    from fem.solver.solver import Frame, Plan, Progress, RunState, Samples
     from lagrange.scene.scene import Scene
 
 T = TypeVar("T")

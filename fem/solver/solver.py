@@ -14,16 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import Bearing, Operation
-from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from lagrange.surface.faults import Spall
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from fem.solver.elements.arrays import Frame
-    from fem.solver.errors import ErrorEstimate
 
 ROUND_OFF = 1e-9  # of the kinetic energy, no imbalance: a bearing without load exchanges next to nothing
 OF_ENERGY = "imbalance", "exchanged", "error"  # of `Samples`
@@ -76,11 +72,25 @@ class Samples:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Frame:
+    """Displacements at one sample, in the bodies' own frames; m."""
+
+    sample: int
+    time: float  # s
+    roller_turn: np.ndarray  # (n_rollers,), rad
+    ring_turn: float  # rad, of the inner ring
+    outer_turn: float  # rad, of the outer ring
+    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
+    inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
+
+
+@dataclass(frozen=True, kw_only=True)
 class Block:
     """What an advance gives."""
 
     samples: Samples | None = None
-    frame: "Frame | None" = None  # the fields of the first of the samples, where the scene asks for them
+    frame: Frame | None = None  # the fields of the first of the samples, where the scene asks for them
     trouble: str | None = None  # why the run can't go on after these samples
     restarts: str | None = None  # why all samples so far are void and the run goes on from its start
 
@@ -210,10 +220,6 @@ class Plan(ABC):
     def table(self) -> "Table | None":
         """What --dry-run shows above that."""
         return None
-
-    def error_estimate(self) -> "ErrorEstimate":
-        """What --estimate-error runs. UsageError: the model, or the scene's mesh, has none."""
-        raise UsageError(f"--estimate-error: the {self.model_name} has no mesh; leave it out")
 
 
 def sample_count(scene: Scene) -> int:

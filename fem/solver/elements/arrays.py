@@ -31,6 +31,7 @@ from fem.solver import parts
 from fem.solver.elements.start import Start
 from fem.solver.parts import filled
 from fem.solver.row_state import collect_arrays, row_width
+from fem.solver.solver import Frame
 from fem.solver.start import Tables
 from lagrange import Bearing, Operation
 from lagrange.axial import Axial
@@ -465,20 +466,6 @@ def with_axes(
 
     groups = tuple(tuple(sliced(pair) for pair in group) for group in arrays.groups)
     return replace(arrays, bodies=bodies._replace(others=(*bodies.others, axes)), groups=groups)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Frame:
-    """Displacements at one sample, in the bodies' own frames; m."""
-
-    sample: int
-    time: float  # s
-    roller_turn: np.ndarray  # (n_rollers,), rad
-    ring_turn: float  # rad, of the inner ring
-    outer_turn: float  # rad, of the outer ring
-    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
-    inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
-    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
 
 
 def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Frame:

@@ -257,11 +257,6 @@ class ElementPlan(CompiledPlan):
     def first_state(self) -> ElementState:
         return ElementState(self)
 
-    def error_estimate(self):
-        from fem.solver.errors import error_estimate
-
-        return error_estimate(self)
-
 
 def make_plan(scene: Scene) -> ElementPlan:
     """Mesh, assemble, calibrate, solve the start, find the critical step.

@@ -17,7 +17,7 @@ from fem.solver import start as starts
 from fem.solver.compiling import in_words, pace
 from fem.solver.limits import check_rollers, check_speed, check_widths, plan_warnings
 from fem.solver.parts import cage_seat, critical_with_cage, time_along_a_knot
-from fem.solver.rigid.lagrangian import RigidPlan, sections_of
+from fem.solver.rigid.plan import RigidPlan, sections_of
 from fem.solver.rigid.state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import may_strike, sample_count
@@ -146,11 +146,6 @@ class ReducedPlan(RigidPlan):
 
     def first_state(self) -> ReducedState:
         return ReducedState(self)
-
-    def error_estimate(self):
-        from fem.solver.errors import reduced_estimate
-
-        return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
         largest = self.start.inner_force.max(), self.start.outer_force.max()

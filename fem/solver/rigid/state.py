@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from fem.kernels.rigid.state import Contacts, ReducedDrive, ReducedForces, Rigid
 from fem.kernels.tilts import TiltedForces
 from fem.solver import guards, parts
 from fem.solver.parts import filled
-from fem.solver.rigid.lagrangian import ENERGY_TOLERANCE, Judge, LagrangianPlan, RigidPlan, spalls_met
+from fem.solver.rigid.plan import RigidPlan, spalls_met
 from fem.solver.row_state import RowState, collect_arrays, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
 from fem.statics.exact_statics import ReducedBearing, neighbours_of
@@ -40,9 +40,6 @@ from lagrange.motion import State, StatedDampers, Tilts, contact_state, hub_equa
 from lagrange.mounting import from_outer_ring
 from lagrange.step_size import expected_force
 from lagrange.surface.deviation import Turns, profiles
-
-if TYPE_CHECKING:
-    from fem.solver.rigid.reduced import ReducedPlan
 
 STILL = np.zeros(2)
 BODIES = {"inner_ring": paces.ON_INNER_RING, "outer_ring": paces.ON_OUTER_RING, "inside": paces.INSIDE,
@@ -334,7 +331,7 @@ class ReducedState(RigidState):
         super().begin()
         self.worst, self.hub_sums = np.zeros(1), np.zeros(6)  # J, the largest energy error of samples so far
 
-    def start_arrays(self, plan: "ReducedPlan") -> None:
+    def start_arrays(self, plan) -> None:
         scene, model, start, operation, dt = plan.scene, plan.model, plan.start, plan.operation, plan.time_step
         bearing, waves, axial, numerics = model.bearing, plan.waves, plan.axial, scene.numerics
         radial = np.array([np.cos(start.angle), np.sin(start.angle)])
@@ -465,16 +462,14 @@ def slowest_vibration(bearing: Bearing) -> float:
 class LagrangianState(RigidState):
     """A run that restarts with half the step where contacts have rattled, or bodies gone through one another."""
 
-    plan: LagrangianPlan
-
     most_halvings = 3  # before a warning instead
 
     def begin(self) -> None:
         super().begin()
-        self.judge = Judge(self.plan.problem, self.plan.time_step)
+        self.judge = guards.Judge(self.plan.problem, self.plan.time_step)
         self.base = np.full(2, np.nan)  # J, from rows' kinetic and contacts' energy to those of the first sample
 
-    def start_arrays(self, plan: LagrangianPlan) -> None:
+    def start_arrays(self, plan) -> None:
         problem, begin, dt, cage = plan.problem, plan.begin, plan.time_step, plan.scene.ideal_cage()
         bearing, operation, axial = problem.bearing, problem.operation, problem.axial
         n, mounting = bearing.n_rollers, operation.mounting
@@ -541,7 +536,7 @@ class LagrangianState(RigidState):
     @property
     def warnings(self) -> tuple[str, ...]:
         found, missed, passed_on = self.judge.warnings(self.largest), self.missed[0], self.passed_on[0]
-        if missed <= ENERGY_TOLERANCE * passed_on:
+        if missed <= guards.ENERGY_TOLERANCE * passed_on:
             return found
         return (
             *found,

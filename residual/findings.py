@@ -385,7 +385,7 @@ def vibration_sentences(e: Evaluation) -> list[str]:
         why = "the bearing stands still, or the record is too short or too coarse"
         why = "the speed changes, and lines are given in orders" if e.record.varies_speed else why
         return [f"{scene} No envelope: {why}."]
-    high = sorted((line.ratio, d.name, line) for d in e.directions for line in d.vibration.high_lines)
+    high = sorted((line.ratio, d.name, line) for d in e.directions for line in d.vibration.lines if line.is_high)
     said, words = set[str](), list[str]()
     for ratio, axis, line in sorted({row[2].name: row for row in high}.values(), reverse=True):
         if not line.resolved and {line.name, line.nearest} & said:

@@ -12,6 +12,7 @@ Source: Fyfe and Munck, Analysis of computed order tracking, Mechanical Systems 
 import re
 from dataclasses import replace
 from itertools import pairwise, product
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -101,24 +102,23 @@ def _surroundings(frequency, among, resolution):
     return nearest, gap, max(min(MAIN_LOBE * resolution, 0.5 * gap), 0.75 * resolution)
 
 
-def _in_band(spectrum, low, high):
-    """Rms in a band, Hz, rms of the background alone there, and whether the first exceeds what noise would be."""
+def _level(spectrum, name, frequency, among):
+    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line of `among`.
+
+    It stands out where it exceeds what noise on the background would be.
+    """
     from scipy.special import chdtri  # scipy.stats costs half a second to import
 
-    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
-    background = spectrum.smooth_background[inside].sum() * spectrum.resolution
-    rms = float(np.sqrt(spectrum.psd[inside].sum() * spectrum.resolution))
-    freedom = 2.0 * spectrum.segments * max(1.0, inside.sum() / spectra.NOISE_BINS)
-    return rms, float(np.sqrt(background)), bool(rms**2 > background * (chdtri(freedom, 1.0 - SURE) / freedom))
-
-
-def _level(spectrum, name, frequency, among):
-    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line of `among`."""
     obstacle, gap, half = _surroundings(frequency, among, spectrum.resolution)
     low, high = frequency - half, frequency + half
-    rms, background, stands_out = _in_band(spectrum, low, high)
-    resolved = bool(gap >= MAIN_LOBE * spectrum.resolution)
-    return LineLevel(name, frequency, rms, background, low, high, stands_out, resolved, obstacle, MAIN_LOBE / gap)
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
+    power, background = (
+        float(of[inside].sum() * spectrum.resolution) for of in (spectrum.psd, spectrum.smooth_background)
+    )
+    freedom = 2.0 * spectrum.segments * max(1.0, inside.sum() / spectra.NOISE_BINS)
+    stands_out = bool(power > background * (chdtri(freedom, 1.0 - SURE) / freedom))
+    resolved, needed = bool(gap >= MAIN_LOBE * spectrum.resolution), MAIN_LOBE / gap
+    return LineLevel(name, frequency, sqrt(power), sqrt(background), low, high, stands_out, resolved, obstacle, needed)
 
 
 def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
@@ -196,16 +196,6 @@ class Vibration(NamedTuple):
     spectrum: Spectrum
     envelope: Envelope | None
     lines: list[FaultLine]  # of the envelope
-
-    @property
-    def high_lines(self) -> list[FaultLine]:
-        """Lines that are high above their floors, whether or not the record resolves them."""
-        return [line for line in self.lines if line.is_high]
-
-    @property
-    def tells_lines(self) -> bool:
-        """Whether the record is long enough to tell any fault line from the others."""
-        return any(line.resolved for line in self.lines)
 
 
 def measured(record: Record, accelerations: Accelerations | None = None) -> list[tuple[str, Any]]:

@@ -36,16 +36,6 @@ MOST_POINTS = 4000  # of a record's curve: beyond, the largest of neighbours
 LEFT_LEGEND = {"left": -0.06, **SMALL}
 
 
-def middle(e: Evaluation, passages: float) -> slice:
-    """Samples of some roller passages in the middle of the record; all of them for a standing bearing."""
-    t, passing = e.record, e.lines.get("BPFO", 0.0)
-    if passing == 0.0:
-        return slice(None)
-    n = min(t.time.size, int(passages / passing / t.interval) + 1)
-    first = (t.time.size - n) // 2
-    return slice(first, first + n)
-
-
 def whole(e: Evaluation) -> Drawing:
     figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=[f"PSD of error_{axis}, N²/Hz" for axis in "xy"])
     handles, marked, mark = [], [], None
@@ -199,17 +189,19 @@ def envelope(e: Evaluation) -> Drawing | None:
 
     None where the record resolves none of their lines.
     """
-    if not e.x.vibration.tells_lines:
+    if not any(line.resolved for line in e.x.vibration.lines):
         return None
     figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
     found = [(d, d.vibration.envelope) for d in e.directions if d.vibration.envelope is not None]
     loud, loudest = max(found, key=lambda each: each[0].vibration.level.rms)
-    shown, body = middle(e, PASSAGES_SHOWN), e.y.vibration.body
+    t, body = e.record, e.y.vibration.body
+    n = min(t.time.size, int(PASSAGES_SHOWN / e.lines["BPFO"] / t.interval) + 1)
+    shown = slice((t.time.size - n) // 2, (t.time.size + n) // 2)
     band = loudest.band[shown] / G, SKY, "acceleration in the band", 0.6
     level = loudest.level[shown] / G, BLUE, "its envelope", 0.8
     upper.margins(x=0.0)
     of = f"{loud.vibration.body}, {loud.name}, g"
-    curves(upper, 1e3 * e.record.time[shown], band, level, legend=2, xlabel="time, ms", ylabel=of)
+    curves(upper, 1e3 * t.time[shown], band, level, legend=2, xlabel="time, ms", ylabel=of)
     top = SPECTRUM_TO * max(e.lines[name] for name in ("BPFO", "BPFI"))
     lines = {name: e.lines[name] for name in MARKED[:3] if name in e.lines} | fault_lines(e.lines)
     for axis, (d, each) in zip(axes, found, strict=True):
@@ -219,7 +211,7 @@ def envelope(e: Evaluation) -> Drawing | None:
         amplitude = each.spectrum.amplitude[inside] / G
         curves(axis, frequency[inside], (amplitude, BLUE, None, 1.0))
         highest, names = float(amplitude.max()), []
-        for line in (line for line in d.vibration.high_lines if line.frequency <= top):
+        for line in (line for line in d.vibration.lines if line.is_high and line.frequency <= top):
             colour, height, sideband = LINE_COLOURS[family(line.name)], line.amplitude / G, {*line.name} & {*"−+"}
             axis.plot(line.frequency, height, "o", color=colour, markersize=3.0 if sideband else 4.5,
                       markerfacecolor=colour if line.resolved else "white")  # fmt: skip

@@ -176,8 +176,6 @@ def points(laws: tuple[PointLaw, PointLaw, PointLaw], largest_force: float, n_ro
 
 def surface_spacings(bodies: dict[str, Any]) -> dict[str, float]:
     """Distance of surface nodes of each body, m."""
-    rings = {name: bodies[name] for name in ("inner_ring", "outer_ring")}
-    return {
-        "roller": bodies["roller"].shape.surface_spacing,
-        **{name: 2.0 * pi * ring.raceway_radius / ring.n_sectors for name, ring in rings.items()},
-    }
+    rings = {name: body for name, body in bodies.items() if name != "roller"}
+    of_rings = {name: 2.0 * pi * ring.raceway_radius / ring.n_sectors for name, ring in rings.items()}
+    return of_rings | {"roller": bodies["roller"].shape.surface_spacing}

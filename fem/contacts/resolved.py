@@ -115,16 +115,13 @@ class SpreadLaw(PointLaw):
     def local_compliance(self, n_points: int) -> np.ndarray:
         return toeplitz(self.missing_compliance[:n_points])
 
-    def inverses(self) -> np.ndarray:
-        """Inverses of G for 1, 2, ... neighbouring points, each by rows, one after the other; N/m."""
-        counts = range(1, self.missing_compliance.size + 1)
-        return np.concatenate([np.linalg.inv(self.local_compliance(n)).ravel() for n in counts])
-
     @staticmethod
     def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
-        missing, inverse = zip(*((law.missing_compliance, law.inverses()) for law in laws), strict=True)
+        missing = np.stack([law.missing_compliance for law in laws])
+        counts = range(1, missing.shape[1] + 1)  # of neighbouring points: G's inverses by rows, one after the other
+        inverse = [np.concatenate([np.linalg.inv(law.local_compliance(n)).ravel() for n in counts]) for law in laws]
         sizes = {"pairs": 3, "n": n_rollers, "n_points": n_points}
-        return filled(Spread, sizes, missing=np.stack(missing), inverse=np.stack(inverse))
+        return filled(Spread, sizes, missing=missing, inverse=np.stack(inverse))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,7 +37,7 @@ from fem.contacts.points import (
 )
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
-from fem.elastic.continuum import Section, hertz_approach, roller_section, stick_approach
+from fem.elastic.continuum import hertz_approach, roller_section, stick_approach
 from fem.kernels.elements.surfaces import ONE
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from lagrange import Bearing
@@ -84,7 +84,10 @@ class SubgridModel(Model):
         roller, inner, outer = (_kept_surface(body, thickness, half_width) for body in bodies.values())
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
-            between = _unmeshed_disc(roller_section(bearing).elastic, thickness, half_width)
+            disc = roller_section(bearing).elastic
+            exact, sticking = hertz_approach(disc.squeezed, half_width), stick_approach(disc, half_width)
+            none, unit = np.zeros(KNOTS_PER_NODE), line_compliance(disc.material, thickness)
+            between = _missing(exact / thickness, none, sticking / thickness, half_width, unit)
         met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
         return cls(
             bearing=bearing, **bodies, **named(contact_law(*sides, pair) for sides, pair in met),
@@ -213,13 +216,6 @@ def _kept_surface(body: DiscBody | RingBody, thickness: float, half_width: float
 def rigid_surface(half_width: float) -> SurfaceCompliance:
     """The compliance of a rigid body."""
     return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
-
-
-def _unmeshed_disc(disc: Section, thickness: float, half_width: float) -> SurfaceCompliance:
-    """All of the exact disc's compliance under two opposite Hertz pressures."""
-    exact, sticking = hertz_approach(disc.squeezed, half_width), stick_approach(disc, half_width)
-    none, unit = np.zeros(KNOTS_PER_NODE), line_compliance(disc.material, thickness)
-    return _missing(exact / thickness, none, sticking / thickness, half_width, unit)
 
 
 def _missing(exact: float, found: np.ndarray, sticking: float, half_width: float, unit: float) -> SurfaceCompliance:

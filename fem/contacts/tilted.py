@@ -104,9 +104,14 @@ def tilted_slices(
 def _slices(bearing: Bearing, axial: Axial, laws, meshed: tuple[float, float], within: tuple = ()) -> tuple:
     """Laws of slices, what a table is made for, and coupling compliances less those of meshes, which know a contact's
     force as a whole."""
-    width = bearing.roller_length / axial.slices if axial.coupling else None  # of slices that know each other
     coupled = tuple(all_of - mesh for all_of, mesh in zip(couplings(bearing, axial), meshed, strict=True))
-    return (slice_law(laws[0], width), slice_law(laws[1], width)), *within, coupled
+    widest = [law.Q_line for law in laws]  # straight beyond
+    if axial.coupling:  # slices that know each other
+        width = bearing.roller_length / axial.slices
+        widest = [min(law.Q_line, (width / WIDTHS) ** 2 / law.pair.half_width_factor) for law in laws]
+    plane = [LogarithmicLaw(name="series", compliance=0.5 * law.A, level=2.0 * law.B, largest_force=force,
+                            source="plane series") for law, force in zip(laws, widest, strict=True)]  # fmt: skip
+    return tuple(plane), *within, coupled
 
 
 def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
@@ -125,19 +130,6 @@ def no_narrower(bearing: Bearing, axial: Axial, forces: tuple[np.ndarray, np.nda
     pairs = zip(contact_pairs(bearing), forces, strict=False)
     widest = max(pair.half_width(max(float(force.max()), 1e-3)) for pair, force in pairs)
     return replace(axial, slices=max(min(axial.slices, int(bearing.roller_length / (WIDTHS * widest))), FEWEST))
-
-
-def slice_law(law: ContactLaw, width: float | None) -> LogarithmicLaw:
-    """The plane law δ = A Q (B − ½ ln Q) as slices take it, straight beyond what they may carry.
-
-    width : m, of slices that know each other; None: each is alone
-    """
-    largest = law.Q_line
-    if width is not None:
-        largest = min(largest, (width / WIDTHS) ** 2 / law.pair.half_width_factor)
-    return LogarithmicLaw(
-        name="series", compliance=0.5 * law.A, level=2.0 * law.B, largest_force=largest, source="plane series"
-    )
 
 
 def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:

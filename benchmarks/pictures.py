@@ -17,10 +17,10 @@ from cyclopts import App, Parameter
 from benchmarks import processor_seconds
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
-from fem.pictures.bodies import drawn_bearing
+from fem.pictures.bodies import drawn_bearing, shear_peak
 from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
-from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR, shear_peak
+from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR
 from fem.pictures.views import draw
 from tests import documented
 from tests.measurements import DOCS

@@ -22,7 +22,7 @@ from fem.kernels.elements.loop import advance
 from fem.kernels.elements.points import spread_forces
 from fem.kernels.jit import kernel
 from fem.pictures import stress_below
-from fem.pictures.bodies import drawn_bearing
+from fem.pictures.bodies import drawn_bearing, shear_peak
 from fem.pictures.recover import read_instant
 from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING, hertz_stress, spline_displacement
 from fem.solver.limits import check_meshes
@@ -64,7 +64,7 @@ def peaks(drawn, least):
     """Of all contacts above a line load, N/m: body, shear over p₀, depth over b."""
     found = []
     for item in (item for item in drawn.loads if np.hypot(*item.load.force) > least):
-        peak = stress_below.shear_peak(drawn, item)
+        peak = shear_peak(drawn, item)
         found.append((item.body, peak.shear / peak.pressure, peak.depth / peak.half_width, peak.half_width))
     return np.array(found)
 
@@ -125,14 +125,14 @@ def test_the_shear_below_a_contact_is_the_resolved_models_and_the_same_on_two_me
     for sign, b in ((-1.0, widths[0]), (1.0, widths[1])):
         end = np.flatnonzero((sign * y > 0.0) & (5e-3 - np.abs(y) < 3.0 * b))
         item = next(i for i in drawn.loads if i.body == FIRST_ROLLER and sign * i.load.point[1] > 0.0)
-        peak = stress_below.shear_peak(drawn, item)
+        peak = shear_peak(drawn, item)
         assert peak.shear == pytest.approx(shear[end].max(), rel=0.02)
         # the resolved mesh's nodes are a tenth of b apart
         assert peak.depth == pytest.approx((5e-3 - np.abs(y[end]))[shear[end].argmax()], abs=0.1 * b)
     fields = []
     for _, other in (bearing(size, "operation.first_roller_deg=0.0") for size in (1.0, 2.0)):
         item = next(i for i in other.loads if i.body == INNER_RING and i.load.point[1] < -17.99e-3)
-        peak = stress_below.shear_peak(other, item)
+        peak = shear_peak(other, item)
         fields.append((peak.shear, peak.depth))
     assert fields[0] == pytest.approx(fields[1], rel=0.01)
     gone = {name: 0.0 * getattr(instant, name)

@@ -24,7 +24,7 @@ from fem.contacts.points import patch
 from fem.elastic.bodies import RingBody, max_shear, von_mises
 from fem.kernels.columns import INNER, OUTER
 from fem.pictures.recover import Instant
-from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, smooth_stress
+from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, hertz_stress, smooth_stress
 from fem.solver.elements.arrays import rotated
 from lagrange.bearing import Bearing
 from lagrange.equations import touching_distances
@@ -41,6 +41,9 @@ AROUND = np.linspace(0.0, 2.0 * pi, 1441)  # rad
 DEEPEST, STEEPEST = 0.5, 1.5  # of a body's thickness, of its width: a hole's depth in a picture of the whole bearing
 NAME_BESIDE = 0.1  # of the outside radius, from the edge of a ring's hole to the middle of its name
 NAME_AT = 0.3  # of a roller's radius, from its centre to a name
+DEPTHS = np.linspace(0.0, 2.0, 401)[1:]  # half-widths, of the search for the largest shear
+ACROSS = np.linspace(-1.0, 1.0, 41)
+FITTED_WITHIN = 2.2  # node spacings: there the smooth part is a straight function of position
 CHART = 0.22  # of a body's thickness, that the largest height takes in a chart
 CHART_AT = 0.62  # of a roller's radius; in rings the middle
 SHALLOWEST = 1e-12  # m, of a surface that is drawn
@@ -276,6 +279,44 @@ def _dents(instant: Instant) -> list[np.ndarray]:
             np.add.at(of_rollers[j], disc.first_surface_node + nodes, inward)
         of_rings.append(ring.cartesian(dents, turn))
     return [*of_rings, *of_rollers]
+
+
+class ShearPeak(NamedTuple):
+    """The largest shear stress below one contact of one body, and what Hertz's theory says of the contact."""
+
+    shear: float  # Pa, in the plane
+    depth: float  # m
+    across: float  # m, from the contact's middle, along the surface
+    pressure: float  # Hertz's p₀, Pa
+    half_width: float  # b, m
+
+
+def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
+    """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
+
+    A mesh that resolves the contact is searched itself, node by node."""
+    load, b = item.load, item.load.half_width
+    at = np.flatnonzero(drawn.body == item.body)
+    nodes = drawn.local[at] - load.point
+    distance, along = np.hypot(*nodes.T), np.array([load.inward[1], -load.inward[0]])
+    if item.is_resolved:
+        near = distance < DEPTHS[-1] * b
+        depth, across = nodes[near] @ load.inward, nodes[near] @ along
+        shear = max_shear(drawn.smooth_stress[at[near]])
+    else:
+        depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
+        points = load.point + depth[:, None] * load.inward + across[:, None] * along
+        near = distance < FITTED_WITHIN * item.spacing
+        matrix, wanted = (
+            np.column_stack([np.ones(len(places)), places / item.spacing])
+            for places in (nodes[near], points - load.point)
+        )
+        smooth = wanted @ np.linalg.lstsq(matrix, drawn.smooth_stress[at[near]], rcond=None)[0]
+        shear = max_shear(smooth + hertz_stress(points, load))
+    k = int(np.argmax(shear))
+    return ShearPeak(
+        float(shear[k]), float(depth[k]), float(across[k]), 2.0 * float(np.hypot(*load.force)) / (pi * b), b
+    )
 
 
 class Circle(NamedTuple):

@@ -23,26 +23,20 @@ Johnson, Contact Mechanics (1985), (4.49), (7.8).
 
 from functools import cache
 from math import pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.elastic.bodies import max_shear, turned
+from fem.elastic.bodies import turned
 from fem.pictures.recover import Instant
 from fem.solver.elements.arrays import global_fields, rotated
 from lagrange import Material
-
-if TYPE_CHECKING:
-    from fem.pictures.bodies import DrawnBearing
 
 LARGEST_SHEAR, AT_DEPTH = 0.3003, 0.7861  # of Hertz's p₀ and b: McEwen's maximum under a line contact
 SOURCES = 8  # Gauss points in each of the patch's four intervals
 WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
 BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
 INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
-DEPTHS = np.linspace(0.0, 2.0, 401)[1:]  # half-widths, of the search for the largest shear
-ACROSS = np.linspace(-1.0, 1.0, 41)
-FITTED_WITHIN = 2.2  # node spacings: there the smooth part is a straight function of position
 
 
 class SurfaceLoad(NamedTuple):
@@ -212,41 +206,3 @@ def add_hertz(stress: np.ndarray, points: np.ndarray, body: np.ndarray, loads: l
         share = item.share(points[at])
         at, share = at[share > 0.0], share[share > 0.0]
         stress[at] += share[:, None] * hertz_stress(points[at], item.load)
-
-
-class ShearPeak(NamedTuple):
-    """The largest shear stress below one contact of one body, and what Hertz's theory says of the contact."""
-
-    shear: float  # Pa, in the plane
-    depth: float  # m
-    across: float  # m, from the contact's middle, along the surface
-    pressure: float  # Hertz's p₀, Pa
-    half_width: float  # b, m
-
-
-def shear_peak(drawn: "DrawnBearing", item: BodyLoad) -> ShearPeak:
-    """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
-
-    A mesh that resolves the contact is searched itself, node by node."""
-    load, b = item.load, item.load.half_width
-    at = np.flatnonzero(drawn.body == item.body)
-    nodes = drawn.local[at] - load.point
-    distance, along = np.hypot(*nodes.T), np.array([load.inward[1], -load.inward[0]])
-    if item.is_resolved:
-        near = distance < DEPTHS[-1] * b
-        depth, across = nodes[near] @ load.inward, nodes[near] @ along
-        shear = max_shear(drawn.smooth_stress[at[near]])
-    else:
-        depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
-        points = load.point + depth[:, None] * load.inward + across[:, None] * along
-        near = distance < FITTED_WITHIN * item.spacing
-        matrix, wanted = (
-            np.column_stack([np.ones(len(places)), places / item.spacing])
-            for places in (nodes[near], points - load.point)
-        )
-        smooth = wanted @ np.linalg.lstsq(matrix, drawn.smooth_stress[at[near]], rcond=None)[0]
-        shear = max_shear(smooth + hertz_stress(points, load))
-    k = int(np.argmax(shear))
-    return ShearPeak(
-        float(shear[k]), float(depth[k]), float(across[k]), 2.0 * float(np.hypot(*load.force)) / (pi * b), b
-    )

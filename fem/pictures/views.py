@@ -19,12 +19,12 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from fem.pictures import bodies, canvas
-from fem.pictures.bodies import Drawing, DrawnBearing, drawn_bearing, rounded_down
+from fem.pictures.bodies import Drawing, DrawnBearing, ShearPeak, drawn_bearing, rounded_down, shear_peak
 from fem.pictures.canvas import ASPECT, FAULT, INK, QUIET, Panel, View, arc, arrow
 from fem.pictures.look import Look, Request, Scale, chosen_look
 from fem.pictures.output import MARK
 from fem.pictures.recover import Instant, StoredRun
-from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, ShearPeak, shear_peak
+from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad
 from fem.solver.elements.arrays import rotated
 from lagrange.bearing import load_factor
 from lagrange.files.output import replaced

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from fem.result.store import new_block, variables_of
 from fem.solver.solver import Frame
+from lagrange.columns import columns_of
 from lagrange.errors import UsageError
 from lagrange.files import hdf5
 from lagrange.files.hdf5 import CHECKSUM, Damaged, check_array
@@ -55,7 +55,7 @@ class RunFile(Mapping[str, np.ndarray]):
 
     def _check(self, file: h5py.File) -> tuple[tuple[str, ...], np.ndarray]:
         """Names of its columns and samples of its frames, once all have the shapes that its scene asks for."""
-        variables, rollers = variables_of(self.scene), self.scene.bearing.present
+        variables, rollers = columns_of("", *self.scene.parts), self.scene.bearing.present
         names = tuple(name for name in variables if name in NEEDED or hdf5.has(file, name))
         for name in names:
             shape = check_array(file, name, self._count).shape[1:]
@@ -145,7 +145,7 @@ def lay_out(file: h5py.File, model: "Model", capacity: int) -> list[str]:
         ):  # fmt: skip
             hdf5.variable(group, what, values, dimensions, unit, meaning)
     for name, (dimensions, dtype, unit, meaning, fill) in FRAME.items():
-        new_block(group, name, (capacity, *(sizes[each] for each in dimensions)), dtype, fill)
+        hdf5.new_block(group, name, (capacity, *(sizes[each] for each in dimensions)), dtype, fill)
         hdf5.label(group, name, ("time", *dimensions), unit, meaning)
     return [f"{GROUP}/{name}" for name in FRAME]
 

@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import h5py
 import numpy as np
 
+from fem.result.run_file import lay_out, stored_samples, stored_values
 from lagrange.axial.slices import write_slices
 from lagrange.bearing import Bearing, Operation
 from lagrange.columns import DERIVED, FORMAT_VERSION, OF_TILTED, PER_ROLLER, Column, columns_of
@@ -258,8 +259,6 @@ class ResultFile(AbstractContextManager):
                 for name in self._variables:
                     hdf5.check_array(file, name, resume.samples)
                 if frames := self._frames(resume.samples):
-                    from fem.result.run_file import stored_samples
-
                     if len(stored_samples(file, resume.samples)) != frames:
                         raise hdf5.Damaged(f"its checkpoint counts {frames} frames of fields, it holds others")
         except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
@@ -309,7 +308,7 @@ class ResultFile(AbstractContextManager):
             hdf5.variable(file, "roller", rollers, ("roller",), "1", "roller, counted along +theta")
             for number, (name, column) in enumerate(variables.items(), start=1):
                 shape = (capacity, len(rollers))[: len(column.dimensions)]
-                new_block(file, name, shape, "<f8", np.nan if name == "time" else None)
+                hdf5.new_block(file, name, shape, "<f8", np.nan if name == "time" else None)
                 hdf5.label(file, name, column.dimensions, column.unit, column.meaning)
                 file[name].attrs[hdf5.CHECKSUM] = np.array([MARK + number, 0, 0, 0], dtype="<i8")
             file.attrs.update({**self._attributes, COMMITTED: MARK})
@@ -324,8 +323,6 @@ class ResultFile(AbstractContextManager):
             self._write_events(file)
             of_frames = []
             if self._plan.frame_stride:
-                from fem.result.run_file import lay_out  # other runs need none of the finite elements behind it
-
                 of_frames = lay_out(file, self._plan.model, self._frames(capacity))
             start = {name: file[name].id.get_offset() for name in (*variables, *of_frames)}
             size = {name: file[name].nbytes for name in start}
@@ -376,8 +373,6 @@ class ResultFile(AbstractContextManager):
     @_naming_the_file
     def keep(self, frame: "Frame") -> None:
         """Write the fields of a sample to come."""
-        from fem.result.run_file import stored_values
-
         if frame.sample < self._plan.n_samples:
             index = frame.sample // self._plan.frame_stride
             for name, data in stored_values(self._plan.model, frame).items():
@@ -455,13 +450,6 @@ class ResultFile(AbstractContextManager):
 
     def __exit__(self, *_) -> None:
         self.close()
-
-
-def new_block(group, name: str, shape: tuple[int, ...], dtype: str, fill=None) -> h5py.Dataset:
-    """A variable whose numbers stand in one piece of the file, allotted at once."""
-    room = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    room.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    return group.create_dataset(name, shape=shape, dtype=dtype, fillvalue=fill, dcpl=room)
 
 
 def _doubles(values: np.ndarray) -> bytes:

@@ -96,6 +96,15 @@ def variable(file: "h5py.File", name: str, values: Any, dimensions: tuple[str, .
     label(file, name, dimensions, unit, long_name)
 
 
+def new_block(group, name: str, shape: tuple[int, ...], dtype: str, fill=None) -> "h5py.Dataset":
+    """A variable whose numbers stand in one piece of the file, allotted at once."""
+    import h5py
+
+    room = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    room.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    return group.create_dataset(name, shape=shape, dtype=dtype, fillvalue=fill, dcpl=room)
+
+
 def label(file: "h5py.File", name: str, dimensions: tuple[str, ...], unit: str, long_name: str) -> None:
     """Say of a variable of the file along which dimensions it is, its unit and its meaning."""
     data = file[name]

@@ -1,5 +1,6 @@
 """The command `run-study`. Imports little: everything heavy waits until a study has been read."""
 
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,7 +14,7 @@ from lagrange.messages import say, shown, telling
 
 if TYPE_CHECKING:
     from fem.study.folder import Folder
-    from fem.study.solving import Points, StudyOptions
+    from fem.study.solving import Points, Solved, StudyOptions
 
 STUDIES = Path("studies")
 MOST_WORKERS = 4096
@@ -91,13 +92,34 @@ def _study(
 
 
 def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
-    from fem.study.solving import expected, solve_points
+    from fem.study.solving import LOST, Cluster, Processes, Solver, Wanted, expected, scheduler_client, solve_all
 
     pending, lost = folder.pending(points), {}
     if pending:
-        total = expected(points, pending, None if options.quiet else say).seconds * len(pending)
-        with stop_signals() as stopped:
-            lost = solve_points(points, pending, folder, options, total, lambda: bool(stopped))
+        processes = options.processes(expected(points, pending, None if options.quiet else say).seconds * len(pending))
+        wanted = Wanted(keep=points.study.keep, seconds=points.study.limits.seconds_per_point, runs=options.keep_runs)
+        with (
+            stop_signals() as stopped,
+            scheduler_client(options.scheduler) if options.scheduler is not None else nullcontext() as client,
+            folder.held(points, options.resume),
+            count_display("points", len(pending), options.quiet) as count,
+        ):
+
+            def stop() -> bool:
+                return bool(stopped)
+
+            def add(i: int, solved: "Solved") -> None:
+                folder.add(points.digests[i], solved)
+                if solved.status == LOST:
+                    lost[i] = solved
+                count()
+
+            solver: Solver = Processes(processes, wanted) if processes else Solver(wanted, stop)
+            if client is not None:
+                solver = Cluster(client, wanted)
+            solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
+        for i, solved in lost.items():
+            say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
         if stopped:
             left = len(folder.pending(points))
             done = len(pending) - left

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from pandas import DataFrame
 
-from fem.study.page import Column, Indices, Table
+from fem.study.folder import Column, Indices, Table
 from lagrange.scene.keys import name_in_words
 from residual.figures import DPI, LARGEST_SVG, STYLE, WIDTH, Drawing, make_plain
 from residual.formatting import BLUE, GREY, ORANGE

@@ -1,4 +1,4 @@
-"""A study's folder: what it is, a file for each point that is done, and the dataset that is made of them.
+"""A study's folder: what it is, a file for each point that is done, the dataset that is made of them, and its columns.
 
 study.json     the study, its scene and the digest of each point: enough for dataset and page without solving
 points/        a sealed file for each point, moved into place when it is whole
@@ -10,12 +10,12 @@ study.html
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from importlib.metadata import version
 from math import nan, prod
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import xarray
@@ -28,9 +28,9 @@ from fem.study.study_file import QUANTITIES, Design, study_of
 from lagrange.errors import UsageError
 from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, replaced, write_sealed, write_whole
-from lagrange.messages import say
+from lagrange.messages import engineering, say
 from lagrange.scene.faults import printable
-from lagrange.scene.keys import unit_of
+from lagrange.scene.keys import name_in_words, unit_of
 from lagrange.scene.scene import parse_scene_text
 from lagrange.version import VERSION
 
@@ -38,6 +38,11 @@ PROGRAM: Literal["run-study"] = "run-study"
 MISSING = "missing"  # the status of a point that has not been solved
 KEPT = "status", "text", "seconds", "quantities", "signal_interval"  # of a point beside its signals
 SAME = "study", "listed", "scene", "files"  # in a study that is only resumed
+BINS = 8  # of a parameter that takes a value of its own in each point
+FEWEST = 2  # points
+MOST_COLUMNS, MOST_LINES = 4, 12  # panels beside each other, lines in one
+NOTHING = "-"  # the word of a cell that a list of points has left empty
+Indices = tuple[np.ndarray, np.ndarray]  # Sobol's, of each parameter alone, and with all that it does with others
 Value = bool | int | Annotated[float, Field(allow_inf_nan=False)] | str
 
 
@@ -283,3 +288,125 @@ def incomplete(dataset: xarray.Dataset) -> Iterator[tuple[int, str, str]]:
     for i, (status, text) in enumerate(zip(dataset.status.values.flat, dataset.message.values.flat, strict=True)):
         if status != COMPLETE:
             yield i, status, text
+
+
+class Column(NamedTuple):
+    """A parameter or a quantity of all points."""
+
+    name: str  # in the dataset
+    unit: str
+    meaning: str  # in words
+    values: np.ndarray  # (n_points,), float; of words their number among `words`
+    words: tuple[str, ...] = ()  # in their order; empty of numbers
+
+    @property
+    def label(self) -> str:  # meaning and unit, for an axis
+        return self.meaning if self.unit in ("1", "") else f"{self.meaning}, {self.unit}"
+
+    @property
+    def levels(self) -> np.ndarray:  # the values that it takes, each once
+        return np.unique(self.values[np.isfinite(self.values)])
+
+    def shown(self, value: float) -> str:
+        """A value for people, without its unit."""
+        if not np.isfinite(value):
+            return NOTHING
+        return self.words[int(value)] if self.words else f"{value:.4g}".replace("-", "−")
+
+
+class Effect(NamedTuple):
+    """Means of a quantity over the points that share a parameter's value, or lie in the same bin of it."""
+
+    at: np.ndarray  # (n_levels,), the parameter
+    mean: np.ndarray  # (n_levels,), the quantity
+    share: float  # of the quantity's variance that these means explain, 0 … 1; of drawn points see `Table.is_adjusted`
+
+
+class Table(NamedTuple):
+    """A study's points as columns."""
+
+    points: Points
+    parameters: list[Column]  # those that take more than one value
+    quantities: list[Column]
+    complete: np.ndarray  # (n_points,), bool
+
+    @property
+    def is_adjusted(self) -> bool:
+        """Whether points are samples of distributions. Shares are then adjusted for the number of groups (R̄²).
+
+        Means over k groups of n drawn points explain (k − 1)/(n − 1) of a variance that has nothing to do with the
+        parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points."""
+        return self.points.design.axes is None
+
+    @property
+    def is_family(self) -> bool:
+        """Whether lines over one parameter show every point: a grid of few parameters, or one parameter alone."""
+        columns, lines, *_ = [1, 1, *sorted(len(np.unique(column.values)) for column in self.parameters)][-3:]
+        is_small = len(self.parameters) <= 3 and columns <= MOST_COLUMNS and lines <= MOST_LINES
+        return len(self.parameters) == 1 or (is_small and not self.is_adjusted)
+
+    def effect(self, parameter: Column, quantity: Column) -> Effect | None:
+        """The effect of a parameter on a quantity; None where too few points tell of it."""
+        known = np.isfinite(quantity.values) & np.isfinite(parameter.values)
+        x, y = parameter.values[known], quantity.values[known]
+        if len(y) < FEWEST or not np.ptp(y) > 0.0:
+            return None
+        levels, group = np.unique(x, return_inverse=True)
+        if self.is_adjusted and len(levels) > BINS:
+            edges = np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)[1:-1])
+            _, group = np.unique(np.searchsorted(edges, x, side="right"), return_inverse=True)
+            levels = np.bincount(group, x) / np.bincount(group)
+        count = np.bincount(group)
+        mean, n, k = np.bincount(group, y) / count, len(y), len(count)
+        share = float(np.sum(count * (mean - y.mean()) ** 2) / np.sum((y - y.mean()) ** 2))
+        if self.is_adjusted and n > k:
+            share = max(0.0, 1.0 - (1.0 - share) * (n - 1) / (n - k))
+        return Effect(levels, mean, share)
+
+    @property
+    def telling(self) -> list[Column]:  # quantities that differ between points
+        return [column for column in self.quantities if len(column.levels) > 1]
+
+    def strongest(self, quantity: Column) -> list[tuple[Column, float]]:
+        """Parameters with the shares of the quantity's variance that they explain, the largest first."""
+        effects = [(parameter, self.effect(parameter, quantity)) for parameter in self.parameters]
+        shares = [(parameter, effect.share) for parameter, effect in effects if effect is not None]
+        return sorted(shares, key=lambda found: -found[1])
+
+    def sobol_indices(self, quantity: Column) -> Indices | None:
+        """Of a quantity, (n_parameters,) each; None where the study was not sampled for them, or points are missing.
+        Errors: of the order of 1/√base; small ones may come out negative.
+        Source: Saltelli et al., Computer Physics Communications 181 (2010), by scipy.stats.sobol_indices."""
+        n, d = self.points.design.base, len(self.points.design.keys)
+        if not n or not np.isfinite(quantity.values).all() or not np.ptp(quantity.values) > 0.0:
+            return None
+        from scipy import stats
+
+        f_A, f_B, *f_AB = quantity.values.reshape(d + 2, 1, n)
+        found = stats.sobol_indices(func={"f_A": f_A, "f_B": f_B, "f_AB": np.array(f_AB)}, n=n)
+        return np.ravel(found.first_order), np.ravel(found.total_order)
+
+
+def table_of(points: Points, dataset: xarray.Dataset) -> Table:
+    """Columns of a study from its dataset; quantities in the unit that engineers read."""
+    design, quantities = points.design, []
+    parameters = [
+        _column(name, unit_of(key), name_in_words(name), [point[i] for point in design.points])
+        for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
+    ]
+    for name in points.study.keep.quantities:
+        unit, meaning = QUANTITIES[name]
+        factor, engineers = engineering(unit)
+        quantities.append(_column(name, engineers or unit, meaning, (factor * dataset[name].values.ravel()).tolist()))
+    return Table(
+        points=points, parameters=[column for column in parameters if len(column.levels) > 1], quantities=quantities,
+        complete=dataset.status.values.ravel() == COMPLETE,
+    )  # fmt: skip
+
+
+def _column(name: str, unit: str, meaning: str, values: Sequence) -> Column:
+    wordy = any(isinstance(value, str | bool) for value in values)
+    given = [NOTHING if value is None else str(value) for value in values]
+    words = tuple(dict.fromkeys(given)) if wordy else ()
+    numbers = [words.index(value) for value in given] if words else values  # None becomes NaN
+    return Column(name=name, unit=unit, meaning=meaning, values=np.array(numbers, dtype=float), words=words)

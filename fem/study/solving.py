@@ -14,7 +14,7 @@ import signal
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib.metadata import version
@@ -22,11 +22,10 @@ from math import inf, nan
 from multiprocessing import connection, get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.commands.start_up import count_display
 from fem.interface import OF_CHECK, Result, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS
 from fem.rating.answers import values_of
@@ -36,12 +35,8 @@ from fem.solver.solver import sample_count
 from fem.study.study_file import Design, KeepTable, Study
 from lagrange.columns import PER_ROLLER
 from lagrange.errors import RunFailed, UsageError
-from lagrange.messages import say
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
-
-if TYPE_CHECKING:
-    from fem.study.folder import Folder
 
 FORMAT = 2  # of a point's file
 MOST_FAULTS = 10  # named at once
@@ -286,36 +281,6 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
     columns = sum(scene.bearing.present if each else 1 for each in per_roller)
     disk = POINT_FILE + 2.0 * 8.0 * columns * scene.numerics.duration_ms * rate
     return Expected(seconds=sum(seconds) / len(seconds), memory=memory, disk=disk)
-
-
-def solve_points(
-    points: Points, pending: list[int], folder: "Folder", options: StudyOptions, total: float, stop: Callable[[], bool]
-) -> dict[int, Solved]:
-    """Solve points, of so many seconds in all, and keep them in the folder, until `stop` says so; those lost.
-    OSError: a point can't be kept; those before it are. UsageError: no scheduler, before anything is written; another
-    study in the folder."""
-    lost = {}
-    wanted = Wanted(keep=points.study.keep, seconds=points.study.limits.seconds_per_point, runs=options.keep_runs)
-    with (
-        scheduler_client(options.scheduler) if options.scheduler is not None else nullcontext() as client,
-        folder.held(points, options.resume),
-        count_display("points", len(pending), options.quiet) as count,
-    ):
-
-        def add(i: int, solved: Solved) -> None:
-            folder.add(points.digests[i], solved)
-            if solved.status == LOST:
-                lost[i] = solved
-            count()
-
-        processes = options.processes(total)
-        solver: Solver = Processes(processes, wanted) if processes else Solver(wanted, stop)
-        if client is not None:
-            solver = Cluster(client, wanted)
-        solve_all(solver, ((i, points.scene(i)) for i in pending), add, stop)
-    for i, solved in lost.items():
-        say(f"warning: {points.design.describe(i)}: {solved.text}; --resume tries it again")
-    return lost
 
 
 def solve_all(

@@ -69,7 +69,7 @@ def write_report(e: Evaluation, folder: str | Path, options: ReportOptions = WHO
     def draw(fresh: Path) -> "dict[str, list[Drawing]]":
         from residual.figures.run import draw_figures
 
-        return draw_figures(e, options, fresh)
+        return draw_figures(e, fresh, options.other, options.search, options.equations)
 
     def more(fresh: Path) -> None:
         _write_arrays(e, fresh / "residual.nc")

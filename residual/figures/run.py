@@ -21,7 +21,6 @@ from residual.findings import body_name, named, reported_angle
 from residual.formatting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, length, text
 from residual.load_zone import along_rollers, chosen_roller, load_zones
 from residual.record import angle_from_load
-from residual.report import ReportOptions
 from residual.spectrum import power_spectrum
 from residual.vibration import SLOWEST
 
@@ -43,20 +42,21 @@ ENERGY_CURVES = {
 }  # fmt: skip
 
 
-def draw_figures(e: Evaluation, options: ReportOptions, folder: Path) -> dict[str, list[Drawing]]:
+def draw_figures(
+    e: Evaluation, folder: Path, other: Evaluation | None, found: FaultSearch | None, equations: bool
+) -> dict[str, list[Drawing]]:
     """Draw all figures for which the run has data into a folder; by groups of the page."""
-    other, found = options.other, options.search
     with matplotlib.rc_context(look.STYLE):
         drawn: dict[str, list[Drawing | None]] = {
             "against": [] if other is None else [against(e, other)],
             "motion": [
-                history(e, options.equations), orbit(e), load_distribution(e), passage(e), loads(e),
+                history(e, equations), orbit(e), load_distribution(e), passage(e), loads(e),
                 tilt(e), pressure(e), energy(e), cage(e),
             ],
             "vibration": [spectra.acceleration(e), spectra.envelope(e), spectra.orders(e), *passages(e)],
             "search": [] if found is None else [search(found)],
         }  # fmt: skip
-        if options.equations:
+        if equations:
             drawn["spectra"] = [spectra.whole(e), spectra.resonance_envelope(e)]
             drawn["budget"] = spectra.budget(e)
         methods = {group: method_sentence(e, other if group == "against" else None) for group in drawn}

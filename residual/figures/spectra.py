@@ -1,7 +1,6 @@
 """Figures of spectra: of error forces and their terms, of vibration, over the shaft's angle, of measured records."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import rc_context
@@ -13,12 +12,9 @@ from residual import figures as look
 from residual.evaluation import Evaluation
 from residual.figures import SCALE, SMALL, Drawing, colour_bar, curves, legend_above, log_panel, mark_lines, panels
 from residual.formatting import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, TERM_COLOURS, family, text
-from residual.measured.diagnosis import DEEP, PASSES_IN_BAND, SMOOTHING
+from residual.measured.diagnosis import DEEP, PASSES_IN_BAND, SMOOTHING, Entry, Judged
 from residual.spectrum import rms
 from residual.vibration import HIGHEST, HUB, fault_lines
-
-if TYPE_CHECKING:
-    from residual.measured.checks import Check, Trend
 
 TINY = np.finfo(float).tiny
 PASSAGES_SHOWN, PASSES_SHOWN = 5.0, 8.0  # of a run's and of a record's acceleration
@@ -283,15 +279,14 @@ def orders(e: Evaluation) -> Drawing | None:
     return Drawing("orders", "Order spectra of the hub", caption, figure)
 
 
-def measured_figures(check: "Check", folder: Path) -> list[Drawing]:
+def measured_figures(record: Judged, other: Judged | None, folder: Path) -> list[Drawing]:
     with rc_context(look.STYLE):
-        drawn = (_modulation(check), _record(check), _pulse(check))
+        drawn = (each(record, other) for each in (_modulation, _record, _pulse))
         return [look.save(each, folder) for each in drawn if each is not None]
 
 
-def _modulation(check):
-    found = check.record.diagnosis
-    judged = [check.record] if check.other is None else [check.record, check.other]
+def _modulation(record, other):
+    found, judged = record.diagnosis, [record] if other is None else [record, other]
     figure, axes = panels(len(judged), 3.2 + 2.2 * (len(judged) - 1), lines=1)
     by_turns, deepest = len(judged) > 1, 0.0
     for axis, each in zip(axes, judged, strict=True):
@@ -324,9 +319,8 @@ def _modulation(check):
     return Drawing("envelope", "Lines in the envelope", caption, figure)
 
 
-def _record(check):
+def _record(own, other):
     figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
-    own, other = check.record, check.other
     shared = other is None or other.signal.unit == own.signal.unit
     for judged, colour in ((own, BLUE), (other, ORANGE)):
         if judged is not None:
@@ -351,13 +345,13 @@ def _record(check):
     return Drawing("record", "Spectrum and excerpt of the record", caption, figure)
 
 
-def _pulse(check):
+def _pulse(record, beside):
     """Mean power about a strike, of one record or of both; None where no line stands out."""
-    own, other = check.record.pulse, None if check.other is None else check.other.pulse
-    if own is None or not check.record.diagnosis.findings[0].stands_out:
+    own, other, part = record.pulse, None if beside is None else beside.pulse, record.diagnosis.findings[0]
+    if own is None or not part.stands_out:
         return None
     figure, (axis,) = panels(1, 3.0, lines=1)
-    for pulse, judged, colour in ((own, check.record, BLUE), (other, check.other, ORANGE)):
+    for pulse, judged, colour in ((own, record, BLUE), (other, beside, ORANGE)):
         if pulse is not None and judged is not None:
             curves(axis, 1e3 * pulse.time, (pulse.power, colour, judged.signal.name, 1.1))
     axis.margins(x=0.0)
@@ -365,17 +359,17 @@ def _pulse(check):
     legend_above(axis, 2)
     also = "" if other is None else f", the other for {text(1e3 * other.length, 3)} ms"
     caption = (
-        f"Power of the band above {text(PASSES_IN_BAND, 2)} {check.part} (500 Hz at least), the mean over all passes "
-        f"at {check.part}, set at the highest of each; smoothed over {text(100.0 * SMOOTHING, 2)} % of a pass. "
+        f"Power of the band above {text(PASSES_IN_BAND, 2)} {part.name} (500 Hz at least), the mean over all passes "
+        f"at {part.name}, set at the highest of each; smoothed over {text(100.0 * SMOOTHING, 2)} % of a pass. "
         f"It stands above half its height for {text(1e3 * own.length, 3)} ms{also}."
     )
     return Drawing("pulse", "Pulse of an impact", caption, figure)
 
 
-def trend_figure(trend: "Trend", folder: Path) -> Drawing:
+def trend_figure(entries: list[Entry], folder: Path) -> Drawing:
     with rc_context(look.STYLE):
         figure, (upper, lower) = panels(2, 4.6, lines=1)
-        used = [(k, entry) for k, entry in enumerate(trend.entries, 1) if entry.depths is not None]
+        used = [(k, entry) for k, entry in enumerate(entries, 1) if entry.depths is not None]
         places, style = [k for k, _ in used], {"marker": "o", "markersize": 3.5, "linewidth": 1.0}
         depths = [entry.depths for _, entry in used if entry.depths is not None]
         colours = {"BPFO": RED, "BPFI": GREEN, "2×BSF": ORANGE}.items()

@@ -25,10 +25,10 @@ from lagrange.scene.run import FIRST_SPEEDS
 from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.formatting import hertz, text
 from residual.measured import diagnosis as judging
-from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, HEADLINES, SLIP, Diagnosis, Geometry, Verdict
+from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, HEADLINES, SLIP, Entry, Geometry, Judged
 from residual.measured.signals import Signal, read_signal
 from residual.record import first_sample
-from residual.spectrum import Level, Spectrum, power_spectrum
+from residual.spectrum import Level, power_spectrum
 from residual.store import Page, write_folder
 from residual.vibration import measured, velocity_level
 
@@ -113,24 +113,6 @@ class Question:
         if operation.varies_speed:
             raise InputError(f"--scene {self.scene}: its speed changes; add --speed and the shaft's rpm of the record")
         return judging.counted(operation.ring_speeds)
-
-
-class Judged(NamedTuple):
-    """A signal with its levels and verdict."""
-
-    signal: Signal
-    spectrum: Spectrum  # of the signal itself
-    diagnosis: Diagnosis
-    shaft: float  # Hz, nominal
-    width: judging.Width
-    pulse: judging.Pulse | None  # about strikes of the most prominent part
-    level: Level
-    velocity: float | None  # mm/s rms in ISO 20816's band; None: of no acceleration
-
-    @property
-    def notes(self) -> list[str]:
-        """What is wrong with the record, and what it does not resolve."""
-        return [*self.signal.notes, *self.diagnosis.notes]
 
 
 class Assumed(NamedTuple):
@@ -278,7 +260,7 @@ def write_check(check: Check, folder: Path, figures: bool = True) -> dict[str, A
     def draw(fresh: Path) -> dict[str, Any]:
         from residual.figures.spectra import measured_figures
 
-        first, *others = measured_figures(check, fresh)
+        first, *others = measured_figures(record, other, fresh)
         return {"evidence": [first], "others": others}
 
     (path, record, other, command, taken), found = check, check.record.diagnosis
@@ -416,22 +398,6 @@ def _numbers(judged):
     }  # fmt: skip
 
 
-class Entry(NamedTuple):
-    """A record of a series by its numbers, as summary.json has them; without depths the reason why it can't be used."""
-
-    record: str
-    reason: str | None = None
-    verdict: Verdict = "none"
-    rms: float = np.nan
-    unit: str | None = None
-    kurtosis: float | None = None
-    crest: float | None = None
-    velocity_mm_s: float | None = None
-    speed_rpm: float = np.nan  # as found
-    depths: dict[str, float] | None = None  # by the line of a part
-    prominent: str | None = None  # the part's line that stands out; others' depths hold some of that
-
-
 class Growth(NamedTuple):
     """Rise of a line's depth over a series."""
 
@@ -534,7 +500,7 @@ def write_trend(trend: Trend, folder: Path, figures: bool = True) -> dict[str, A
     def draw(fresh: Path) -> dict[str, Any]:
         from residual.figures.spectra import trend_figure
 
-        return {"growth": [trend_figure(trend, fresh)]}
+        return {"growth": [trend_figure(trend.entries, fresh)]}
 
     records = [e._asdict() | {"record": shown(e.record)} for e in trend.entries]
     for each in records:

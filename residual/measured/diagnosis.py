@@ -33,7 +33,7 @@ from lagrange.errors import InputError
 from lagrange.kinematics import OUTER_RING, Kinematics
 from residual.measured.signals import Signal
 from residual.record import Record
-from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE
+from residual.spectrum import BACKGROUND_BINS, MAIN_LOBE, Level, Spectrum
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
@@ -609,3 +609,37 @@ def mean_pulse(values: np.ndarray, rate: float, line: float) -> Pulse | None:
     mean = smooth[np.add.outer(strikes, around)].mean(axis=0) / power.mean()
     above = mean >= mean.min() + HALF * (mean.max() - mean.min())
     return Pulse(around / rate, mean, float(np.count_nonzero(above)) / rate)
+
+
+class Judged(NamedTuple):
+    """A signal with its levels and verdict."""
+
+    signal: Signal
+    spectrum: Spectrum  # of the signal itself
+    diagnosis: Diagnosis
+    shaft: float  # Hz, nominal
+    width: Width
+    pulse: Pulse | None  # about strikes of the most prominent part
+    level: Level
+    velocity: float | None  # mm/s rms in ISO 20816's band; None: of no acceleration
+
+    @property
+    def notes(self) -> list[str]:
+        """What is wrong with the record, and what it does not resolve."""
+        return [*self.signal.notes, *self.diagnosis.notes]
+
+
+class Entry(NamedTuple):
+    """A record of a series by its numbers, as summary.json has them; without depths the reason why it can't be used."""
+
+    record: str
+    reason: str | None = None
+    verdict: Verdict = "none"
+    rms: float = np.nan
+    unit: str | None = None
+    kurtosis: float | None = None
+    crest: float | None = None
+    velocity_mm_s: float | None = None
+    speed_rpm: float = np.nan  # as found
+    depths: dict[str, float] | None = None  # by the line of a part
+    prominent: str | None = None  # the part's line that stands out; others' depths hold some of that

@@ -24,7 +24,6 @@ from lagrange.files.output import remove_left
 from lagrange.kinematics import kinematics, mean_kinematics
 from lagrange.messages import Section, engineering, print_section, said_if_long, say, shown, telling
 from lagrange.mounting import from_outer_ring
-from lagrange.scene.bearing import default_cage
 from lagrange.scene.faults import RPM
 from lagrange.scene.scene import Scene
 
@@ -284,7 +283,7 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:  # what the scene alone dec
     if scene.cage is not None:
         rows["cage"] = scene.cage.words + ("" if scene.is_given("cage") else "; the default")
     elif scene.model != "lagrange" or scene.lagrange.angles == "free":
-        why = default_cage(scene)
+        why = scene.default_cage()
         rows["cage"] = f"none{f' ({why})' if isinstance(why, str) else ''}: unloaded rollers coast"
     return rows
 

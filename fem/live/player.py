@@ -18,8 +18,8 @@ from lagrange.messages import G
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.run import IN_PLACE_OF
 from lagrange.scene.scene import Scene, content_of, parse_scene
-from lagrange.scene.surfaces import FROM_LOAD, own_radius
-from lagrange.surface.faults import Spall
+from lagrange.scene.surfaces import FROM_LOAD
+from lagrange.surface.faults import Spall, own_radius
 
 OWN = {  # controls of what not every scene has, by key of its table: table, label, unit, hint
     "contact_N_s_m": ("damping", "Contact damping", "N s/m", "every closed contact"),

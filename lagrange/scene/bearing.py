@@ -8,7 +8,7 @@ act, which the model has not. Its plays are not those of a maker's drawing.
 from collections.abc import Iterator
 from functools import lru_cache
 from math import asin, cos, inf, pi, radians, sin
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -22,9 +22,6 @@ from lagrange.files.tables import columns
 from lagrange.fits import REFERENCE_C, STEEL_EXPANSION, Fit
 from lagrange.scene.faults import DecimalSign, Diameter, Digest, File, FileName, FileText, Rule, Share, Table, key, only
 from lagrange.surface.film import Lubricant
-
-if TYPE_CHECKING:
-    from lagrange.scene.scene import Scene
 
 MM, UM = 1e-3, 1e-6
 FEWEST_ROLLERS = 3  # that are left where some are missing
@@ -354,12 +351,11 @@ class CageTable(Table):
             f"{self.pocket_clearance_mm:g} mm, {self.stiffness_N_per_m:.3g} N/m")
 
 
-def default_cage(scene: "Scene") -> CageTable | str:
+def default_cage(table: BearingTable, bearing: Bearing, friction_coefficient: float) -> CageTable | str:
     """The cage of a scene that does not describe one; in words why there is none."""
-    bearing = scene.unmounted_bearing()
-    if all(getattr(scene.bearing, name) == BearingTable.model_fields[name].default for name in SIZES):
+    if all(getattr(table, name) == BearingTable.model_fields[name].default for name in SIZES):
         return "as the paper's bearing"
-    if scene.friction_coefficient == 0.0:
+    if friction_coefficient == 0.0:
         return "raceways without friction would not drive it"
     if room_between_rollers(bearing) < FULL_COMPLEMENT * 2.0 * bearing.roller_radius:
         return "full complement"

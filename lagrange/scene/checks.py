@@ -6,27 +6,35 @@ feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that do
 
 # fmt: off
 from collections.abc import Iterator
-from math import pi
-from typing import TYPE_CHECKING
+from math import asin, degrees, pi
 
+import numpy as np
+
+from lagrange.axial.slices import slices_over
 from lagrange.bearing import room_between_rollers, stiffness_factor
 from lagrange.contact.laws import OWN, law_names
 from lagrange.errors import exceeds
 from lagrange.load_history import TIME
 from lagrange.scene import bearing as bearings
-from lagrange.scene import surfaces
 from lagrange.scene.faults import Rule
 from lagrange.scene.run import FIRST_SPEEDS
-
-if TYPE_CHECKING:
-    from lagrange.scene.scene import Scene
+from lagrange.scene.surfaces import SURFACES
+from lagrange.scene.tables import Tables
+from lagrange.surface.faults import Spall, own_radius, thickness
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 LARGEST_FIT = 2e-3  # of a diameter: strains of a press fit, and slopes of a ring in play; steel yields there
+WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
+LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
+STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
+NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
+DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
+COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
+STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
 
 
-def _mesh(scene: "Scene") -> Iterator[str]:
+def _mesh(scene: Tables) -> Iterator[str]:
     if scene.bearing.type == "ball":
         return
     size, roller, model = scene.numerics.mesh_size_mm, scene.bearing.roller_diameter_mm, scene.contact.model
@@ -38,7 +46,7 @@ def _mesh(scene: "Scene") -> Iterator[str]:
             f"{finest:.3g})")
 
 
-def _fit(scene: "Scene") -> Iterator[str]:
+def _fit(scene: Tables) -> Iterator[str]:
     """Sizes that don't go with the bearing's; interferences, cold and in operation, and clearances too far out."""
     fit, b = scene.fit, scene.bearing
     if fit is None:
@@ -73,7 +81,7 @@ def _fit(scene: "Scene") -> Iterator[str]:
         yield f"fit: too large a clearance (at most {1e3 * highest:.4g} µm); check temperatures and clearance: {parts}"
 
 
-def _tables(scene: "Scene") -> Iterator[str]:
+def _tables(scene: Tables) -> Iterator[str]:
     duration, o = scene.numerics.duration_ms, scene.operation
     for name in o.FILES:
         if (found := o.read(name)) is not None and exceeds(duration, end := found[0][-1]):
@@ -81,7 +89,7 @@ def _tables(scene: "Scene") -> Iterator[str]:
                 f"(numerics.duration_ms = {duration:g}); give more rows, or shorten the run")
 
 
-def _axial(scene: "Scene") -> Iterator[str]:
+def _axial(scene: Tables) -> Iterator[str]:
     """Rings narrower than rollers, profiles shorter than them."""
     table = scene.axial
     if table is None:
@@ -98,18 +106,129 @@ def _axial(scene: "Scene") -> Iterator[str]:
                     f"rollers of {length:g} mm have their middles from {-reach:g} to {reach:g}")
 
 
-def _bore(scene: "Scene") -> str | None:
+def _roller_faults(scene: Tables) -> Iterator[str]:
+    """Rollers that there are none of, or that are given two sizes."""
+    n_rollers = scene.bearing.rollers
+    for name in SURFACES:
+        for i, entry in enumerate(getattr(scene, name)):
+            if entry.roller is not None and entry.roller >= n_rollers:
+                yield (f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
+                    f"from 0 to {n_rollers - 1}")
+    sized = [entry.roller for entry in scene.unequal_roller]
+    for number in sorted({number for number in sized if sized.count(number) > 1}):
+        yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
+
+
+def _spall_faults(scene: Tables) -> Iterator[str]:
+    """Spalls that the bodies have no room for, and those that overlap."""
+    edges: list[tuple[int, Spall, float]] = []
+    bearing = scene.perfect_bearing()
+    for i, table in enumerate(scene.spall):
+        spall, place = table.fault(), f"spall.{i}"
+        own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
+        widest = WIDEST * min(own, bearing.roller_radius)
+        if exceeds(opening, widest):
+            yield (f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an "
+                f"opening of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm (at "
+                f"most {2e3 * widest:.4g})")
+            continue
+        narrowest, deepest = NARROWEST[spall.body] * 2.0 * pi * own, thickness(bearing, spall.body)
+        if spall.width < narrowest:
+            yield (f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
+                f"(at least {1e3 * narrowest:.3g})")
+        if not exceeds(deepest, spall.depth):
+            yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
+        half = asin(opening / own)
+        for k, other, other_half in edges:
+            apart = abs((spall.angle - other.angle + pi) % (2.0 * pi) - pi)
+            if (other.body, other.roller) == (spall.body, spall.roller) and apart < half + other_half:
+                yield (f"spall.{k} and {place} overlap: their middles are {degrees(apart):.3g} degrees apart on the "
+                    f"same surface, at least {degrees(half + other_half):.3g}; make one spall of them")
+        edges.append((i, spall, half))
+
+
+def _part_faults(scene: Tables) -> Iterator[str]:
+    """Spalls of part of the rollers' length that take no slice, or others than those that the same contacts meet."""
+    met: dict[str, tuple[int, list[bool]]] = {}
+    bearing, slices = scene.perfect_bearing(), 0 if scene.axial is None else scene.axial.slices
+    for i, table in enumerate(scene.spall if slices else ()):
+        if not (spall := table.fault()).is_part(bearing):
+            continue
+        over, place = slices_over(bearing, slices, spall).tolist(), f"spall.{i}.length_mm = {table.length_mm:g}"
+        if all(over) or not any(over):
+            yield (f"{place} at z_mm = {table.z_mm:g} goes over {'all' if all(over) else 'no'} middles of "
+                f"axial.slices = {slices} slices of {1e3 * bearing.roller_length / slices:.3g} mm; " + ("leave "
+                "length_mm out" if all(over) else "use more slices, or a longer spall within the rollers"))
+            continue
+        for raceway in ("inner_ring", "outer_ring") if table.body == "roller" else (table.body,):
+            k, other = met.setdefault(raceway, (i, over))
+            if over != other:
+                yield (f"{place}, z_mm = {table.z_mm:g} takes other slices of contacts with the {raceway} than "
+                    f"spall.{k}; give both the same length_mm and z_mm")
+
+
+def _profile_faults(scene: Tables) -> Iterator[str]:
+    """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
+    seen: dict[tuple[str, int | None], int] = {}
+    bearing = scene.perfect_bearing()
+    for i, table in enumerate(scene.profile):
+        place, before = f'profile.{i}.file = "{table.file}"', seen.setdefault((table.body, table.roller), i)
+        if before != i:
+            yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
+        heights = table.read("file")
+        if heights is None:
+            continue
+        angle, height, own, roller = heights.angle, heights.height, own_radius(bearing, table), bearing.roller_radius
+        highest, range_ = float(height.max()), float(np.ptp(height))
+        if exceeds(highest, 2.0 * LARGEST_DEVIATION * roller):
+            yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"
+        if exceeds(range_, DEEPEST_PROFILE * roller):
+            yield (f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
+                f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off")
+        steps = own * np.diff(np.append(angle, angle[0] + 2.0 * pi))
+        rises = np.abs(np.diff(np.append(height, height[0])))
+        if steps.max() > COARSEST_PROFILE * roller:
+            yield (f"{place}: points {1e3 * steps.max():.3g} mm apart are too coarse (at most "
+                f"{1e3 * COARSEST_PROFILE * roller:.3g} for rollers of {2e3 * roller:g} mm)")
+        at = int((rises / steps).argmax())
+        if rises[at] > STEEPEST_PROFILE * steps[at]:
+            yield (f"{place}: after {degrees(angle[at]):.6g} degrees the height changes by {1e6 * rises[at]:.3g} µm on "
+                f"{1e6 * steps[at]:.3g} µm, too steep (at most {STEEPEST_PROFILE:g} times it); give points nearer to "
+                "each other")
+
+
+def _size_faults(scene: Tables) -> Iterator[str]:
+    """Waves too high or too short for contacts in one place, and rollers too large."""
+    bearing = scene.perfect_bearing()
+    largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
+    for i, table in enumerate(scene.waviness):
+        wave, place = table.fault(), f"waviness.{i}.amplitude_um = {table.amplitude_um:g}"
+        if exceeds(wave.amplitude, largest):
+            yield f"{place} is too high (at most {1e6 * largest:.4g})"
+        inside, outside = 1.0 / bearing.inner_raceway_radius, -1.0 / bearing.outer_raceway_radius
+        curvature = 1.0 / bearing.roller_radius + (inside if wave.body == "inner_ring" else outside)
+        highest = STEEPEST_WAVE * curvature * (own_radius(bearing, wave) / wave.order) ** 2
+        if wave.amplitude > highest:
+            yield (f"{place} of order = {wave.order}: its valleys are too narrow for the rollers to follow (at most "
+                f"{1e6 * highest:.3g} at this order)")
+    for i, other in enumerate(scene.unequal_roller):
+        if exceeds(abs(other.fault().diameter_deviation), largest):
+            yield (f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large (at most "
+                f"{1e6 * largest:.4g} either way)")
+
+
+def _bore(scene: Tables) -> str | None:
     clearance = None if scene.support is None else scene.support.fit_clearance_um
     return None if clearance is None else f"support.fit_clearance_um = {clearance:g}"
 
 
-def _of_rollers(scene: "Scene") -> str | None:
-    found = (f'{name}.{i}.body = "roller"' for name in surfaces.SURFACES for i, table in enumerate(getattr(scene, name))
+def _of_rollers(scene: Tables) -> str | None:
+    found = (f'{name}.{i}.body = "roller"' for name in SURFACES for i, table in enumerate(getattr(scene, name))
              if getattr(table, "body", None) == "roller")
     return next(found, None)
 
 
-def _speed_table(scene: "Scene") -> str | None:
+def _speed_table(scene: Tables) -> str | None:
     o = scene.operation
     return next((f'operation.{name} = "{table}"' for name in FIRST_SPEEDS if (table := getattr(o, name))), None)
 
@@ -127,7 +246,7 @@ GIVEN = {"fields": lambda s: (t := s.output.fields_every_ms) > 0.0 and f"output.
     "load history": lambda s: (name := s.operation.changes) and f"operation.{name}",
     "fit in the housing": lambda s: s.fit and s.fit.of_housing, "fit": lambda s: s.fit and "[fit]",
     "solid shaft": lambda s: s.bearing.bore_diameter_mm == 0.0 and "bearing.bore_diameter_mm = 0",
-    "surfaces": lambda s: next((f"[[{name}]]" for name in surfaces.SURFACES if getattr(s, name)), s.lubricant and
+    "surfaces": lambda s: next((f"[[{name}]]" for name in SURFACES if getattr(s, name)), s.lubricant and
     "[lubricant]"), "part of the length": lambda s: next((f"spall.{i}.length_mm = {spall.length_mm:g}" for i, spall in
     enumerate(s.spall) if spall.length_mm is not None), None), "lubricant": lambda s: s.lubricant and "[lubricant]",
     "rollers' surfaces": _of_rollers, "unequal rollers": lambda s: s.unequal_roller and "[[unequal_roller]]",
@@ -227,6 +346,5 @@ COMBINATIONS: tuple[Rule, ...] = (
         s.perfect_bearing()), s.cage.pocket_clearance_mm) and room, "cage.pocket_clearance_mm = "
         "{t.cage.pocket_clearance_mm:g}: neighbouring rollers are {0:.4g} mm apart, and a bar of the cage has to stand "
         "between them; reduce it, or use fewer rollers"),
-    _tables, surfaces.roller_faults, surfaces.spall_faults, surfaces.size_faults, surfaces.profile_faults, _axial,
-    surfaces.part_faults,
+    _tables, _roller_faults, _spall_faults, _size_faults, _profile_faults, _axial, _part_faults,
 )

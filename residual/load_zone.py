@@ -7,12 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
-from lagrange.axial.pressure import Ends, borne, pressures_under, profile_ends
-from lagrange.axial.slices import Slices
-from lagrange.contact.hertz import Pair, contact_pairs
+from lagrange.axial.pressure import borne, pressures_under, profile_ends
+from lagrange.contact.hertz import contact_pairs
 from lagrange.contact.laws import law_names
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.rating.sources import Unavailable
 from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
@@ -93,61 +91,36 @@ class AlongRollers(NamedTuple):
     edges: bool  # whether a loaded end has an edge, where pressure has no limit
 
 
-class _Side(NamedTuple):
-    """Contacts with one raceway, (n_times, n_rollers)."""
-
-    slices: Slices
-    pair: Pair
-    ends: Ends
-    force: np.ndarray
-    moment: np.ndarray
-    sunk: np.ndarray  # m, of the part of the length that spalls take
-
-    def pressures(self, at: np.ndarray) -> np.ndarray:
-        """Along the rollers of contacts by their places among all, (n, n_slices), Pa; 0 of open ones."""
-        force, moment, sunk = (each.ravel()[at] for each in (self.force, self.moment, self.sunk))
-        closed = (force > FAINT * self.force.max()) & (np.abs(moment) < INSIDE * self.slices.place[-1] * force)
-        try:
-            return pressures_under(self.slices, self.pair, force, moment, sunk, closed)[0]
-        except (RuntimeError, ValueError) as error:
-            raise Unavailable(str(error)) from None
-
-
-def _sides(record):
-    """Inner and outer one; none where the source does not hold what pressures follow from."""
+def along_rollers(record: Record) -> AlongRollers | None:
+    """None where the source does not hold what pressures follow from, or other forces than those of its slices."""
     axial, slices, bearing = record.scene.ideal_axial(), record.slices, record.scene.perfect_bearing()
     forces, moments = (record.inner_force, record.outer_force), (record.inner_moment, record.outer_moment)
     if axial is None or slices is None or any(each is None for each in (*forces, *moments)):
-        return []
-    parts, found = zip(axial.parts(record.bearing), record.contacts.surfaces, strict=False), []
-    of_sides = zip(slices, contact_pairs(bearing), profile_ends(bearing, axial), forces, moments, parts, strict=False)
-    for own, pair, end, force, moment, (part, surface) in of_sides:
-        sunk = np.broadcast_to(0.0 if surface is None else surface.part_sinkage, np.shape(force))
-        found.append(_Side(replace(own, part=part), pair, end, np.asarray(force), np.asarray(moment), sunk))
-    return found
-
-
-def along_rollers(record: Record) -> AlongRollers | None:
-    """None where the source does not hold what pressures follow from.
-
-    Unavailable: its forces and moments are not those of its slices.
-    """
-    sides = _sides(record)
-    if not sides:
         return None
-    force, moment, slices = sides[0].force, sides[0].moment, sides[0].slices
+    force, moment = np.asarray(forces[0]), np.asarray(moments[0])
     sample = int(np.unravel_index(np.abs(moment).argmax(), force.shape)[0])
     rollers = np.sort(np.argsort(force[sample])[-ROLLERS:])
     bins = np.floor((record.from_load / (2.0 * pi) + 0.5) * BINS).astype(int).ravel() % BINS
-    around = np.zeros((len(sides), BINS, slices.count))
-    for found, side in zip(around, sides, strict=True):
-        order, largest = np.argsort(side.force, axis=None), np.full(BINS, -1)
+    around, along, edges = np.zeros((2, BINS, slices[0].count)), [], False
+    of_sides = zip(
+        slices, contact_pairs(bearing), profile_ends(bearing, axial), forces, moments, axial.parts(record.bearing),
+        record.contacts.surfaces, strict=False)  # fmt: skip
+    for found, (own, pair, ends, pushes, tilts, part, surface) in zip(around, of_sides, strict=True):
+        own, pushed, tilted = replace(own, part=part), np.ravel(pushes), np.ravel(tilts)
+        sunk = np.broadcast_to(0.0 if surface is None else surface.part_sinkage, np.shape(pushes)).ravel()
+        order, largest = np.argsort(pushed), np.full(BINS, -1)
         largest[bins[order]] = order  # the last one of each bin
-        found[largest >= 0] = side.pressures(largest[largest >= 0])
+        shown, closed = largest >= 0, pushed > FAINT * pushed.max()
+        closed &= np.abs(tilted) < INSIDE * own.place[-1] * pushed
+        try:
+            found[shown], rows = (
+                pressures_under(own, pair, pushed[at], tilted[at], sunk[at], closed[at])[0]
+                for at in (largest[shown], sample * force.shape[1] + rollers)
+            )
+        except (RuntimeError, ValueError):
+            return None
+        along.append(rows)
+        edges |= bool(ends.are_loaded(own, borne(pair, found)).any())
     angle = 2.0 * pi * ((np.arange(BINS) + 0.5) / BINS - 0.5)
-    along = np.array([side.pressures(sample * force.shape[1] + rollers) for side in sides])
-    edges = any(
-        side.ends.are_loaded(side.slices, borne(side.pair, found)).any()
-        for side, found in zip(sides, around, strict=True)
-    )
-    return AlongRollers(slices.place, angle, around, float(record.time[sample]), rollers, along, edges)
+    time = float(record.time[sample])
+    return AlongRollers(slices[0].place, angle, around, time, rollers, np.array(along), edges)

@@ -11,7 +11,6 @@ from matplotlib.collections import LineCollection
 from lagrange import mounting
 from lagrange.columns import ENERGIES
 from lagrange.kinematics import kinematics, turned
-from lagrange.rating.sources import Unavailable
 from lagrange.surface.passages import Passage, find_passages, spall_events, spalls
 from residual import figures as look
 from residual.evaluation import Evaluation
@@ -175,10 +174,7 @@ def tilt(e: Evaluation) -> Drawing | None:
 
 def pressure(e: Evaluation) -> Drawing | None:
     """Pressures over both raceways and along the most loaded rollers; None where the source has none."""
-    try:
-        found = None if e.tilt is None else along_rollers(e.record)
-    except Unavailable:  # forces and moments are not those of the slices
-        return None
+    found = None if e.tilt is None else along_rollers(e.record)
     if found is None:
         return None
     figure, axes = panels((2, 1), 6.8, lines=0, shares=(1.0, 1.0, 1.6), right=SCALE)

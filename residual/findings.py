@@ -83,15 +83,6 @@ def peak_name(peak: Peak) -> str:
     return " or ".join(filter(None, (peak.line, *peak.also))) or "-"
 
 
-def peak_sentences(e: Evaluation) -> list[str]:
-    said = []
-    for d in e.directions:
-        names = [(p, "no line" if peak_name(p) == "-" else peak_name(p)) for p in d.peaks[:4]]
-        peaks = [f"{hertz(p.frequency)} ({name}{'' if p.resolved else ', not resolved'})" for p, name in names]
-        said.append(f"Peaks of error_{d.name}: {'; '.join(peaks) or 'none stands out'}")
-    return said
-
-
 def watched_table(e: Evaluation) -> Section:
     rows = [
         [x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)", *cells(x.rms, y.rms, digits=3),

@@ -107,7 +107,11 @@ def print_summary(e: Evaluation, folder: Path, options: ReportOptions, compare_l
     say(findings.contradiction_sentence(e))
     if options.equations:
         print_section(findings.error_table(e))
-        say("Loaded rollers: {} to {}".format(*e.loaded_range), *findings.peak_sentences(e))
+        say("Loaded rollers: {} to {}".format(*e.loaded_range))
+        for d in e.directions:
+            names = [(p, "no line" if (name := findings.peak_name(p)) == "-" else name) for p in d.peaks[:4]]
+            peaks = [f"{hertz(p.frequency)} ({name}{'' if p.resolved else ', not resolved'})" for p, name in names]
+            say(f"Peaks of error_{d.name}: {'; '.join(peaks) or 'none stands out'}")
         for name, x, y, background, resolved in findings.watched_table(e).rows:
             note = "" if resolved == "yes" else ", not resolved"
             say(f"{name}: {x} N rms in x, {y} in y (background {background}){note}")

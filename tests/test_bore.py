@@ -19,9 +19,8 @@ from fem.kernels.elements.rings import HALO
 from fem.kernels.elements.samples import _changes, _copy, _ring_elastic, _ring_strain_power
 from fem.kernels.jit import OPTIONS
 from fem.kernels.mounts import Housing as HousingBody
-from fem.solver.elements.arrays import bore_body, ring_nodes
+from fem.solver.elements.arrays import bore_body, equilibrium_start, ring_nodes, rolling_motion
 from fem.solver.elements.plan import model_of
-from fem.solver.elements.start import equilibrium_start, rolling_motion
 from fem.solver.simulate import make_plan
 from lagrange.errors import UsageError
 from lagrange.mounting import Bore, Housing, Mounting, Points

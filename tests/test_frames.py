@@ -15,8 +15,7 @@ from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
 from fem.result.run_file import GROUP
 from fem.result.store import ResultFile
-from fem.solver.elements.arrays import frame_of, rotated
-from fem.solver.elements.start import rolling_motion
+from fem.solver.elements.arrays import frame_of, rolling_motion, rotated
 from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium

@@ -29,8 +29,7 @@ from fem.kernels.columns import BLOCKS, N_SCALARS
 from fem.kernels.elements.loop import advance
 from fem.kernels.elements.state import Drive
 from fem.solver import simulate
-from fem.solver.elements.arrays import Arrays, make_arrays
-from fem.solver.elements.start import Start, equilibrium_start, rest_start
+from fem.solver.elements.arrays import Arrays, Start, equilibrium_start, make_arrays, rest_start
 from fem.solver.rigid.reduced import ReducedPlan
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan, RunState, Samples

@@ -9,9 +9,8 @@ import numpy as np
 from fem.contacts.critical_step import critical_time_step
 from fem.elastic.reciprocal_mass import LUMPED
 from fem.kernels.columns import ROLLER
-from fem.solver.elements.arrays import make_arrays
+from fem.solver.elements.arrays import make_arrays, rest_start
 from fem.solver.elements.plan import ElementPlan
-from fem.solver.elements.start import rest_start
 from fem.solver.simulate import make_plan
 from lagrange import Bearing, Operation
 from lagrange.scene.scene import read_scene

@@ -20,9 +20,8 @@ from fem.kernels.elements.tilted import SlicedLaw
 from fem.quantities import largest_loads
 from fem.solver import limits
 from fem.solver.compiling import CompiledPlan, in_words, pace
-from fem.solver.elements import start as starts
-from fem.solver.elements.arrays import Arrays, frame_of, hub_mass, make_arrays, with_axes, with_cage, with_damping
-from fem.solver.elements.start import Start, equilibrium_start
+from fem.solver.elements import arrays as elements
+from fem.solver.elements.arrays import Arrays, Start
 from fem.solver.parts import LESS, beyond_tables, cage_seat, cage_springs, time_along_a_knot
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.solver import Block, may_strike, sample_count
@@ -121,7 +120,7 @@ class ElementState(RowState):
         return block
 
     def frame(self):
-        return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
+        return elements.frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         arrays = self.arrays
@@ -238,12 +237,14 @@ class ElementPlan(CompiledPlan):
         scene, start, operation, bearing = self.scene, self.start, self.operation, self.bearing
         ramp = 1e-3 * scene.numerics.load_ramp_ms if scene.numerics.start == "rest" else 0.0
         how = self.time_step, scene.friction_coefficient, ramp, self.largest_force, self.mass
-        arrays = with_damping(make_arrays(self.model, operation, start, *how), self.model, scene.damping)
+        arrays = elements.with_damping(
+            elements.make_arrays(self.model, operation, start, *how), self.model, scene.damping
+        )
         axial, cage = scene.ideal_axial(), scene.ideal_cage()
         if axial is not None and self.tilting is not None and start.tilts is not None:
             tables = self.tilting.laws[0].table, self.tilting.laws[1].table
-            arrays = with_axes(arrays, bearing, operation, axial, cage, tables, start)
-        return arrays if cage is None else with_cage(arrays, bearing, cage, start, self.seat, operation)
+            arrays = elements.with_axes(arrays, bearing, operation, axial, cage, tables, start)
+        return arrays if cage is None else elements.with_cage(arrays, bearing, cage, start, self.seat, operation)
 
     @property
     def resting(self) -> Tilting | None:
@@ -271,12 +272,12 @@ def make_plan(scene: Scene) -> ElementPlan:
     numerics, axial, tilting, cage = scene.numerics, scene.ideal_axial(), None, scene.ideal_cage()
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     if axial is not None:
-        starts.check_slices_unmeshed(bearing, operation, axial)
+        elements.check_slices_unmeshed(bearing, operation, axial)
     forces, fastest = ExpectedForces(bearing, operation), kinematics_met(bearing, operation)
     limits.check_speed(bearing, fastest)
     model = model_of(scene, forces)
     try:
-        loaded = equilibrium_start(model, operation)
+        loaded = elements.equilibrium_start(model, operation)
     except NotFound:
         if not model.has_law:  # contacts wider than all pressure points have none: better say so
             limits.check_widths(bearing, forces.largest)
@@ -285,12 +286,15 @@ def make_plan(scene: Scene) -> ElementPlan:
     inner, outer = loaded.equilibrium.inner_force, loaded.equilibrium.outer_force
     expected = max(float(inner.max()), float(outer.max()), 5.0 * operation.heaviest / bearing.n_rollers)
     if axial is not None:
-        tilting = starts.tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
-        loaded = equilibrium_start(model, operation, tilting)
-        starts.check_slices(model, axial, loaded)
-    start = starts.rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
+        tilting = elements.tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
+        loaded = elements.equilibrium_start(model, operation, tilting)
+        elements.check_slices(model, axial, loaded)
+    start = elements.rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
     on_bearing, on_cage = cage_springs(bearing, cage, operation)
-    springs, sticks = (hub_mass(model.inner_ring, operation), on_bearing), scene.contact.friction_coefficient > 0.0
+    springs, sticks = (
+        (elements.hub_mass(model.inner_ring, operation), on_bearing),
+        scene.contact.friction_coefficient > 0.0,
+    )
 
     def critical_with(mass: ReciprocalMass) -> float:
         found = critical_time_step(model, next_rung(expected), operation.mounting, *springs, mass, sticks)

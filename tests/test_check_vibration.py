@@ -101,6 +101,8 @@ def test_verdict_is_printed_first(tmp_path, capsys):
         told = capsys.readouterr().out
         assert told.startswith(f"Verdict: {verdict}. ")
         assert f"Page: {tmp_path / 'record-vibration' / 'vibration.html'}" in told
+    assert main([str(tmp_path / "record.npz"), *NU206, "--unit", "mm/s", "--no-figures"]) == 0
+    assert " mm/s rms, crest factor" in capsys.readouterr().out
 
 
 def test_sizes_or_a_scene_do_as_well_as_a_bearings_name(tmp_path):

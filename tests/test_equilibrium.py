@@ -267,6 +267,8 @@ def test_elastic_models_are_near_the_exact_series_and_rigid_bodies_are_not():
     assert errors.suggestion(list(found.values())).startswith('model = "fem"')
     found = choices_of("model=lagrange", "operation.radial_load_N=0")
     assert {each.hub_error for each in found.values()} == {None}
+    huge = read_scene(None, ("model=lagrange", "bearing.outside_diameter_mm=10000", "numerics.mesh_size_mm=0.5"))
+    assert any("nodes, too many only to compare" in each.lacks for each in errors.model_choices(make_plan(huge)))
 
 
 def test_a_dry_run_shows_the_models_but_of_balls(capsys):

@@ -402,7 +402,7 @@ def test_compiled_steps_make_the_references_motion(choices, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_spalled_bearing_running_up_shows_its_lines_in_orders(tmp_path):
+def test_a_spalled_bearing_running_up_shows_its_lines_in_orders(tmp_path, capsys):
     """From 1000 to 5000 rpm: BPFO 5.087 in the envelope, it and FTF 0.3913 in the path, at every instant."""
     speeds = "time_ms,speed_rpm\n0,1000\n300,1500\n700,4000\n1000,5000\n"
     more = '[[spall]]\nbody = "outer_ring"\n[[unequal_roller]]\ndiameter_deviation_um = 2.0\n'
@@ -421,6 +421,7 @@ def test_a_spalled_bearing_running_up_shows_its_lines_in_orders(tmp_path):
         inside = (short.frequency > low) & (short.frequency < high)
         highest = short.frequency[inside][np.argmax(short.psd[inside], axis=0)]
         assert np.abs(highest - order).max() <= 0.51 * short.frequency[1]
+    assert vibration_main([str(path), "--quiet"]) == 2 and "needs a run at constant speed" in capsys.readouterr().err
 
 
 @pytest.mark.slow

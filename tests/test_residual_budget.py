@@ -11,6 +11,7 @@ from lagrange.contact.laws import PowerLaw, steel_law
 from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene
 from residual.budget import traction_resultant
+from residual.check_vibration import main as check_vibration
 from residual.cli import main
 from residual.evaluation import evaluate, near_contact_change
 from residual.figures.run import cage as cage_figure
@@ -19,7 +20,7 @@ from residual.record import COLUMNS, Record
 from residual.report import ReportOptions, summarise
 from residual.sources import read_result
 from residual.spectrum import ORDERS, derivative, floor, response, stencil
-from tests.reference.kit import budget_terms
+from tests.reference.kit import budget_terms, read_json
 from tests.reference.synthetic_run import exact_errors, make_run, recorded, report_of, run_variables, write_result
 
 
@@ -90,8 +91,10 @@ def test_start_skips_exactly_the_transient(run, evaluation):
 
 def test_load_ramp_of_a_start_from_rest_is_left_out_and_coarse_sampling_warned_of(tmp_path):
     scene = parse_scene({"numerics": {"start": "rest"}}, "made")
-    found = evaluate(recorded(tmp_path / "n.nc", make_run(n_times=1001, scene=scene)))
+    found = evaluate(recorded(tmp_path / "n.nc", make_run(n_times=8001, scene=scene)))
     assert found.start == pytest.approx(1e-3, abs=1e-9) and any("load ramp" in note for note in found.notes)
+    assert check_vibration([str(tmp_path / "n.nc"), "--quiet", "--no-figures"]) == 0
+    assert read_json(tmp_path / "n-vibration" / "summary.json")["seconds"] == pytest.approx(0.079, abs=2e-5)
     found = evaluate(recorded(tmp_path / "n.nc", make_run(n_times=601, interval=1e-4)))
     assert any("Nyquist" in note for note in found.notes)
 

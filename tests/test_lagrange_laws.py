@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from fem.commands.run_fem import run_main
-from fem.rating.answers import Case, Options
+from fem.rating.answers import rating
 from lagrange import static_equilibrium
 from lagrange.contact.hertz import contact_pairs, delta_star, ellipticity, raceway_curvature
 from lagrange.contact.laws import ROLLER_LAWS, PowerLaw, contact_laws, law_names, steel_law
@@ -305,9 +305,11 @@ def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypat
     assert summary["law"] == "power" and summary["error_y"]["rms_N"] < 1.0
     assert "power (in use)" in capsys.readouterr().out
     (tmp_path / "law.csv").write_text(table(), encoding="utf-8")
-    rated = Case(read_scene("209.toml", ("operation.gravity_m_s2=0",)), Options())
-    assert "power" in rated.contacts
-    lowest, _ = rated.pitch.range  # with a roller under the load, where the rollers' own weight adds little
+    rated = rating(read_scene("209.toml", ("operation.gravity_m_s2=0",))).answers
+    assert "power" in rated["stiffness_contacts"].value
+    lowest, _ = rated[
+        "stiffness_range_N_per_m"
+    ].value  # with a roller under the load: little of their own weight
     assert np.diag(lowest) == pytest.approx([67.0e6, 473.0e6], rel=3e-3)
 
 

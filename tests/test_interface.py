@@ -133,6 +133,8 @@ def test_labels_name_the_first_spall_and_the_lines_and_quantities_are_those_that
     assert result.labels["spall_body"] == "none" and set(result.quantities) == set(OF_RUN)
     found = {each.name: each.value for each in interface.check_quantities(result.residual())}
     assert set(found) == set(interface.OF_CHECK) and found["error_rms_y"] < 0.02
+    turned = simulate(lagrangian(**{"numerics.duration_ms": 40.0}))  # the rollers more than once, without a cage
+    assert np.isnan(turned.quantities["cage_slip"].value)
     result = simulate(lagrangian(**SPALL))
     assert result.labels["spall_body"] == "outer_ring" and result.labels["spall_width_mm"] == 2.0
     assert result.labels["BPFO_Hz"] == pytest.approx(13 * 75.0 * 18.0 / 46.0)

@@ -222,8 +222,9 @@ def test_what_has_no_rating_is_refused(call, words):
 
 def test_formulas_change_at_their_limits_as_they_are_typed():
     """ν1 at 1000 1/min, where its two formulas differ by 2 %; rollers of L = 2.5 D, which are no needles yet."""
-    for speed in (1000.0, -1000.0):
-        case = Case(read_scene(None, (f"operation.speed_rpm={speed}",)), Options())
+    for inner, outer in ((1000.0, 0.0), (-1000.0, 0.0), (1600.0, 600.0)):  # 999.999… between the rings
+        speeds = f"operation.speed_rpm={inner}", f"operation.outer_ring_speed_rpm={outer}"
+        case = Case(read_scene(None, speeds), Options())
         assert life.reference_viscosity(case.rpm, 46.0) == pytest.approx(4500.0 / np.sqrt(1000.0 * 46.0))
     for diameter in np.round(np.arange(8.0, 14.0, 0.1), 1).tolist():
         keys = (f"roller_diameter_mm={diameter}", f"roller_length_mm={2.5 * diameter:.2f}", "clearance_um=0",
@@ -257,6 +258,9 @@ def test_friction_of_worked_examples():
     assert wide.rolling / narrow.rolling == pytest.approx(1.40 / 1.09) and wide.sliding == narrow.sliding
     assert (loaded.rolling / unloaded.rolling, loaded.sliding / unloaded.sliding) == pytest.approx((3 / 2.2, 4 / 3))
     assert [wide.total, narrow.total] == pytest.approx([loaded.total, unloaded.total], rel=0.25)
+    keys = "bearing.designation='NU2210'", "operation.radial_load_N=8000", "operation.speed_rpm=3000"
+    case = Case(read_scene(None, (*keys, "operation.gravity_m_s2=0")), Options(viscosity=23.0))
+    assert case.torques["skf"].total == pytest.approx(wide.total, rel=1e-6), "by the bearing's own series"
     names = {"NU1010": "10", "NU210": "2", "NUP2310": "23", "N310": "3", "NA4910": "2", None: "2"}
     assert {name: dimension_series(name) for name in names} == names
 
@@ -509,6 +513,7 @@ def test_numbers_of_a_worked_example(rated, monkeypatch):
     (["operation.radial_load_N=0", "operation.gravity_m_s2=0", OIL], "a_ISO", "load"),
     (["material.roller.youngs_modulus_GPa=310"], "C_N", "steel"),
     (["operation.speed_rpm=0"], "L10_h", "turn"),
+    (["operation.speed_rpm=0", OIL], "film_um", "no film forms"),
     (["model=lagrange", "operation.speed_rpm=0", "operation.unbalance_g_mm=20"], "P_N", "does not turn"),
     ([], "kappa", "viscosity"),
     ([], "tilt_stiffness_N_m_per_rad", "do not tilt"),
@@ -733,6 +738,9 @@ def test_equivalent_load_of_a_run_is_the_mean_of_its_power():
     assert found.life(row, tilts=False) > 0.0
     with pytest.raises(Unavailable, match="loads along the rollers"):
         found.life(row, tilts=True)
+    still = read_scene(None, ("model=lagrange", "operation.outer_ring_speed_rpm=4500")).ideal_operation()
+    with pytest.raises(Unavailable, match="do not turn relative to each other"):
+        rl.run_loads(paper.perfect_bearing(), still, loads)
 
 
 def test_a_run_is_rated_by_its_own_loads_by_the_command(here, capsys):

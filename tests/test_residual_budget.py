@@ -10,6 +10,7 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw, steel_law
 from lagrange.errors import InputError
 from lagrange.scene.scene import parse_scene
+from residual import findings
 from residual.budget import traction_resultant
 from residual.check_vibration import main as check_vibration
 from residual.cli import main
@@ -390,6 +391,7 @@ def test_within_one_turn_no_slip_is_told_and_without_a_cage_nothing_and_damaged_
 ):
     short = evaluate(read_result(made_file(tmp_path, samples=3001)[1]))
     assert summarise(short, ReportOptions())["cage"]["slip"] is None
+    assert "slower" not in (words := findings.cage_rows(short)[0][1]) and "faster" not in words
     assert "turns less than once and has no mean slip" in cage_figure(short).caption
     assert "cage" not in evaluation.budget.x.terms and "cage" not in summarise(evaluation, ReportOptions())
     _, path = made_file(tmp_path, cage_force=np.full((4001, 13), np.nan))

@@ -3,7 +3,6 @@
 import sys
 from dataclasses import replace
 from functools import partial
-from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -633,18 +632,6 @@ def test_coefficients_for_rotordynamics(ross, name, rated, here, monkeypatch):
     assert matrices == pytest.approx(found.stiffness, rel=1e-8, abs=1e-3)
     at = np.interp(rated.case.operation.speed, table[name], table["kyy"])
     assert at == pytest.approx(rated["stiffness_N_per_m"][1, 1], rel=0.01)
-
-
-def test_the_element_that_ross_builds_has_these_matrices(rated, tmp_path):
-    ross = pytest.importorskip("ross")
-    found = coefficients(rated)
-    write_coefficients(tmp_path / "ross.csv", found)
-    element = ross.BearingElement(n=0, **read_coefficients(tmp_path / "ross.csv"))
-    names = {"speed", "frequency"} & set(signature(element.K).parameters)
-    for row in (0, 3, 6):
-        at = dict.fromkeys(names, float(found.speed[row]))
-        assert element.K(**at)[:2, :2] == pytest.approx(found.stiffness[row], rel=1e-6, abs=1.0)
-        assert element.C(**at)[:2, :2] == pytest.approx(found.damping[row], abs=1e-6)
 
 
 @pytest.mark.parametrize("ring", ["speed_rpm=0", "outer_ring_speed_rpm=4500"])

@@ -210,8 +210,8 @@ def test_places_of_the_samples_are_those_that_their_forces_belong_to():
         assert 0.0 < Q.min() < 0.9 * Q.max() < 0.9 * law.Q_line
         coupling = given.coupling
         neighbours = zip(coupling.along[row, :, 0], coupling.distance, strict=True)
-        felt = coupling.across * other + sum(along * np.roll(Q, -distance, axis=1) for along, distance in neighbours)
-        missed = overlap - felt - law.A * Q * (law.B - 0.5 * np.log(Q))
+        lost = coupling.across * other + sum(along * np.roll(Q, -distance, axis=1) for along, distance in neighbours)
+        missed = overlap - lost - law.A * Q * (law.B - 0.5 * np.log(Q))
         assert np.abs(missed).max() < 3e-4 * np.ptp(overlap)  # a hundredth by places of leapfrog's own
 
 

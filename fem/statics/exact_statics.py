@@ -205,7 +205,7 @@ class RingCouplings:
     """Compliances by neighbours, polynomials of how much further than at equal angles these are."""
 
     distance: np.ndarray  # (neighbours,), in rollers: −1, 1, −2 ...
-    felt: np.ndarray  # (2, 2), whole: by ring, of how many the angles matter, and how many do themselves
+    counts: np.ndarray  # (2, 2), whole: by ring, of how many the angles matter, and how many do themselves
     along: np.ndarray  # (2, neighbours), m/N
     steep: np.ndarray  # (2, neighbours), m/N per rad
     bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
@@ -251,7 +251,7 @@ def ring_couplings(bearing: Bearing, around: np.ndarray, crossed: np.ndarray, ow
     kept = slice(max(count + pulled))
     along, steep, bent, crossed = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent, crossed))
     return RingCouplings(
-        distance=distance[kept], felt=np.array([near, count], dtype=np.intp).T.copy(), along=along, steep=steep,
+        distance=distance[kept], counts=np.array([near, count], dtype=np.intp).T.copy(), along=along, steep=steep,
         bent=bent, strays=h, crossed=crossed, crossing=np.array(pulled, dtype=np.intp),
     )  # fmt: skip
 
@@ -272,7 +272,7 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
         at[apart == pockets] = place
 
     counted = {}  # neighbours as far as these many pockets
-    for name in ("felt", "crossing"):
+    for name in ("counts", "crossing"):
         counts = getattr(rings, name)
         furthest = [np.abs(rings.distance[:count]).max(initial=0) for count in counts.ravel()]
         found = np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp)

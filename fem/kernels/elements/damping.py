@@ -98,7 +98,7 @@ def _damp_eights(raceway, rollers, disc, contacts, dt):
         F = select(closed, maximum(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
         taken += select(behind == behind, (last + F) * behind, 0.0)
         store(dampers.force, row, F)
-        store(dampers.felt, row, whole * F)
+        store(dampers.whole_force, row, whole * F)
         store(dampers.left, row, select(closed, rate - mobility * F, np.nan))
         given, along = F * (sign * dt), F * load(dampers.along, row) * dt
         x, y = load_pair(rollers.node_impulse, group, columns)
@@ -124,7 +124,7 @@ def _damp_in_turn(pair, rollers, disc, contacts, dt, first, end):
         if not forces.force[row, j] > 0.0:
             if dampers.force[row, j] != 0.0:
                 dampers.work[0] += 0.5 * dt * dampers.force[row, j] * dampers.rate[row, j]
-            dampers.force[row, j], dampers.felt[row, j], dampers.left[row, j] = 0.0, 0.0, np.nan
+            dampers.force[row, j], dampers.whole_force[row, j], dampers.left[row, j] = 0.0, 0.0, np.nan
             continue
         nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
         if pair.surface is not None:
@@ -146,7 +146,7 @@ def _damp_in_turn(pair, rollers, disc, contacts, dt, first, end):
         F = max(c * (rate + passing) / (1.0 + c * mobility * dt), -forces.kick[row, j])
         if behind == behind:
             dampers.work[0] += 0.5 * dt * (dampers.force[row, j] + F) * behind
-        dampers.force[row, j], dampers.felt[row, j] = F, F * whole
+        dampers.force[row, j], dampers.whole_force[row, j] = F, F * whole
         dampers.left[row, j] = rate - mobility * dt * F
         given = dt * F
         x, y = sign * given * nx, sign * given * ny

@@ -109,7 +109,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
         for row in range(2):
             out[at + (sample.TRACTION + row) * n] = friction.traction[row, j]
             if dampers is not None:
-                out[at + (sample.DAMPER_FORCE + row) * n] = dampers.felt[row, j]
+                out[at + (sample.DAMPER_FORCE + row) * n] = dampers.whole_force[row, j]
     write_others(bodies.others, drive, out)
 
 

@@ -262,7 +262,7 @@ class Dampers(NamedTuple):
     first: state("pairs, columns")  # m, the same per rad by which side 0 turns back
     second: state("pairs, columns")  # m, by which side 1 does
     force: state("pairs, columns")  # N, beside the laws below the grid
-    felt: state("pairs, columns")  # N, beside the contacts' whole approach
+    whole_force: state("pairs, columns")  # N, beside the contacts' whole approach
     work: state("1")  # J, dissipated up to the last kick
 
 

@@ -64,13 +64,13 @@ def find_forces(step, inside):
             less_i, less_o = coupling.across * guess_o + less_i, coupling.across * guess_i + less_o
             if drive.friction > 0.0:  # what tractions along the rings, of the last step, take away
                 counts = coupling.crossing[INNER], coupling.crossing[OUTER]
-                lift_i, lift_o = _felt(coupling, forces, coupling.crossed, forces.pulled, counts, group)
+                lift_i, lift_o = _summed(coupling, forces, coupling.crossed, forces.pulled, counts, group)
                 store_pair(forces.lifted, group, columns, lift_i, lift_o)
                 less_i, less_o = less_i + lift_i, less_o + lift_o
             # how fast approaches grow along the rings by the forces guessed, m/rad: rollers that neither friction nor a
             # cage holds apart are spread by that
-            counts = coupling.felt[INNER, 0], coupling.felt[OUTER, 0]
-            tilt_i, tilt_o = _felt(coupling, forces, forces.steep, forces.guess, counts, group)
+            counts = coupling.counts[INNER, 0], coupling.counts[OUTER, 0]
+            tilt_i, tilt_o = _summed(coupling, forces, forces.steep, forces.guess, counts, group)
             over_i, over_o = 1.0 / away, 1.0 / out
             if tilted is not None:
                 over_i, over_o = splat(1.0 / contacts.reach), splat(1.0 / contacts.track)
@@ -284,7 +284,7 @@ def guesses(forces, array, group, there):
 
 
 @part
-def _felt(coupling, forces, compliance, array, counts, group):
+def _summed(coupling, forces, compliance, array, counts, group):
     """Σ compliance_k·(entry k rollers away) of eight rollers' contacts, inner and outer; `counts` : of k."""
     inner, outer, columns, width = splat(0.0), splat(0.0), forces.normal.shape[2], array.shape[1]
     to, apart = forces.halo + group, coupling.distance.size * columns
@@ -298,7 +298,7 @@ def _felt(coupling, forces, compliance, array, counts, group):
 @part
 def along_rings(coupling, forces, array, group):
     """Approaches of eight rollers' contacts, m, that forces along their rings take away, inner and outer."""
-    return _felt(coupling, forces, forces.along, array, (coupling.felt[INNER, 1], coupling.felt[OUTER, 1]), group)
+    return _summed(coupling, forces, forces.along, array, (coupling.counts[INNER, 1], coupling.counts[OUTER, 1]), group)
 
 
 @part
@@ -407,7 +407,7 @@ def follow_angles(bodies, coupling, forces):
         strayed[halo - 1 - k] = strayed[halo + n - 1 - k]
         strayed[halo + n + k] = strayed[halo + k]
     for row in range(2):
-        for k in range(coupling.felt[row, 0]):
+        for k in range(coupling.counts[row, 0]):
             distance = coupling.distance[k]
             for group in range(0, n, WIDTH):
                 at, to, apart = halo + group, (row * neighbours + k) * columns + group, neighbours * columns

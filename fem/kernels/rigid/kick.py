@@ -48,9 +48,9 @@ def kick_contacts(step):
             turned = share * turn_i, -share * pushed
         if coupling is not None:
             if forces.ahead is not None:  # less what `_tell_neighbours` has said that neighbours take
-                felt_i, felt_o = along_rings(coupling, forces, forces.gained, group)
-                take_more(forces.taken, columns, group, felt_i, felt_o)
-                ahead_i, ahead_o = ahead_i - felt_i, ahead_o - felt_o
+                along_i, along_o = along_rings(coupling, forces, forces.gained, group)
+                take_more(forces.taken, columns, group, along_i, along_o)
+                ahead_i, ahead_o = ahead_i - along_i, ahead_o - along_o
         more_i, more_o = _gains(contacts, forces, columns, group, (ahead_i, ahead_o), turned)
         if coupling is not None:
             less_i, less_o = coupling.across * more_o, coupling.across * more_i

@@ -58,8 +58,8 @@ class Coupling(NamedTuple):
     between: Law  # of two rollers
     across: float  # m/N, approach of a roller's contact by the force on its other one
     relaxation_factor: float  # of the force increments that neighbours use: see `contacts`
-    distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
-    felt: np.ndarray  # (2, 2), whole: by row, of how many of these compliances follow angles, and how many count
+    distance: np.ndarray  # (neighbours,), in rollers, of contacts whose forces count along a ring: −1, 1, −2 ...
+    counts: np.ndarray  # (2, 2), whole: by row, of how many of these compliances follow angles, and how many count
     along: given("2, neighbours, columns")  # m/N, at the pockets' angles
     steep: given("2, neighbours, columns")  # m/N per rad that the angle to the neighbour is larger
     bent: given("2, 4, neighbours, columns")  # m/N/rad² to m/N/rad⁵

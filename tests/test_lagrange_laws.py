@@ -307,9 +307,7 @@ def test_a_run_its_check_and_its_rating_with_a_table(tmp_path, capsys, monkeypat
     (tmp_path / "law.csv").write_text(table(), encoding="utf-8")
     rated = rating(read_scene("209.toml", ("operation.gravity_m_s2=0",))).answers
     assert "power" in rated["stiffness_contacts"].value
-    lowest, _ = rated[
-        "stiffness_range_N_per_m"
-    ].value  # with a roller under the load: little of their own weight
+    lowest, _ = rated["stiffness_range_N_per_m"].value  # with a roller under the load: little of their own weight
     assert np.diag(lowest) == pytest.approx([67.0e6, 473.0e6], rel=3e-3)
 
 

@@ -11,7 +11,7 @@ import signal
 import socket
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from queue import Queue
 from threading import Thread
 from types import SimpleNamespace
@@ -33,7 +33,7 @@ from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.kit import environment, sets, started_as
-from tests.waiting import GIVE_UP
+from tests.waiting import GIVE_UP, open_page
 
 
 def scene_of(*settings: str):
@@ -516,19 +516,11 @@ def address():
 
 @pytest.fixture(scope="module")
 def page(browser, address, request):
-    """The page of a width; what it asked for and complained of is kept. Tests leave it as they found it."""
-    context = browser.new_context(viewport={"width": request.param, "height": 800})
-    context.set_default_timeout(1e3 * GIVE_UP)
-    page = context.new_page()
-    page.asked, page.complaints = [], []
-    page.on("request", lambda asked: page.asked.append(asked.url))
-    page.on("console", lambda message: page.complaints.append(message.text))
-    page.on("pageerror", lambda error: page.complaints.append(str(error)))
-    page.goto(address)
-    wait_for_frames(page)
-    yield page
-    assert page.complaints == []
-    context.close()
+    """The page of a width. Tests leave it as they found it."""
+    with open_page(browser, address, request.param) as page:
+        wait_for_frames(page)
+        yield page
+        assert page.complaints == []
 
 
 everywhere = pytest.mark.parametrize("page", [390, 1280], indirect=True)
@@ -650,29 +642,26 @@ def test_the_bearing_stays_in_view_beside_many_controls_and_is_dark_where_all_is
     spalls = ("spall.0.width_mm=0.5", "spall.1.body=inner_ring", "spall.2.body=roller", "spall.2.roller=1")
     with command_served("--set", "support.kind=housing", *sets(*spalls)) as address:
         for width, controls_at in ((1280, "0"), (390, "document.querySelector('#mass_kg').offsetTop - 500")):
-            page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme="dark")
-            page.set_default_timeout(1e3 * GIVE_UP)
-            page.goto(address)
-            wait_for_frames(page)
-            page.evaluate(f"window.scrollTo(0, {controls_at})")
-            box = page.locator("#bearing").bounding_box()
-            assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0
-            assert coloured(page, "#bearing") > 500
-            colours = "[document.body, document.querySelector('.card')].map(e => getComputedStyle(e).backgroundColor)"
-            light = [[int(part) for part in re.findall(r"\d+", colour)] for colour in page.evaluate(colours)]
-            assert max(max(colour) for colour in light) < 60
-            bodies = page.evaluate("live.bearing().spalls.map(spall => spall.body)")
-            assert bodies == ["outer_ring", "inner_ring", "roller"]
-            page.close()
+            with open_page(browser, address, width, color_scheme="dark") as page:
+                wait_for_frames(page)
+                page.evaluate(f"window.scrollTo(0, {controls_at})")
+                box = page.locator("#bearing").bounding_box()
+                assert box["y"] >= -1.0 and box["y"] + box["height"] <= 800.0
+                assert coloured(page, "#bearing") > 500
+                colours = (
+                    "[document.body, document.querySelector('.card')].map(e => getComputedStyle(e).backgroundColor)"
+                )
+                light = [[int(part) for part in re.findall(r"\d+", colour)] for colour in page.evaluate(colours)]
+                assert max(max(colour) for colour in light) < 60
+                bodies = page.evaluate("live.bearing().spalls.map(spall => spall.body)")
+                assert bodies == ["outer_ring", "inner_ring", "roller"]
 
 
 @pytest.mark.slow  # another server and page
 def test_the_page_says_when_the_program_has_ended(browser):
-    with command_served() as address:
-        page = browser.new_page()
-        page.set_default_timeout(1e3 * GIVE_UP)
-        page.goto(address)
-        wait_for_frames(page, 1)
-    page.locator("#ended").wait_for()
-    assert "The program or the connection has ended" in page.locator("#ended").inner_text()
-    page.close()
+    with ExitStack() as held:
+        with command_served() as address:
+            page = held.enter_context(open_page(browser, address))
+            wait_for_frames(page, 1)
+        page.locator("#ended").wait_for()
+        assert "The program or the connection has ended" in page.locator("#ended").inner_text()

@@ -13,7 +13,7 @@ from fem.commands.rate_bearing import rate_main
 from lagrange.scene.scene import parse_scene
 from residual.cli import main
 from residual.measured.checks import Question, assumed, check_record, write_check
-from tests.waiting import GIVE_UP
+from tests.waiting import open_page
 
 WIDTHS = (390, 1280)
 
@@ -33,17 +33,9 @@ def report(coarse_run, tmp_path_factory):
 
 @pytest.fixture
 def page(browser, report, request):
-    """The report open at a width; what it asked for and complained of is kept."""
-    context = browser.new_context(viewport={"width": request.param, "height": 800}, offline=True)
-    context.set_default_timeout(1e3 * GIVE_UP)
-    page = context.new_page()
-    page.asked, page.complaints = [], []
-    page.on("request", lambda asked: page.asked.append(asked.url))
-    page.on("console", lambda message: page.complaints.append(message.text))
-    page.on("pageerror", lambda error: page.complaints.append(str(error)))
-    page.goto(report.as_uri())
-    yield page
-    context.close()
+    """The report open at a width."""
+    with open_page(browser, report.as_uri(), request.param, offline=True) as page:
+        yield page
 
 
 everywhere = pytest.mark.parametrize("page", WIDTHS, indirect=True)
@@ -164,7 +156,7 @@ def test_the_player_stands_at_the_top_and_shows_where_it_is_told(page):
 
 
 @everywhere
-def test_a_comparison_fits_the_screen_too(browser, page, coarse_run, tmp_path):
+def test_a_comparison_fits_the_screen_too(page, coarse_run, tmp_path):
     out = tmp_path / "out"
     assert main([str(coarse_run), "--against", "palmgren", "--no-figures", "--output", str(out), "--quiet"]) == 0
     page.goto((out / "report.html").as_uri())
@@ -205,15 +197,13 @@ def other_pages(tmp_path_factory):
 
 
 def test_on_a_phone_the_verdict_is_first_meanings_are_on_the_screen_and_no_word_is_broken(browser, other_pages):
-    context = browser.new_context(viewport={"width": 390, "height": 800}, offline=True)
-    page = context.new_page()
+    keys = []
     for path in other_pages:
-        page.goto(path.as_uri())
-        assert page.locator(".verdict").bounding_box()["y"] < 200
-        sizes = "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
-        cells = page.locator(".stacked td").evaluate_all(sizes)
-        assert len(cells) > 60
-        assert all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
-    keys = page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")
+        with open_page(browser, path.as_uri(), 390, offline=True) as page:
+            assert page.locator(".verdict").bounding_box()["y"] < 200
+            sizes = "all => all.map(e => [e.getBoundingClientRect().right, e.clientWidth, e.scrollWidth])"
+            cells = page.locator(".stacked td").evaluate_all(sizes)
+            assert len(cells) > 60
+            assert all(right <= 390 and scroll <= client + 1 for right, client, scroll in cells)
+            keys += page.locator(".keys td:first-child").evaluate_all("all => all.map(e => e.getClientRects().length)")
     assert set(keys) == {1}
-    context.close()

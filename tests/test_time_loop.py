@@ -567,11 +567,6 @@ MODULUS = STEEL.plane_strain_modulus
 HELD = {"inside": ((0.0125, 0.018), (56, 3), True), "outside": ((0.028, 0.0325), (88, 2), False)}
 
 
-def ring_of(which, scale=1):
-    radii, (sectors, layers), inside = HELD[which]
-    return kit.ring(*radii, sectors * scale, layers * scale, inside)
-
-
 def surface_of(body, b=CALIBRATED_AT):
     return subgrid.surface_compliance(body, LENGTH, b)
 
@@ -596,7 +591,8 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
 @pytest.mark.parametrize("which", HELD)
 @pytest.mark.parametrize("scale", [1, 2])
 def test_a_held_ring_has_the_exact_approach_at_every_position_and_where_it_sticks(which, scale):
-    body, force = ring_of(which, scale), 500.0
+    radii, (sectors, layers), inside = HELD[which]
+    body, force = kit.ring(*radii, sectors * scale, layers * scale, inside), 500.0
     surface = surface_of(body)
     law = law_on_rigid(surface, body.raceway_radius)
     b = law.pair.half_width(force)

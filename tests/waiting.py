@@ -1,4 +1,4 @@
-"""How long a child may take: by its own processor time, which a busy machine does not stretch.
+"""How long a child may take, by its own processor time, which a busy machine does not stretch; a page in a browser.
 
 A limit of wall time says little on a machine with more work than cores; one far beyond any sensible wait is left
 against a child that sleeps for ever.
@@ -48,3 +48,18 @@ def no_endless_wait() -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def open_page(browser, address: str, width: int = 1280, **context) -> Iterator:
+    """A page of some width, in a context of its own; what it asks for and complains of is kept."""
+    context = browser.new_context(viewport={"width": width, "height": 800}, **context)
+    context.set_default_timeout(1e3 * GIVE_UP)
+    page = context.new_page()
+    page.asked, page.complaints = [], []
+    page.on("request", lambda asked: page.asked.append(asked.url))
+    page.on("console", lambda message: page.complaints.append(message.text))
+    page.on("pageerror", lambda error: page.complaints.append(str(error)))
+    page.goto(address)
+    yield page
+    context.close()

@@ -28,7 +28,7 @@ from fem.quantities import Quantity, labels, run_quantities
 from fem.rating.answers import rating
 from fem.result import store
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
-from fem.solver.simulate import make_plan, programs_named, run
+from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Frame, Plan, Progress, Samples
 from lagrange import mounting
 from lagrange.columns import ENERGIES, PER_ROLLER
@@ -66,18 +66,15 @@ _PLANNING = Lock()  # meshes, factorisations and compiling are not for two threa
 
 def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
     """All of OF_CHECK; NaN for lines that a bearing at rest or a short record does not have."""
-    found: dict[str, float] = {}
+    found: dict[str, float | None] = {}
     for direction in evaluation.directions:
-        levels = {level.name: level.rms for level in direction.levels}
         found |= {f"error_{moment}_{direction.name}": float(getattr(direction.error, moment)) for moment in MOMENTS}
-        found |= {f"{line.lower()}_{direction.name}": float(levels.get(line, nan)) for line in LINES}
-    level, lines = evaluation.y.vibration.level, evaluation.y.vibration.lines
-    found |= {f"sensor_{line}": nan for line in ("bpfo", "bpfi")}
-    found |= {f"sensor_{line.name.lower()}": line.amplitude for line in lines}
-    for name in ("rms", "crest", "kurtosis"):
-        value = getattr(level, name)
-        found[f"sensor_{name}"] = nan if value is None else value
-    return [Quantity(name, *about, found[name]) for name, about in OF_CHECK.items()]
+        found |= {f"{level.name.lower()}_{direction.name}": float(level.rms) for level in direction.levels}
+    vibration = evaluation.y.vibration
+    found |= {f"sensor_{line.name.lower()}": line.amplitude for line in vibration.lines}
+    found |= {f"sensor_{name}": getattr(vibration.level, name) for name in ("rms", "crest", "kurtosis")}
+    given = ((name, about, found.get(name)) for name, about in OF_CHECK.items())
+    return [Quantity(name, *about, nan if value is None else value) for name, about, value in given]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,7 +225,7 @@ def simulate(
     numerically."""
     began = time.perf_counter()
     with _PLANNING:
-        plan = programs_named(lambda: make_plan(scene))
+        plan = make_plan(scene)
         state = plan.prepare()
     setup, blocks, frames = time.perf_counter() - began, list[Samples](), list[Frame]()
 

@@ -1,9 +1,8 @@
 """A run from a scene to a result file by whichever solver: checkpoints, signals, how it went, what is printed."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +15,7 @@ from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpo
 from fem.result.run_file import RunFile
 from fem.result.store import ResultFile, Stored, WriteFailed, bytes_of_a_sample, write_estimates
 from fem.solver.compiling import CompiledPlan, is_compiled, remember, seconds_by_trial
-from fem.solver.simulate import make_plan, programs_named, run
+from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Progress, RunState
 from lagrange.bearing import is_plain, section_words
 from lagrange.errors import RunFailed, UsageError
@@ -48,11 +47,6 @@ class RunOptions(NamedTuple):
     checkpoint_seconds: float | None = None  # between checkpoints; None: CHECKPOINT_SECONDS, more on slow disks
 
 
-def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
-    with said_if_long(PATIENCE, PLANNING, tell):
-        return programs_named(lambda: make_plan(scene))
-
-
 def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     """Plan a scene, run it into a result file, and estimate its error where that is wished. UsageError: a solver can't
     take the scene or estimate its error; there is no place for a checkpoint, or none to resume from; as `simulate`."""
@@ -65,8 +59,9 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 
         if scene.model == "fem":  # before the plan is made, which takes its time
             coarser_scene(scene)
-    plan = _planned(scene, tell)
-    estimate = programs_named(lambda: error_estimate(plan)) if options.estimate_error else None
+    with said_if_long(PATIENCE, PLANNING, tell):
+        plan = make_plan(scene)
+    estimate = error_estimate(plan) if options.estimate_error else None
     plan.prepare(tell)
     for sentence in (*plan.notices, *(() if options.quiet else (*plan.warnings, *size_warning(plan)))):
         say(f"warning: {sentence}")
@@ -99,10 +94,11 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             remove_left(last)
             checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
 
-            def restart(reason: str) -> None:
+            def restart(reason: str) -> None:  # saved before its file restarts; what can't be gone on from is removed
                 if not options.quiet:
                     say(reason)
-                checkpoints.restart()
+                if not checkpoints.write(Stored()):
+                    last.unlink(missing_ok=True)
                 store.restart(**state.outcome_attributes)
 
             try:
@@ -149,18 +145,12 @@ class Checkpoints:
         """Bring the state to the disk; where that fails, the last one that is there stays and the run goes on."""
         began = time.monotonic()
         self._store.commit()
-        try:
-            self._write(self._store.stored)
-        finally:
-            self._saved = time.monotonic()
-            self._cost = self._saved - began
+        self.write(self._store.stored)
+        self._saved = time.monotonic()
+        self._cost = self._saved - began
 
-    def restart(self) -> None:
-        """Save the state of a run that restarts, before its file does; what can't be gone on from is removed."""
-        if not self._write(Stored()):
-            checkpoint_path(self._path).unlink(missing_ok=True)
-
-    def _write(self, stored: Stored) -> bool:
+    def write(self, stored: Stored) -> bool:
+        """Save the state of so many samples; False: it can't be saved."""
         try:
             save_checkpoint(self._path, self._state, stored)
             return True
@@ -217,20 +207,20 @@ def result_megabytes(plan: Plan) -> float:
 def size_warning(plan: Plan) -> tuple[str, ...]:
     """A warning of a large result file, or none."""
     size, numerics = result_megabytes(plan), plan.scene.numerics
-    if size <= LARGE_RESULT:
-        return ()
-    return (
+    told = (
         f"the result file takes {size:.3g} MB; to make it smaller, lower numerics.duration_ms = "
         f"{numerics.duration_ms:g}, or raise numerics.output_interval_us = {numerics.output_interval_us:g} if fast "
-        "vibration does not matter",
+        "vibration does not matter"
     )
+    return (told,) if size > LARGE_RESULT else ()
 
 
 def show_plan(scene: Scene, name: str) -> Outcome:
     """Plan a scene and print what is decided for a run of that name, and its cost. UsageError: a solver can't take the
     scene."""
     try:
-        plan = _planned(scene, say)
+        with said_if_long(PATIENCE, PLANNING, say):
+            plan = make_plan(scene)
         table, rows, seconds = plan.table(), plan.rows(), seconds_by_trial(plan)
     except RunFailed as error:  # there is no equilibrium to tell of
         return _ended(Outcome.FAILED_AT_START, reason=error)
@@ -293,18 +283,15 @@ def _print_choices(plan: Plan, seconds: float | None) -> None:
     `seconds` : that the plan's own takes, as far as it has been tried"""
     from fem.solver.errors import model_choices, suggestion  # only a dry run needs what these import
 
-    choices = [
-        each if seconds is None or each.model != plan.scene.model else replace(each, seconds=seconds)
-        for each in model_choices(plan)
-    ]
+    choices, rows = model_choices(plan), []
     if (begin := suggestion(choices)) is None:
         return
-    rows = []
     for each in choices:
+        lasts = seconds if seconds is not None and each.model == plan.scene.model else each.seconds
         error = "-" if each.hub_error is None else f"below {100 * LEAST_ERROR:g} %"
         if each.hub_error is not None and each.hub_error > LEAST_ERROR:
             error = f"{100 * each.hub_error:.2g} %"
-        rows.append((each.model, "-" if each.seconds is None else f"{each.seconds:.2g} s", error, each.lacks))
+        rows.append((each.model, "-" if lasts is None else f"{lasts:.2g} s", error, each.lacks))
     columns = "model", "expected time", "static error of hub", "leaves out"
     print_section(Section(title="Models for this scene", columns=columns, rows=rows), left=(0, 3))
     _print([begin])
@@ -316,16 +303,14 @@ def show_meshes(scene: Scene, name: str) -> None:
 
     found = mesh_table(scene)
     quantities = found.meshes[0].quantities
-    units = [engineering(quantity.unit) for quantity in quantities]
-
-    def row(values: Iterable[float | None]) -> list[str]:
-        pairs = zip(values, units, strict=True)
-        return ["" if value is None else f"{factor * value:.6g} {unit}" for value, (factor, unit) in pairs]
-
-    rows = [(f"{m.size:.3g}", str(m.nodes), *row(q.value for q in m.quantities)) for m in found.meshes]
-    rows.append(("Richardson", "", *row(found.extrapolated)))
+    lines = [(f"{m.size:.3g}", str(m.nodes), [q.value for q in m.quantities]) for m in found.meshes]
+    lines.append(("Richardson", "", found.extrapolated))
     if any(value is not None for value in found.exact):
-        rows.append(("exact series", "", *row(found.exact)))
+        lines.append(("exact series", "", found.exact))
+    rows, units = [], [engineering(quantity.unit) for quantity in quantities]
+    for *first, values in lines:
+        pairs = zip(values, units, strict=True)
+        rows.append((*first, *("" if v is None else f"{factor * v:.6g} {unit}" for v, (factor, unit) in pairs)))
     columns = "mesh, mm", "nodes", *(quantity.meaning for quantity in quantities)
     with telling():
         print_section(Section(title=f"Statics of {name} by mesh", columns=columns, rows=rows), left=())

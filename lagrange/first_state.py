@@ -7,9 +7,11 @@ without load is not held at all. Along such directions the hub starts without ve
 `sampled` gives the result file's columns that follow from a motion, with those of a cage.
 """
 
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from math import inf
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -18,8 +20,9 @@ from lagrange.axial.slices import Axial
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
 from lagrange.contact.laws import ContactLaws
+from lagrange.errors import UsageError
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
-from lagrange.load_history import load_share
+from lagrange.load_history import LONGEST_LOOK, SLOWEST, load_share
 from lagrange.motion import HubTilt, State, TiltedLaws, Tilts, hub_tilt, sliced_laws
 from lagrange.mounting import OF_HOUSING, ring_place
 from lagrange.statics import Placement, Statics, TiltedStatics, held_hub, static_equilibrium, tilted_equilibrium
@@ -56,21 +59,60 @@ def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> t
     return values[stiff], vectors[:, stiff]
 
 
-def places_moving(before: TiltedStatics, now: TiltedStatics, after: TiltedStatics, time: float) -> np.ndarray:
-    """Rates of all places, (4 + 2 n_rollers,), by equilibria a time, s, before and after.
+class Passing(NamedTuple):
+    """Equilibria that a bearing passes through around a start."""
+
+    before: Any
+    after: Any
+    time: float  # s, of each from the start
+
+    def rate(self, name: str) -> np.ndarray:
+        """Of an array in them."""
+        return (getattr(self.after, name) - getattr(self.before, name)) / (2.0 * self.time)
+
+
+def passing(
+    at: Callable[[float], Any], stiffness: Callable[[], np.ndarray], bearing: Bearing, operation: Operation, way: float
+) -> tuple[Passing | None, str | None]:
+    """The equilibria that give a start its velocities; without these why not, unless nothing turns or none is near.
+
+    Elastic waves excited by such a start are of second order in the rolling speed over the wave speed. Where the hub
+    cannot follow the equilibria (in clearance, balanced on one roller) or they do not follow each other a run starts
+    without velocities.
+
+    at : the equilibrium, with a `hub`, at a time, s; stiffness : of the hub, (2, 2), N/m, at the start
+    way : m, that contacts roll meanwhile
+    """
+    speed = surface_speed(bearing, operation)
+    if speed <= SLOWEST:
+        return None, None
+    if followed(stiffness(), bearing, operation)[0].size < 2:
+        return None, SOFT
+    # far beyond its table it is of no sense
+    time = min(way / speed, inf if operation.history is None else LONGEST_LOOK)
+    try:
+        found = Passing(at(-time), at(time), time)
+    except (RuntimeError, UsageError):
+        return None, None
+    return (found, None) if np.linalg.norm(found.rate("hub")) <= JUMP * speed else (None, JUMPS)
+
+
+def places_moving(now: TiltedStatics, found: Passing | None) -> np.ndarray:
+    """Rates of all places, (4 + 2 n_rollers,), by equilibria around a start; None: at rest.
 
     A roller on which little bears may stand at several tilts: where its tilts do not follow each other it has no rate
     of them.
     """
-    rates, n = (after.moved - before.moved) / (2.0 * time), now.tilt.size
+    if found is None:
+        return np.zeros(now.moved.size)
+    (before, after, _), rates, n = found, found.rate("moved"), now.tilt.size
     jumps = np.abs(after.tilt - 2.0 * now.tilt + before.tilt) > SAME * np.abs(after.tilt - before.tilt)
     rates[4 + n :][jumps] = 0.0
     return rates
 
 
-def tilts_moving(now: TiltedStatics, rates: np.ndarray | None = None) -> Tilts:
-    """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,); None: at rest."""
-    rates = np.zeros(now.moved.size) if rates is None else rates
+def tilts_moving(now: TiltedStatics, rates: np.ndarray) -> Tilts:
+    """Slopes in an equilibrium and their rates by those of all places, (4 + 2 n_rollers,)."""
     return Tilts(
         tilt=now.tilt, tilt_rate=rates[4 + now.tilt.size :],
         slope_x=now.place[2], slope_y=now.place[3], slope_x_rate=rates[2], slope_y_rate=rates[3],
@@ -132,13 +174,11 @@ def equilibrium_state(
         hub, contacts = hub_tilt(operation, axial), sliced_laws(bearing, axial, laws)
     ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
     if axial is not None:
-        now, rates, warning = tilted_at(0.0, ring), np.zeros(4 + 2 * n), None
-        if operation.fastest > 0.0 and followed(now.radial_stiffness, bearing, operation)[0].size < 2:
-            warning = SOFT
-        elif operation.fastest > 0.0:
-            found = places_moving(tilted_at(-DIFFERENCE, ring), now, tilted_at(DIFFERENCE, ring), DIFFERENCE)
-            follows = np.hypot(*found[:2]) <= JUMP * surface_speed(bearing, operation)
-            rates, warning = (found, None) if follows else (rates, JUMPS)
+        now, way = tilted_at(0.0, ring), DIFFERENCE * surface_speed(bearing, operation)
+        found, warning = passing(
+            lambda shift: tilted_at(shift, ring), lambda: now.radial_stiffness, bearing, operation, way
+        )
+        rates = places_moving(now, found)
         moving, tilts = np.concatenate([rates[:2], rates[4 : 4 + n]]), tilts_moving(now, rates)
         return FirstState(_moving(bearing, operation, ring, now.place, now.rho, moving, tilts), warning)
     still = plane_at(0.0, ring)

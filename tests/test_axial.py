@@ -26,7 +26,7 @@ from fem.pictures.axial import axial_pressures, draw_axial
 from fem.pictures.output import refuse_foreign
 from fem.pictures.recover import StoredRun
 from fem.rating.equilibria import TiltedPitch, tilted_pitch
-from fem.solver.start import narrow_slices
+from fem.solver.start import check_narrow
 from fem.statics.exact_statics import exact_statics, kept_contacts
 from fem.statics.tilted_pressures import scene_slices
 from lagrange.axial import Axial, ContactTable
@@ -670,7 +670,7 @@ def test_rigid_rings_on_slices_are_the_method_of_the_standard(profile, mrad):
     assert 1e3 * found.tilt[loaded] == pytest.approx(1e3 * half[loaded], abs=2e-3)
 
 
-def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits():
+def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fits(capsys):
     """A start whose tables give a light contact too large a moment, all of it on the last slice, is checked too."""
     acting = operation(speed=0.0, gravity=0.0, radial_load=20_000.0, misalignment=2e-3)
     for count in (61, 201):
@@ -680,13 +680,17 @@ def test_slices_narrower_than_their_contacts_are_refused_with_the_number_that_fi
     contacts, _ = kept_contacts(PAPER)
     force, arm = np.array([30.0, 0.0]), 0.5e-2  # N, m: half the length
 
-    def reason(times):
+    def check(times):
         loads = {f"{side}_{name}": times * value for side in ("inner", "outer")
                  for name, value in (("force", force), ("moment", 1.3 * arm * force))}  # fmt: skip
-        laws = contacts.inner_law, contacts.outer_law
-        return narrow_slices(PAPER, axial("logarithmic", 21, True), laws, SimpleNamespace(**loads))
+        check_narrow(PAPER, axial("logarithmic", 21, True), contacts.laws, SimpleNamespace(**loads))
 
-    assert reason(1.0) is None and "axial.slices = 21 are" in reason(100.0)
+    for model in ("reduced", "fem"):  # by an equilibrium of fewer: one of as many as even forces allow does not settle
+        assert run_main(["--model", model, "--mesh-size", "2", "--dry-run", *sets("axial.slices=201")]) == 2
+        assert "use at most 51, or axial.coupling = false" in capsys.readouterr().err
+    check(1.0)
+    with pytest.raises(UsageError, match=r"axial\.slices = 21 are"):
+        check(100.0)
 
 
 def started(path, *settings: str) -> tuple[np.ndarray, np.ndarray]:

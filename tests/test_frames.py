@@ -156,7 +156,7 @@ def static(tmp_path_factory):
 
 def test_fields_are_those_of_the_equilibrium_the_run_started_from(static):
     operation = static.operation
-    motion, _ = rolling_motion(static.model, operation, 0.0)
+    motion = rolling_motion(static.model, operation, 0.0)
     wanted = equilibrium(static.model, motion, Loads.of(operation))
     for field in ("inner_ring", "outer_ring", "rollers"):
         exact = getattr(wanted, field)

@@ -121,7 +121,7 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
                 write(path, plan, samples)
                 left.append("ended")
             except OSError as error:
-                assert error.filename == str(path) and error.strerror == "No space left on device"
+                assert error.filename == str(path) and error.strerror.startswith("No space left on device")
         assert names_in(tmp_path) == ["run.nc"]
         left.append(earlier if path.read_bytes() == earlier else found(path, samples))
     if every == 1:  # once all samples are there and only a second file can't be written, the first takes the outcome
@@ -147,34 +147,22 @@ def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(
     gc.collect()  # where HDF5 would crash on what it could not write
 
 
-STAGES = {  # of a run in the order they come: function, how many calls go well before it fails
-    "claiming room": ("posix_fallocate", 0),
-    "syncing the new file": ("fsync", 0),
-    "moving it into place": ("replace", 0),
-    "the first commit": ("fsync", 2),  # the second sync is of the folder
-    "its counter": ("fsync", 3),
-}
-
-
-@pytest.mark.parametrize("stage", STAGES)
-def test_a_result_that_can_not_be_written_is_said_and_what_was_there_stays(stage, whole, tmp_path, monkeypatch, capsys):
-    path, calls = Path(shutil.copy(whole, tmp_path / "run.nc")), itertools.count()
-    function, good = STAGES[stage]
-    real = getattr(os, function)
+def test_a_result_that_can_not_be_written_is_said_and_samples_stay(whole, tmp_path, monkeypatch, capsys):
+    """From the first commit on; by the command."""
+    path, calls, real = Path(shutil.copy(whole, tmp_path / "run.nc")), itertools.count(), os.fsync
 
     def failing(*arguments):
-        if next(calls) >= good:
+        if next(calls) >= 2:  # the first sync is of the new file, the second of the folder
             raise OSError(errno.EIO, os.strerror(errno.EIO))
         return real(*arguments)
 
-    monkeypatch.setattr(os, function, failing)
+    monkeypatch.setattr(os, "fsync", failing)
     assert run_main([*SHORT, "--output", str(path)]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"error: {path}: Input/output error") and "Traceback" not in error
-    assert names_in(tmp_path) == ["run.nc"] and (good or path.read_bytes() == whole.read_bytes())
-    if good:
-        with h5py.File(path) as file:
-            assert file.attrs["status"] == "running"
+    assert names_in(tmp_path) == ["run.nc"]
+    with h5py.File(path) as file:
+        assert file.attrs["status"] == "running"
 
 
 @pytest.mark.parametrize("function", ["result.checkpoint.open", "result.checkpoint.np.savez", "move_into_place"])

@@ -70,8 +70,8 @@ def test_directions_of_contacts_are_derivatives_of_their_overlaps():
     bearing, n, turns = replace(PAPER, faults=faults), 13, Turns(inner_ring=-0.004, rollers=0.3)
     angle = DOWN + np.arange(n) * 2 * np.pi / n
     radial, place = np.column_stack([np.cos(angle), np.sin(angle)]), np.array([2e-6, -9e-6, *np.full(n, 0.023)])
-    overlap, directions = geometry(bearing, radial, place, turns)
-    perfect, straight = geometry(PAPER, radial, place)
+    overlap, directions, _ = geometry(bearing, radial, place, turns)
+    perfect, straight, _ = geometry(PAPER, radial, place)
     assert np.abs(directions - straight).max() > 0.01 and np.abs(overlap - perfect).max() > 1e-6
     for k, unit in enumerate(1e-8 * np.eye(n + 2)):
         ahead, behind = (geometry(bearing, radial, place + step, turns)[0] for step in (unit, -unit))

@@ -126,10 +126,13 @@ def too_narrow(bearing: Bearing, axial: Axial, half_width: float) -> str | None:
 
 
 def no_narrower(bearing: Bearing, axial: Axial, forces: tuple[np.ndarray, np.ndarray]) -> Axial:
-    """With no more coupled slices than inner and outer forces, N, allow that are even along the rollers."""
+    """As many coupled slices, or half as many as inner and outer forces, N, allow that are even along the rollers.
+
+    So many have a sure equilibrium where forces are not even, and show how wide contacts are.
+    """
     pairs = zip(contact_pairs(bearing), forces, strict=False)
-    widest = max(pair.half_width(max(float(force.max()), 1e-3)) for pair, force in pairs)
-    return replace(axial, slices=max(min(axial.slices, int(bearing.roller_length / (WIDTHS * widest))), FEWEST))
+    most = bearing.roller_length / (WIDTHS * max(pair.half_width(max(float(f.max()), 1e-3)) for pair, f in pairs))
+    return axial if axial.slices <= most else replace(axial, slices=max(int(most) // 2, FEWEST))
 
 
 def couplings(bearing: Bearing, axial: Axial) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,6 @@ from math import pi, sqrt
 import numpy as np
 
 from fem.quantities import Quantity, moving_quantities
-from fem.solver.elements import plan as elements
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.limits import mesh_nodes
 from fem.solver.simulate import SOLVERS, make_plan, run
@@ -125,7 +124,7 @@ def error_estimate(plan: Plan) -> ErrorEstimate:
     """
     scene, numerics = plan.scene, plan.scene.numerics
     if scene.model == "fem":
-        coarse = elements.make_plan(coarser_scene(scene))
+        coarse = make_plan(coarser_scene(scene))
         size = coarse.scene.numerics.mesh_size_mm
         title = f"Discretisation error, estimated with a mesh of {size:g} mm"
         return ErrorEstimate(title=title, coarse=coarse, fine=plan)
@@ -141,7 +140,7 @@ def error_estimate(plan: Plan) -> ErrorEstimate:
         f"The first {end:g} ms against finite elements of {numerics.mesh_size_mm:g} mm; these err as well: see "
         "--model fem --estimate-error"
     )
-    coarse = elements.make_plan(scene.model_copy(update={"model": "fem", "numerics": shorter}))
+    coarse = make_plan(scene.model_copy(update={"model": "fem", "numerics": shorter}))
     return ErrorEstimate(title=title, coarse=coarse)
 
 
@@ -191,7 +190,7 @@ def mesh_table(scene: Scene) -> MeshTable:
     pair = contact_pairs(scene.perfect_bearing())[0]
     meshes = []
     for each in (finest * factor for factor in MESHES):
-        plan = elements.make_plan(scene.varied({"model": "fem", "numerics.mesh_size_mm": each}))
+        plan = make_plan(scene.varied({"model": "fem", "numerics.mesh_size_mm": each}))
         found = {quantity.name: quantity for quantity in static_quantities(plan.model, scene.ideal_operation())}
         force = found["static_largest_force"]
         pressure = Quantity("static_peak_pressure", "Pa", "largest Hertz pressure, inner raceway, at rest",

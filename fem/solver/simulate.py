@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from lagrange.errors import RunFailed, UsageError
 
@@ -10,7 +10,6 @@ if TYPE_CHECKING:  # the command asks for the names of models long before anythi
     from fem.solver.solver import Frame, Plan, Progress, RunState, Samples
     from lagrange.scene.scene import Scene
 
-T = TypeVar("T")
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
     "fem": "fem.solver.elements.plan",
     "reduced": "fem.solver.rigid.reduced",
@@ -23,15 +22,10 @@ LARGEST_BLOCK = 4096  # samples, whatever the clock says
 def make_plan(scene: "Scene") -> "Plan":
     """The plan of a scene, by the solver that its `model` names.
 
-    UsageError: the solver can't take it. RuntimeError: a program it needs is missing.
+    UsageError: the solver can't take it, or a program it needs is missing, gmsh for instance.
     """
-    return import_module(SOLVERS[scene.model]).make_plan(scene)
-
-
-def programs_named(make: Callable[[], T]) -> T:
-    """What `make` gives. UsageError: a program it needs is missing, gmsh for instance; the text names it."""
     try:
-        return make()
+        return import_module(SOLVERS[scene.model]).make_plan(scene)
     except RunFailed:
         raise
     except RuntimeError as error:

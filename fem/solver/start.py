@@ -8,7 +8,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.tilted import NOTHING, no_narrower, tilted_slices, tilted_tables, too_narrow
 from fem.statics import contact_balance as statics
-from fem.statics.contact_balance import Condensed, NotFound, hub_spring, standing_ring
+from fem.statics.contact_balance import Condensed, Loads, hub_spring
 from fem.statics.exact_statics import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import ContactTable, SpalledTable
@@ -16,12 +16,12 @@ from lagrange.axial.pressure import exerted, placed
 from lagrange.axial.slices import Axial, steepest_slope
 from lagrange.contact.hertz import contact_pairs
 from lagrange.errors import UsageError
-from lagrange.first_state import places_moving, tilts_moving, weight_on_springs
+from lagrange.first_state import Passing, passing, places_moving, tilts_moving, weight_on_springs
 from lagrange.kinematics import kinematics, roller_angles, turned
-from lagrange.motion import TiltedLaws, Tilts, hub_tilt
-from lagrange.mounting import HELD
-from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
-from lagrange.surface.deviation import UNTURNED, Turns
+from lagrange.motion import Tilts, hub_tilt
+from lagrange.mounting import HELD, ring_place
+from lagrange.statics import Elastic, TiltedStatics
+from lagrange.surface.deviation import Turns
 
 NEWTON_STEPS = 30
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds
@@ -66,25 +66,19 @@ def unloaded(operation: Operation) -> Operation:
 
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """Static equilibrium at t = 0, with the velocities of `passing`. NotFound: no equilibrium."""
-    bearing, n = model.bearing, model.bearing.n_rollers
-    angle = roller_angles(bearing, operation.first_roller_angle)
-    radial = np.array([np.cos(angle), np.sin(angle)])
+    bearing, n, contacts = model.bearing, model.bearing.n_rollers, _contacts_at(model, operation, 0.0)
 
     def force_at(where):
-        return radial @ statics.closed_forces(_balanced(model, operation, 0.0, ring=where).forces)[n:]
+        return statics.closed_forces(_balanced(model, operation, 0.0, ring=where).forces)[n:] @ contacts.radial
 
-    ring = standing_ring(operation, weight_on_springs(bearing, operation), force_at)
+    ring = ring_place(operation.mounting, weight_on_springs(bearing, operation), force_at)
     middle = _balanced(model, operation, 0.0, ring=ring)
-
-    def stiffness() -> np.ndarray:
-        return statics.hub_stiffness(model.at(angle, UNTURNED), *middle, hub_spring(operation, ring))
-
-    def at(time: float) -> Balanced:
-        return _balanced(model, operation, time, middle, ring)
-
-    found, warning = statics.passing(at, stiffness, bearing, operation, LOOK_AHEAD * bearing.roller_radius)
-    rate = np.zeros_like(middle.place) if found is None else found.rate("place")
-    return _start(model, operation, *middle, ring, rate=rate, warning=warning)
+    found, warning = passing(
+        lambda time: _balanced(model, operation, time, middle, ring),
+        lambda: statics.hub_stiffness(contacts, *middle, hub_spring(operation, ring)),
+        bearing, operation, LOOK_AHEAD * bearing.roller_radius,
+    )  # fmt: skip
+    return _start(model, operation, *middle, ring, found, warning=warning)
 
 
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -93,16 +87,19 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     Without preload no contact is strained but by what bodies grow as they spin.
     """
     bearing, n, alone = model.bearing, model.bearing.n_rollers, replace(operation.mounting, shaft=None)
-    weight = weight_on_springs(bearing, operation)
-    ring = standing_ring(replace(operation, mounting=alone), weight, lambda _: np.zeros(2))
+    ring = ring_place(alone, weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     if bearing.radial_clearance < -statics.ROUND_OFF * bearing.roller_radius:
         balanced = _balanced(model, replace(unloaded(operation), mounting=HELD), 0.0)
         return _start(model, operation, *balanced, ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
-    contacts = model.at(roller_angles(bearing, operation.first_roller_angle), UNTURNED)
-    held = statics.Held(contacts, statics.Loads(0.0), place, np.zeros(2 * n))
-    forces = _forces_at(replace(contacts, compliance=held.compliance), held.overlap)
-    return _start(model, operation, place, forces, ring, steady=False)
+    held = statics.Held(_contacts_at(model, operation, 0.0), Loads(0.0), place, np.zeros(2 * n))
+    law, closed, force = held.contacts.law, np.flatnonzero(held.overlap > 0.0), np.where(held.overlap > 0.0, 1.0, 0.0)
+    own = held.compliance[np.ix_(closed, closed)]
+    for _ in range(NEWTON_STEPS):  # on the contacts that are closed
+        soft = own + np.diag(law.softness(np.where(force > 0.0, force, 1.0))[closed])
+        left = held.through(place, force)[closed]
+        force[closed] = np.maximum(force[closed] + np.linalg.solve(soft, left), 0.1 * force[closed])
+    return _start(model, operation, place, force, ring, steady=False)
 
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
@@ -111,32 +108,21 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     return _balanced(reduced_bearing(model.bearing, kinematics(model.bearing, 0.0)), alone, 0.0).hub
 
 
-def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
-    """Forces, (2 n_rollers,), N, at overlaps, m: Newton's method on the contacts that are closed."""
-    law, closed, force = contacts.law, np.flatnonzero(overlap > 0.0), np.where(overlap > 0.0, 1.0, 0.0)
-    compliance = contacts.compliance[np.ix_(closed, closed)]
-    for _ in range(NEWTON_STEPS):
-        soft = compliance + np.diag(law.softness(np.where(force > 0.0, force, 1.0))[closed])
-        left = overlap - contacts.compliance @ force - law.approach(force)
-        force[closed] = np.maximum(force[closed] + np.linalg.solve(soft, left[closed]), 0.1 * force[closed])
-    return force
+def _contacts_at(model: ReducedBearing, operation: Operation, time: float) -> Condensed:
+    bearing = model.bearing
+    angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
+    return model.at(angle, Turns.rolling(bearing, operation, time))
 
 
 def _balanced(model: ReducedBearing, operation: Operation, time: float, middle=None, ring=NOWHERE) -> Balanced:
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
-    bearing, acting = model.bearing, operation.at(time)
-    angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
-    contacts = model.at(angle, Turns.rolling(bearing, operation, time))
-    load, side_load = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start, near = (statics.first_guess(bearing, contacts.radial, load, side_load), None) if middle is None else middle
-    cage = kinematics(bearing, *operation.ring_speeds).cage
-    loads = statics.Loads(load, operation.gravity, cage, side_load, hub_spring(operation, ring))
-    return Balanced(*statics.balance(contacts, loads, start, near))
+    contacts, cage = _contacts_at(model, operation, time), kinematics(model.bearing, *operation.ring_speeds).cage
+    return Balanced(*statics.balance(contacts, Loads.of(operation.at(time), cage, ring), *(middle or ())))
 
 
-def _start(model: ReducedBearing, operation: Operation, place, forces, ring, rate=None, **more) -> ReducedStart:
+def _start(model, operation, place, forces, ring, found: Passing | None = None, **more) -> ReducedStart:
     bearing, n, forces = model.bearing, model.bearing.n_rollers, statics.closed_forces(forces)
-    rate = np.zeros_like(place) if rate is None else rate
+    rate = np.zeros_like(place) if found is None else found.rate("place")
     return ReducedStart(
         kinematics=kinematics(bearing, *operation.ring_speeds),
         angle=roller_angles(bearing, operation.first_roller_angle),
@@ -166,17 +152,16 @@ def tilted_start(
 
     NotFound: no equilibrium.
     """
-    bearing, n = model.bearing, model.bearing.n_rollers
-    operation = operation if plane.steady else unloaded(operation)
+    operation, n = operation if plane.steady else unloaded(operation), model.bearing.n_rollers
 
     def balanced(time: float) -> TiltedStatics:
-        return _tilted_at(model, operation, axial, TiltedLaws(*tables), plane, time)
+        return _tilted_at(model, operation, axial, tables, plane, time)
 
     now, found, warning = balanced(0.0), None, None
     if plane.steady:
-        way = LOOK_AHEAD * bearing.roller_radius
-        found, warning = statics.passing(balanced, lambda: now.radial_stiffness, bearing, operation, way)
-    rates = np.zeros(4 + 2 * n) if found is None else places_moving(found.before, now, found.after, found.time)
+        way = LOOK_AHEAD * model.bearing.roller_radius
+        found, warning = passing(balanced, lambda: now.radial_stiffness, model.bearing, operation, way)
+    rates = places_moving(now, found)
     return replace(
         plane,
         hub=now.hub, rho=now.rho, hub_velocity=rates[:2], rho_rate=rates[4 : 4 + n],
@@ -186,21 +171,15 @@ def tilted_start(
 
 
 def _tilted_at(
-    model: ReducedBearing, operation: Operation, axial: Axial, laws: TiltedLaws, plane: ReducedStart, time: float
+    model: ReducedBearing, operation: Operation, axial: Axial, laws: tuple, plane: ReducedStart, time: float
 ) -> TiltedStatics:
     """Equilibrium at a time, s, near that of parallel axes. NotFound."""
-    bearing, n, share = model.bearing, model.bearing.n_rollers, 12.0 / model.bearing.roller_length**2
-    angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
-    contacts = model.at(angle, UNTURNED)
-    along = contacts.compliance.copy()  # of the rings alone: rollers' own squeezing by moments is in contacts' tables
-    along[range(n), range(n, 2 * n)] = along[range(n, 2 * n), range(n)] = 0.0
-    elastic = Elastic(contacts.compliance, share * along, contacts.closing)
-    placement = Placement(angle, plane.ring, Turns.rolling(bearing, operation, time))
-    acting, start = operation.at(time), (plane.hub, plane.rho)
-    try:
-        return tilted_equilibrium(bearing, acting, laws, hub_tilt(operation, axial), placement, start, elastic)
-    except RuntimeError as error:
-        raise NotFound(str(error)) from None
+    contacts, n = _contacts_at(model, operation, time), model.bearing.n_rollers
+    along = 12.0 / model.bearing.roller_length**2 * contacts.compliance
+    along[range(n), range(n, 2 * n)] = along[range(n, 2 * n), range(n)] = 0.0  # rollers' own is in contacts' tables
+    elastic, near = Elastic(contacts.compliance, along, contacts.closing), np.concatenate([plane.hub, plane.rho])
+    hub = hub_tilt(operation, axial)
+    return statics.tilted_balance(contacts, operation.at(time), laws, hub, plane.ring, near, elastic)
 
 
 def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, loaded: ReducedStart) -> None:
@@ -210,29 +189,26 @@ def check_slices(model: ReducedBearing, operation: Operation, axial: Axial, load
 
     UsageError: too narrow. NotFound: no equilibrium.
     """
-    if not axial.coupling:
-        return
-    bearing, laws = model.bearing, (model.inner_law, model.outer_law)
-    tried = no_narrower(bearing, axial, (loaded.inner_force, loaded.outer_force))
-    still = _tilted_at(model, operation, tried, TiltedLaws(*tilted_slices(bearing, tried, laws)), loaded, 0.0)
-    if (reason := narrow_slices(bearing, axial, laws, still, tried)) is not None:
-        raise UsageError(reason)
+    if axial.coupling:
+        tried = no_narrower(model.bearing, axial, (loaded.inner_force, loaded.outer_force))
+        slices = tilted_slices(model.bearing, tried, model.laws)
+        check_narrow(model.bearing, axial, model.laws, _tilted_at(model, operation, tried, slices, loaded, 0.0), tried)
 
 
-def narrow_slices(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics, tried: Axial | None = None):
-    """Why coupled slices can't carry the largest forces of a start, with the number that can; None: they do.
+def check_narrow(bearing: Bearing, axial: Axial, laws: Laws, start: TiltedStatics, tried: Axial | None = None) -> None:
+    """Refuse coupled slices that can't carry the largest forces of a start, naming the number that can. UsageError.
 
     `laws` : plane ones of whole contacts, inner and outer; `tried` : the slices of the start, None: the same
     """
     if not axial.coupling:
-        return None
+        return
     tried, widest = tried or axial, 0.0
     loads = (start.inner_force, start.inner_moment), (start.outer_force, start.outer_moment)
     slices = tilted_slices(bearing, tried, laws)
     for each, pair, (force, moment) in zip(slices, contact_pairs(bearing), loads, strict=False):
         j = int(force.argmax())
         if force[j] > 0.0:
-            held = exerted(each, force, moment)[j]
-            carried = each.forces(*placed(each, float(force[j]), float(held)))
+            carried = each.forces(*placed(each, float(force[j]), float(exerted(each, force, moment)[j])))
             widest = max(widest, pair.half_width(tried.slices * float(carried.max())))
-    return too_narrow(bearing, axial, widest)
+    if (reason := too_narrow(bearing, axial, widest)) is not None:
+        raise UsageError(reason)

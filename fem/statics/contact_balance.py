@@ -4,21 +4,19 @@ Every body is condensed to the compliance between its contacts, or between point
 that comes from (finite elements, exact series) is not known here.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from lagrange import Bearing, Operation
-from lagrange.equations import Overlaps, nothing_carries, overlaps
+from lagrange.equations import nothing_carries, overlaps
 from lagrange.errors import UsageError
-from lagrange.first_state import JUMP, JUMPS, SOFT, followed, surface_speed
-from lagrange.load_history import LONGEST_LOOK, SLOWEST
-from lagrange.mounting import ring_place
+from lagrange.motion import HubTilt, TiltedLaws
+from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
 from lagrange.surface.deviation import UNTURNED, Turns
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
@@ -56,62 +54,16 @@ class Loads(NamedTuple):
     spring: HubSpring | None = None
 
     @classmethod
-    def of(cls, acting: Operation, cage_speed: float = 0.0) -> "Loads":
-        """Loads and weights at an instant, see `Operation.at`; no spring."""
-        weight = acting.inner_mass * acting.gravity
-        return cls(float(acting.radial_load) + weight, acting.gravity, cage_speed, float(acting.side_load))
+    def of(cls, acting: Operation, cage_speed: float = 0.0, ring: np.ndarray | None = None) -> "Loads":
+        """Loads and weights at an instant, see `Operation.at`; springs, with the outer ring's centre at a place."""
+        down, spring = float(acting.radial_load) + acting.inner_mass * acting.gravity, hub_spring(acting, ring)
+        return cls(down, acting.gravity, cage_speed, float(acting.side_load), spring)
 
 
-def hub_spring(operation: Operation, ring: np.ndarray) -> HubSpring | None:
+def hub_spring(operation: Operation, ring: np.ndarray | None) -> HubSpring | None:
     """The shaft's springs about the outer ring's centre, which is at (2,), m; None where nothing holds the shaft."""
     shaft = operation.mounting.shaft
-    return None if shaft is None else HubSpring(shaft.stiffness, -float(ring[0]), -float(ring[1]))
-
-
-def standing_ring(operation: Operation, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """`lagrange.mounting.ring_place`, (2,), m. NotFound: there is none."""
-    try:
-        return ring_place(operation.mounting, weight, force_at)
-    except RuntimeError as error:
-        raise NotFound(str(error)) from None
-
-
-class Passing(NamedTuple):
-    """Equilibria that a bearing passes through around a start."""
-
-    before: Any
-    after: Any
-    time: float  # s, of each from the start
-
-    def rate(self, name: str) -> np.ndarray:
-        """Of an array in them."""
-        return (getattr(self.after, name) - getattr(self.before, name)) / (2.0 * self.time)
-
-
-def passing(
-    at: Callable[[float], Any], stiffness: Callable[[], np.ndarray], bearing: Bearing, operation: Operation, way: float
-) -> tuple[Passing | None, str | None]:
-    """The equilibria that give a start its velocities; without these why not, unless nothing turns or none is near.
-
-    Elastic waves excited by such a start are of second order in the rolling speed over the wave speed. Where the hub
-    cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do not
-    follow each other a run starts without velocities.
-
-    at : the equilibrium, with a `hub`, at a time, s; stiffness : of the hub, (2, 2), N/m, at the start
-    way : m, that contacts roll meanwhile
-    """
-    speed = surface_speed(bearing, operation)
-    if speed <= SLOWEST:
-        return None, None
-    if followed(stiffness(), bearing, operation)[0].size < 2:
-        return None, SOFT
-    # far beyond its table it is of no sense
-    time = min(way / speed, inf if operation.history is None else LONGEST_LOOK)
-    try:
-        found = Passing(at(-time), at(time), time)
-    except NotFound:
-        return None, None
-    return (found, None) if np.linalg.norm(found.rate("hub")) <= JUMP * speed else (None, JUMPS)
+    return None if shaft is None or ring is None else HubSpring(shaft.stiffness, -float(ring[0]), -float(ring[1]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,14 +79,16 @@ class Condensed:
     turns: Turns = UNTURNED  # of the bodies, which matter where their surfaces are not perfect
     contact: np.ndarray | None = None  # (n_points,), whose point each is; None: every contact is one, (2 n_rollers,)
 
+    laws = property(lambda self: (self.inner_law, self.outer_law))
+
     @cached_property
     def law(self) -> ContactLaw | NoLaw:
         """Both laws as one, of the forces of all contacts, (2 n_rollers,): its constants are arrays."""
-        laws, n = (self.inner_law, self.outer_law), self.bearing.n_rollers
-        if isinstance(laws[0], NoLaw):
-            return laws[0]
-        A, B, Q_line = np.repeat([(law.A, law.B, law.Q_line) for law in laws], n, axis=0).T.copy()
-        return replace(laws[0], A=A, B=B, Q_line=Q_line)
+        if isinstance(self.inner_law, NoLaw):
+            return self.inner_law
+        constants = [(law.A, law.B, law.Q_line) for law in self.laws]
+        A, B, Q_line = np.repeat(constants, self.bearing.n_rollers, axis=0).T.copy()
+        return replace(self.inner_law, A=A, B=B, Q_line=Q_line)
 
 
 def first_guess(bearing: Bearing, radial, load: float, side_load: float = 0.0) -> np.ndarray:
@@ -146,15 +100,6 @@ def first_guess(bearing: Bearing, radial, load: float, side_load: float = 0.0) -
     if size > 0.0:
         hub = (max(bearing.radial_clearance, 0.0) + 1e-7 * bearing.roller_radius) * np.array([side_load, -load]) / size
     return np.concatenate([hub, bearing.pitch_radius + 0.5 * (radial @ hub)])
-
-
-def springs_of(bearing: Bearing, spring: HubSpring | None) -> tuple[np.ndarray, np.ndarray]:
-    """What holds hub and rollers beside contacts: stiffness, N/m, and where it rests, m, (n_rollers + 2,) each."""
-    stiffness = np.full(bearing.n_rollers + 2, LOOSE_SPRING)
-    middle = np.concatenate([np.zeros(2), np.full(bearing.n_rollers, bearing.pitch_radius)])
-    if spring is not None and spring.stiffness > LOOSE_SPRING:
-        stiffness[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
-    return stiffness, middle
 
 
 def hub_stiffness(contacts: Condensed, place: np.ndarray, forces: np.ndarray, spring: HubSpring | None) -> np.ndarray:
@@ -183,7 +128,7 @@ def closed_forces(forces: np.ndarray) -> np.ndarray:
 
 
 def balance(
-    contacts: Condensed, loads: Loads, start: np.ndarray, near: np.ndarray | None = None
+    contacts: Condensed, loads: Loads, start: np.ndarray | None = None, near: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii, (n_rollers + 2,), and the forces of inner and outer contacts, or of points, in equilibrium.
 
@@ -191,11 +136,13 @@ def balance(
     potential energy of elastic bodies that may not pull. That is solved, the directions are set anew, and so on; they
     move by microradians, or by a roller's pitch where a hub in clearance rolls over to the next roller.
 
-    start : (n_rollers + 2,), m; near : (n_points,), N, forces of an equilibrium that is near, where there is one
+    start : (n_rollers + 2,), m; None: `first_guess`
+    near : (n_points,), N, forces of an equilibrium that is near, where there is one
 
     Errors: NotFound. The balance is exact to about 1e-9 of the load.
     """
-    bearing, position = contacts.bearing, start
+    bearing = contacts.bearing
+    position = first_guess(bearing, contacts.radial, loads.hub, loads.side_load) if start is None else start
     forces = np.zeros(contacts.closing.size) if near is None else near
     for _ in range(MAX_TURNS):
         held = Held(contacts, loads, position, closed_forces(forces))
@@ -209,15 +156,31 @@ def balance(
     raise held.not_found(f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts")
 
 
+def tilted_balance(
+    contacts: Condensed, operation: Operation, laws: tuple, hub: HubTilt, ring: np.ndarray, start: np.ndarray,
+    elastic: Elastic,
+) -> TiltedStatics:  # fmt: skip
+    """Equilibrium of rollers that tilt near hub and radii at a start, (n_rollers + 2,), m, in place of `balance`.
+
+    laws : of tilted contacts, inner and outer; ring : (2,), m, of the outer ring's centre
+
+    Errors: NotFound.
+    """
+    placement = Placement(np.arctan2(contacts.radial[:, 1], contacts.radial[:, 0]), ring, contacts.turns)
+    near, laws = (start[:2], start[2:]), TiltedLaws(*laws)
+    try:
+        return tilted_equilibrium(contacts.bearing, operation, laws, hub, placement, near, elastic)
+    except RuntimeError as error:
+        raise NotFound(str(error)) from None
+
+
 class Held:
     """The convex problem: the contacts' directions are held as they are at a position under the last forces."""
 
     def __init__(self, contacts: Condensed, loads: Loads, position: np.ndarray, last: np.ndarray):
         bearing, radial, turns = contacts.bearing, contacts.radial, contacts.turns
         self.contacts, self.loads, self.position = contacts, loads, position
-        overlap, directions = geometry(bearing, radial, position, turns, last)
-        edges = _met(bearing, radial, position, turns).compliances  # of spalls
-        soft = np.concatenate([np.zeros(bearing.n_rollers) + compliance for compliance in edges])
+        overlap, directions, soft = geometry(bearing, radial, position, turns, last)
         if contacts.contact is not None:
             overlap, directions, soft = (of_contacts[contacts.contact] for of_contacts in (overlap, directions, soft))
         self.overlap = overlap + contacts.closing  # (n_points,), m, there, of bodies under no contact forces
@@ -226,7 +189,11 @@ class Held:
         # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
         on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
         self.applied = np.concatenate([[loads.side_load, -loads.hub], on_rollers])  # (n_rollers + 2,), N
-        self.springs, self.middle = springs_of(bearing, loads.spring)
+        # what holds hub and rollers beside contacts: stiffness, N/m, and where it rests, m
+        self.springs = np.full(bearing.n_rollers + 2, LOOSE_SPRING)
+        self.middle = np.concatenate([np.zeros(2), np.full(bearing.n_rollers, bearing.pitch_radius)])
+        if loads.spring is not None and loads.spring.stiffness > LOOSE_SPRING:
+            self.springs[:2], self.middle[:2] = loads.spring.stiffness, loads.spring[1:]
         self.size = max(float(np.abs(self.applied).max()), FAINTEST)
 
     def unbalanced(self, moved: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -311,20 +278,18 @@ def _convex(held: Held) -> tuple[np.ndarray, np.ndarray]:
     raise held.not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps")
 
 
-def _met(bearing: Bearing, radial, position, turns: Turns) -> Overlaps:
-    theta = np.arctan2(radial[:, 1], radial[:, 0])
-    return overlaps(bearing, position[0], position[1], position[2:], theta).on_surfaces(bearing, turns)
-
-
-def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces=None) -> tuple[np.ndarray, np.ndarray]:
-    """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2).
+def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces=None) -> tuple[np.ndarray, ...]:
+    """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2);
+    the compliance of spalls' edges, (2 n,), m/N.
 
     On soft edges the derivatives are those of the contacts' energy over their `forces`, (2 n,), N.
     """
-    n, j, found = bearing.n_rollers, np.arange(bearing.n_rollers), _met(bearing, radial, position, turns)
+    n, j, theta = bearing.n_rollers, np.arange(bearing.n_rollers), np.arctan2(radial[:, 1], radial[:, 0])
+    found = overlaps(bearing, position[0], position[1], position[2:], theta).on_surfaces(bearing, turns)
+    soft = np.concatenate([np.zeros(n) + compliance for compliance in found.compliances])
     if forces is not None:
         found = found.at_force(forces[:n])
     directions = np.zeros((2 * n, n + 2))
     directions[:n, 0], directions[:n, 1], directions[j, 2 + j] = -found.direction_x, -found.direction_y, -found.radial
     directions[n + j, 2 + j] = 1.0
-    return np.concatenate([found.inner, found.outer]), directions
+    return np.concatenate([found.inner, found.outer]), directions, soft

@@ -10,11 +10,12 @@ from fem.contacts.model import Model, Motion, Reduced, standing, unloaded
 from fem.contacts.tilted import MeshedContact
 from fem.elastic.outer_support import MOST_SETTLINGS, NOT_SETTLED, BoredRing
 from fem.quantities import Quantity
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, hub_spring
+from fem.statics import contact_balance as balances
+from fem.statics.contact_balance import Condensed, Loads, NotFound, closed_forces
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import Operation
-from lagrange.motion import HubTilt, TiltedLaws
-from lagrange.statics import Elastic, Placement, TiltedStatics, tilted_equilibrium
+from lagrange.motion import HubTilt
+from lagrange.statics import Elastic, TiltedStatics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,9 @@ class Equilibrium:
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), in each roller's frame, about its centre of mass
     axes: TiltedStatics | None = None  # of rollers that tilt; None: axes stay parallel
+
+    place = property(lambda self: np.concatenate([self.hub, self.rho]))
+    forces = property(lambda self: np.concatenate([self.inner_force, self.outer_force]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,14 +51,10 @@ class Tilting:
 
     def found(self, contacts: Condensed, place: np.ndarray) -> TiltedStatics:
         """The equilibrium near hub and radii at a place, (n_rollers + 2,), m. NotFound: there is none."""
-        theta = np.arctan2(contacts.radial[:, 1], contacts.radial[:, 0])
-        between = contacts.compliance - np.diag(np.repeat([law.meshed for law in self.laws], theta.size))
-        elastic, start = Elastic(between, np.zeros_like(between), contacts.closing), (place[:2], place[2:])
-        laws, placement = TiltedLaws(*self.laws), Placement(theta, self.ring, contacts.turns)
-        try:
-            return tilted_equilibrium(contacts.bearing, self.operation, laws, self.hub, placement, start, elastic)
-        except RuntimeError as error:
-            raise NotFound(str(error)) from None
+        own = np.repeat([law.meshed for law in self.laws], contacts.bearing.n_rollers)
+        between = contacts.compliance - np.diag(own)
+        elastic = Elastic(between, np.zeros_like(between), contacts.closing)
+        return balances.tilted_balance(contacts, self.operation, self.laws, self.hub, self.ring, place, elastic)
 
 
 def equilibrium(
@@ -74,8 +74,8 @@ def equilibrium(
     inner_force, outer_force = reduced.sums(pressed).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
     return Equilibrium(
-        hub=place[:2].copy(), rho=place[2:].copy(), inner_force=inner_force.copy(), outer_force=outer_force.copy(),
-        inner_ring=inner_ring, outer_ring=outer_ring, rollers=rollers, axes=axes,
+        hub=place[:2], rho=place[2:], inner_force=inner_force, outer_force=outer_force, inner_ring=inner_ring,
+        outer_ring=outer_ring, rollers=rollers, axes=axes,
     )  # fmt: skip
 
 
@@ -87,12 +87,11 @@ def solved(
     if start is not None:
         if isinstance(model.outer_ring, BoredRing):
             model = _settled(model, start.outer_ring)
-        place = np.concatenate([start.hub, start.rho])
-        forces = pressed = np.concatenate([start.inner_force, start.outer_force])
+        place, forces, pressed = start.place, start.forces, start.forces
     else:
-        place, forces, pressed = first_guess(bearing, motion.radial, loads.hub, loads.side_load), None, None
+        place, forces, pressed = balances.first_guess(bearing, motion.radial, loads.hub, loads.side_load), None, None
         if not model.has_law:
-            place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
+            place, forces = balances.balance(exact_contacts(bearing, motion.roller_angle), loads)
             pressed = forces
     free = unloaded(model, motion, loads.gravity)
     passes = model.static_passes if start is None else max(1, model.static_passes - 1)  # from near one less will do
@@ -104,7 +103,7 @@ def solved(
         )  # fmt: skip
         if tilted is None:
             near = pressed if pressed is not None and pressed.size == reduced.contact.size else None
-            place, pressed = balance(contacts, loads, place, near)
+            place, pressed = balances.balance(contacts, loads, place, near)
         else:
             axes = tilted.found(contacts, place)
             place = np.concatenate([axes.place[:2], axes.rho])
@@ -130,8 +129,7 @@ def static_quantities(model: Model, operation: Operation, tilted: Tilting | None
 
     `tilted` : where rollers tilt. NotFound: no equilibrium.
     """
-    spring = hub_spring(operation, np.zeros(2)) if tilted is None else None
-    loads = Loads.of(operation if tilted is None else tilted.operation)._replace(spring=spring)
+    loads = Loads.of(operation if tilted is None else tilted.operation, ring=np.zeros(2))
     found = equilibrium(model, standing(model.bearing, operation.first_roller_angle), loads, tilted=tilted)
     total, force = float(found.inner_force.sum()), float(found.inner_force.max())
     share = force / total if total > 0.0 else 0.0

@@ -18,7 +18,7 @@ from fem.elastic import continuum as series
 from fem.elastic.cache import kept
 from fem.elastic.continuum import Section, hertz_approach, plane_compliance, ring_sections, roller_section
 from fem.elastic.vibration import inertia
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.contact.hertz import contact_pairs, line_compliance
 from lagrange.fits import growths, outer_growth
@@ -48,8 +48,7 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
     Source: Michell's series for ring and disc (`continuum`); Johnson, Contact Mechanics (1985), chapters 4 and 5.
     """
     contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
-    start = first_guess(bearing, contacts.radial, radial_load)
-    position, forces = balance(contacts, Loads(radial_load), start)
+    position, forces = balance(contacts, Loads(radial_load))
     return ExactStatics(position[:2], *closed_forces(forces).reshape(2, -1))
 
 
@@ -127,10 +126,9 @@ def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
     roller's radius and up to 23 % of the ring's thickness, finds 1.6 to 2.4 times as much.
     ValueError: a half-width beyond the roller's radius.
     """
-    inner, outer = ring_sections(bearing)
-    half_width = law.pair.half_width(force)
-    of_ring = hertz_approach(inner if law.pair.kind == "inner" else outer, half_width)
-    whole = force * (of_ring + hertz_approach(roller_section(bearing), half_width)) / law.pair.length
+    half_width, ring = law.pair.half_width(force), ring_sections(bearing)[law.pair.kind != "inner"]
+    bodies = hertz_approach(ring, half_width) + hertz_approach(roller_section(bearing), half_width)
+    whole = force * bodies / law.pair.length
     return whole / float(law.approach(force)) - 1.0
 
 
@@ -148,7 +146,7 @@ class ExpectedForces:
             found = exact_statics(self.bearing, self._load, self.operation.first_roller_angle)
         except NotFound:
             return self.bound
-        return float(np.concatenate([found.inner_force, found.outer_force]).max()) + self._centrifugal
+        return float(max(found.inner_force.max(), found.outer_force.max())) + self._centrifugal
 
     @property
     def bound(self) -> float:
@@ -271,13 +269,12 @@ def neighbours_of(bearing: Bearing, rings: RingCouplings) -> tuple[RingCouplings
     for place, pockets in enumerate(rings.distance):
         at[apart == pockets] = place
 
-    counted = {}  # neighbours as far as these many pockets
-    for name in ("counts", "crossing"):
-        counts = getattr(rings, name)
-        furthest = [np.abs(rings.distance[:count]).max(initial=0) for count in counts.ravel()]
-        found = np.array([np.sum(np.abs(distance) <= far) for far in furthest], dtype=np.intp)
-        counted[name] = found.reshape(counts.shape)
-    return replace(rings, distance=distance, **counted), at
+    def as_far(count: int) -> int:
+        """How many neighbours are as far as that many pockets'."""
+        return np.sum(np.abs(distance) <= np.abs(rings.distance[:count]).max(initial=0))
+
+    counted = np.vectorize(as_far, otypes=[np.intp])
+    return replace(rings, distance=distance, counts=counted(rings.counts), crossing=counted(rings.crossing)), at
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -297,6 +294,7 @@ class ReducedBearing:
     bearing = property(lambda self: self.contacts.bearing)
     inner_law = property(lambda self: self.contacts.inner_law)
     outer_law = property(lambda self: self.contacts.outer_law)
+    laws = property(lambda self: self.contacts.laws)
 
     def give(self, load: float) -> float:
         """Deflection of a sound contact under the load at the hub, N, beyond that of elastic bodies, m."""
@@ -320,12 +318,13 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, gravity: float = 0.0) 
     (contacts, between), found, n = kept_contacts(bearing), _kept_series(_sound(bearing)), bearing.n_rollers
     (inner_growth, roller_growth), of_outer = growths(bearing, motion), outer_growth(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth - of_outer], n)
-    laws = {name: _rolling(getattr(contacts, name), bearing, motion) for name in ("inner_law", "outer_law")}
-    inner, outer = (series.weight_sag(ring, gravity) for ring in ring_sections(bearing))
+    inner, outer = (_rolling(law, bearing, motion) for law in contacts.laws)
     return ReducedBearing(
-        contacts=replace(contacts, closing=closing, **laws), between=between, across=float(contacts.compliance[0, n]),
-        rings=ring_couplings(bearing.full, found["around"], found["crossed"], laws["inner_law"].A),
-        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer, sag=(inner, outer),
+        contacts=replace(contacts, closing=closing, inner_law=inner, outer_law=outer), between=between,
+        across=float(contacts.compliance[0, n]),
+        rings=ring_couplings(bearing.full, found["around"], found["crossed"], inner.A),
+        inner_growth=inner_growth, roller_growth=roller_growth, outer_growth=of_outer,
+        sag=tuple(series.weight_sag(ring, gravity) for ring in ring_sections(bearing)),
     )  # fmt: skip
 
 
@@ -338,15 +337,15 @@ def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLa
     of_ring, of_roller = (series.moving_softening(material, speed) for material in pair.materials)
     sides = [line_compliance(material, pair.length) for material in pair.materials]
     share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)
-    still = _long_waves(_sound(bearing), pair.kind == "inner")
+    still = _long_waves(_sound(bearing), pair.kind != "inner")
     faster = ContactLaw.of_level(law.A * share, law.B - 0.5 * log(share), pair)  # b² grows as A
     return softened(faster, (of_ring - 1.0) * still)
 
 
 @lru_cache(maxsize=2)
-def _long_waves(bearing: Bearing, inner: bool) -> float:
+def _long_waves(bearing: Bearing, outer: bool) -> float:
     """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
-    ring = ring_sections(bearing)[0 if inner else 1]
+    ring = ring_sections(bearing)[outer]
     harmonics = plane_compliance(ring, np.arange((bearing.pockets + 1) // 2))
     harmonics[0] *= 0.5
     return float(harmonics.sum()) / (pi * ring.loaded * bearing.roller_length)
@@ -359,7 +358,7 @@ def kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     inner, outer, between = (ContactLaw(A=A, B=B, Q_line=line, pair=pair) for (A, B, line), pair in constants)
     contacts = Condensed(
         bearing=bearing, radial=np.column_stack([np.cos(angle), np.sin(angle)]), inner_law=inner, outer_law=outer,
-        compliance=of_present(bearing, arrays["compliance"]) if bearing.missing else arrays["compliance"],
+        compliance=of_present(bearing, arrays["compliance"]),
         closing=np.zeros(2 * bearing.n_rollers),
     )  # fmt: skip
     return contacts, between

@@ -28,11 +28,9 @@ def scene_slices(scene: Scene) -> tuple[Slices, Slices]:
     Of the Lagrangian model its law's; of other models those of elastic bodies, whose laws are as at rest.
     """
     bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
-    assert axial is not None
     if scene.model == "lagrange":
         return contact_slices(bearing, axial, contact_laws(scene.lagrange.law, bearing))
-    contacts, _ = kept_contacts(bearing)
-    return tilted_slices(bearing, axial, (contacts.inner_law, contacts.outer_law))
+    return tilted_slices(bearing, axial, kept_contacts(bearing)[0].laws)
 
 
 def slice_pressures(
@@ -49,7 +47,6 @@ def slice_pressures(
     Errors: those of `pressures_under`.
     """
     bearing, axial, spalled, k = scene.perfect_bearing(), scene.ideal_axial(), scene.ideal_bearing(), SIDES.index(side)
-    assert axial is not None
     part, pair, depth = axial.parts(spalled)[k], contact_pairs(bearing)[k], np.zeros(bearing.n_rollers)
     if part is not None:
         met = surfaces_met(spalled, scene.ideal_operation(), {name: np.asarray(column(name))[None] for name in PLACES})
@@ -64,7 +61,6 @@ def peak_columns(scene: Scene, samples: Mapping[str, np.ndarray]) -> dict[str, n
     Tables are kept on disk. Errors: those of `peak_table`. NaN over spalls of part of the length, whose ends are edges.
     """
     bearing, axial = scene.perfect_bearing(), scene.ideal_axial()
-    assert axial is not None
     slope = np.abs(samples["roller_tilt"]).max() + np.hypot(samples["inner_slope_x"], samples["inner_slope_y"]).max()
     force = max(samples[f"{side}_force"].max() for side in SIDES)
     within = rounded_range(float(force), max(float(slope), LEAST))

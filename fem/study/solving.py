@@ -16,7 +16,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from importlib.metadata import version
 from math import inf, nan
 from multiprocessing import connection, get_context
@@ -30,7 +30,7 @@ from fem.interface import OF_CHECK, Result, check_quantities, simulate, statics
 from fem.quantities import OF_RATING, OF_STATICS
 from fem.rating.answers import values_of
 from fem.result.store import readable
-from fem.solver.simulate import make_plan, programs_named
+from fem.solver.simulate import make_plan
 from fem.solver.solver import sample_count
 from fem.study.study_file import Design, KeepTable, Study
 from lagrange.columns import PER_ROLLER
@@ -263,7 +263,7 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
                 began = time.process_time()
                 rated(scene, keep.quantities)
             else:
-                programs_named(partial(make_plan, scene)).prepare(tell)
+                make_plan(scene).prepare(tell)
                 began = time.process_time()
                 run = make_plan(scene).expected_seconds
             seconds.append(time.process_time() - began + run)

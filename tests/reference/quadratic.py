@@ -377,7 +377,7 @@ def quadratic_statics(
     area = length * bearing.roller_length
     place, force = balance(points, Loads(radial_load), first_guess(bearing, radial, radial_load))
     force = closed_forces(force)
-    overlap, _ = geometry(bearing, radial, place)
+    overlap = geometry(bearing, radial, place)[0]
     pressed = force.reshape(2, n, -1)
     if (pressed[..., [0, -1]] > 0.0).any():
         raise NotFound(f"contacts are wider than the {along[-1]:.2g} m that the mesh resolves to either side")

@@ -23,8 +23,8 @@ class RecordedDisk:
         for name, told in (
             ("fem.result.store.write_at", lambda handle, data, at: ("write", os.fstat(handle).st_ino, at, bytes(data))),
             ("fem.result.store.move_into_place", lambda a, b: ("move", os.stat(a).st_ino, str(b), a.read_bytes())),
-            ("os.fsync", lambda handle: ("sync",)),
-        ):
+            ("os.fsync", lambda handle: ("sync",)), ("os.posix_fallocate", lambda *_: ("claim",)),
+        ):  # fmt: skip
             module, _, function = name.rpartition(".")
             real = getattr(os if module == "os" else fem.result.store, function)
             monkeypatch.setattr(name, lambda *given, real=real, told=told: self._watched(real, told, given))

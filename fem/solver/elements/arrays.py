@@ -33,22 +33,22 @@ from fem.kernels.lanes import WIDTH
 from fem.kernels.law import with_seam
 from fem.kernels.mounts import Housing, late_mass
 from fem.solver import parts
-from fem.solver import start as massless
 from fem.solver.parts import filled
 from fem.solver.row_state import collect_arrays, row_width
 from fem.solver.solver import Frame
-from fem.solver.start import Tables, unloaded
-from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness, passing, standing_ring
+from fem.solver.start import Tables, tables_of, unloaded
+from fem.statics.contact_balance import ROUND_OFF, Loads, hub_spring, hub_stiffness
 from fem.statics.equilibrium import Equilibrium, Tilting, equilibrium
-from fem.statics.exact_statics import exact_contacts, kept_contacts, reduced_bearing
+from fem.statics.exact_statics import exact_contacts, kept_contacts
 from lagrange import Bearing, Kinematics, Operation
 from lagrange.axial import Axial
 from lagrange.axial.slices import MORE
 from lagrange.bearing import Cage
 from lagrange.errors import UsageError
-from lagrange.first_state import places_moving, tilts_moving
+from lagrange.first_state import Passing, passing, places_moving, tilts_moving
 from lagrange.kinematics import kinematics, kinematics_met, roller_angles, turned
 from lagrange.motion import Tilts, hub_tilt
+from lagrange.mounting import ring_place
 from lagrange.scene.run import DampingTable
 from lagrange.surface.deviation import profiles
 
@@ -75,57 +75,41 @@ class Start:
     warning: str | None = None  # on velocities that it starts without
 
 
-def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Motion, Kinematics]:
-    """Angles at a time if everything rolls without slip."""
-    ideal = kinematics(model.bearing, *operation.at(time).ring_speeds)
-    way = turned(model.bearing, operation, time)
-    angle = roller_angles(model.bearing, operation.first_roller_angle)
-    n = model.bearing.n_rollers
-    motion = Motion(
-        roller_angle=angle + way.cage, roller_turn=np.full(n, way.roller), ring_turn=way.shaft, cage_speed=ideal.cage,
-        roller_speed=ideal.roller, ring_speed=ideal.shaft, outer_turn=way.outer_ring, outer_speed=ideal.outer_ring,
+def rolling_motion(model: Model, operation: Operation, time: float) -> Motion:
+    """Angles and speeds at a time if everything rolls without slip."""
+    bearing, way = model.bearing, turned(model.bearing, operation, time)
+    ideal = kinematics(bearing, *operation.at(time).ring_speeds)
+    return Motion(
+        roller_angle=roller_angles(bearing, operation.first_roller_angle) + way.cage,
+        roller_turn=np.full(bearing.n_rollers, way.roller), ring_turn=way.shaft, outer_turn=way.outer_ring,
+        cage_speed=ideal.cage, roller_speed=ideal.roller, ring_speed=ideal.shaft, outer_speed=ideal.outer_ring,
     )  # fmt: skip
-    return motion, ideal
 
 
 def equilibrium_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
     """Static equilibrium at t = 0, with the velocities of `passing`; `tilting` : None: axes stay parallel."""
+    bearing, motion, ring = model.bearing, rolling_motion(model, operation, 0.0), np.zeros(2)
 
     def at(time, ring, near=None):
-        (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
-        if tilting is not None:
-            return equilibrium(model, motion, Loads.of(acting), near or tilting.near, tilting.at(acting, ring))
-        return equilibrium(model, motion, Loads.of(acting)._replace(spring=hub_spring(operation, ring)), near)
+        acting, near = operation.at(time), near or (tilting and tilting.near)
+        tilted, loads = tilting and tilting.at(acting, ring), Loads.of(acting, ring=ring)
+        return equilibrium(model, rolling_motion(model, operation, time), loads, near, tilted)
 
-    (motion, ideal), ring = rolling_motion(model, operation, 0.0), np.zeros(2)
     if operation.mounting.shaft is not None:
         on_springs = _weight_on_springs(model, operation)
-        ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
+        ring = ring_place(operation.mounting, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
 
     def stiffness() -> np.ndarray:
         """Of the hub by the exact compliances of elastic bodies."""
         if middle.axes is not None:
             return middle.axes.radial_stiffness
-        place = np.concatenate([middle.hub, middle.rho])
-        forces = np.concatenate([middle.inner_force, middle.outer_force])
-        contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)
-        return hub_stiffness(contacts, place, forces, hub_spring(operation, ring))
+        contacts = replace(exact_contacts(bearing, motion.roller_angle), turns=motion.turns)
+        return hub_stiffness(contacts, middle.place, middle.forces, hub_spring(operation, ring))
 
     way = LOOK_AHEAD * model.roller.shape.surface_spacing
-    found, warning = passing(lambda time: at(time, ring, middle), stiffness, model.bearing, operation, way)
-    still = _still(model, operation, middle, motion, warning=warning)
-    if found is None:
-        return still
-    axes = None
-    if middle.axes is not None:
-        axes = tilts_moving(middle.axes, places_moving(found.before.axes, middle.axes, found.after.axes, found.time))
-    return replace(
-        still, hub_velocity=found.rate("hub"),
-        roller_velocity=found.rate("rho")[:, None] * motion.radial + (ideal.cage * middle.rho)[:, None] * motion.around,
-        roller_rate=found.rate("rollers"), inner_rate=found.rate("inner_ring"), outer_rate=found.rate("outer_ring"),
-        tilts=axes,
-    )  # fmt: skip
+    found, warning = passing(lambda time: at(time, ring, middle), stiffness, bearing, operation, way)
+    return _start(model, operation, motion, middle, found, warning=warning)
 
 
 def rest_start(model: Model, operation: Operation, tilting: Tilting | None = None) -> Start:
@@ -133,22 +117,22 @@ def rest_start(model: Model, operation: Operation, tilting: Tilting | None = Non
 
     So are rollers that tilt.
     """
-    (motion, _), surfaces, bearing = rolling_motion(model, operation, 0.0), profiles(model.bearing), model.bearing
+    motion, surfaces, bearing = rolling_motion(model, operation, 0.0), profiles(model.bearing), model.bearing
     if tilting is not None:
         idle = unloaded(operation)
         found = equilibrium(model, motion, Loads.of(idle), tilting.near, tilting.at(idle, np.zeros(2)))
-        return _still(model, operation, found, motion)
+        return _start(model, operation, motion, found)
     clearance = bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
     pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
     if pressed or clearance < -ROUND_OFF * bearing.roller_radius:
-        return _still(model, operation, equilibrium(model, motion, Loads(0.0)), motion)
+        return _start(model, operation, motion, equilibrium(model, motion, Loads(0.0)))
     n = bearing.n_rollers
     inner, outer = (np.zeros((ring.n_rows, 2, ring.n_sectors)) for ring in (model.inner_ring, model.outer_ring))
     undeformed = Equilibrium(
         hub=np.zeros(2), rho=np.full(n, bearing.pitch_radius), inner_force=np.zeros(n), outer_force=np.zeros(n),
         inner_ring=inner, outer_ring=outer, rollers=np.zeros((n, model.roller.n_nodes, 2)),
     )  # fmt: skip
-    return _still(model, operation, undeformed, motion, steady=False)
+    return _start(model, operation, motion, undeformed, steady=False)
 
 
 def _weight_on_springs(model: Model, operation: Operation) -> float:
@@ -156,17 +140,23 @@ def _weight_on_springs(model: Model, operation: Operation) -> float:
     return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
-def _still(model: Model, operation: Operation, equilibrium: Equilibrium, motion: Motion, **more) -> Start:
-    ideal, housing, place = kinematics(model.bearing, *operation.ring_speeds), operation.mounting.housing, np.zeros(2)
+def _start(model: Model, operation: Operation, motion: Motion, found: Equilibrium, around=None, **more) -> Start:
+    """Of an equilibrium, with the rates of the `Passing` around it; None: at rest."""
+    ideal, housing, axes = kinematics(model.bearing, *operation.ring_speeds), operation.mounting.housing, None
+    place = np.zeros(2)
     if housing is not None:  # on its springs, under the contact forces on the outer ring and both weights
-        force = equilibrium.outer_force @ motion.radial
-        place = (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
+        place = (found.outer_force @ motion.radial - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
+    hub, rho, rollers, inner, outer = (
+        np.zeros_like(getattr(found, name)) if around is None else around.rate(name)
+        for name in ("hub", "rho", "rollers", "inner_ring", "outer_ring")
+    )
+    if found.axes is not None:
+        tilting = around and Passing(around.before.axes, around.after.axes, around.time)
+        axes = tilts_moving(found.axes, places_moving(found.axes, tilting))
     return Start(
-        equilibrium=equilibrium, kinematics=ideal, angle=motion.roller_angle, hub_velocity=np.zeros(2),
-        roller_velocity=(ideal.cage * equilibrium.rho)[:, None] * motion.around,
-        roller_rate=np.zeros_like(equilibrium.rollers), inner_rate=np.zeros_like(equilibrium.inner_ring),
-        outer_rate=np.zeros_like(equilibrium.outer_ring), housing=place,
-        tilts=None if equilibrium.axes is None else tilts_moving(equilibrium.axes), **more,
+        equilibrium=found, kinematics=ideal, angle=motion.roller_angle, hub_velocity=hub, roller_rate=rollers,
+        roller_velocity=rho[:, None] * motion.radial + (ideal.cage * found.rho)[:, None] * motion.around,
+        inner_rate=inner, outer_rate=outer, housing=place, tilts=axes, **more,
     )  # fmt: skip
 
 
@@ -177,8 +167,7 @@ def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, n
 
     UsageError: a mesh that resolves contacts, by points or nearly by patches.
     """
-    bearing, too_fine = model.bearing, None
-    most = MORE * rounded_range(force, 0.0)[0]
+    too_fine, most = None, MORE * rounded_range(force, 0.0)[0]
     if not isinstance(model, SubgridModel):
         too_fine = "resolves the contacts"
     elif most > (least := min(model.inner_law.Q_line, model.outer_law.Q_line)):
@@ -187,27 +176,11 @@ def tilting_of(model: Model, operation: Operation, axial: Axial, force: float, n
         raise UsageError(
             f"[axial]: the mesh {too_fine}, where slices have no law of their own; use a larger numerics.mesh_size_mm"
         )
-    contacts, _ = kept_contacts(bearing)
-    laws, below = (contacts.inner_law, contacts.outer_law), (model.inner_law, model.outer_law)
-    inner, outer = (whole.A * (whole.B - law.B) for whole, law in zip(laws, below, strict=True))
-    tables = massless.tables_of(bearing, operation, axial, laws, force, (inner, outer))
-    met = (MeshedContact(table=tables[0], meshed=inner), MeshedContact(table=tables[1], meshed=outer))
+    laws, below = kept_contacts(model.bearing)[0].laws, (model.inner_law, model.outer_law)
+    meshed = tuple(whole.A * (whole.B - law.B) for whole, law in zip(laws, below, strict=True))
+    tables = tables_of(model.bearing, operation, axial, laws, force, meshed)
+    met = (MeshedContact(table=tables[0], meshed=meshed[0]), MeshedContact(table=tables[1], meshed=meshed[1]))
     return Tilting(laws=met, hub=hub_tilt(operation, axial), near=near, operation=operation, ring=np.zeros(2))
-
-
-def check_slices_unmeshed(bearing: Bearing, operation: Operation, axial: Axial) -> None:
-    """`check_slices` before anything is meshed, of an outer ring that is held all around. UsageError."""
-    if operation.mounting.points is None and operation.mounting.bore is None:
-        model = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), gravity=operation.gravity)
-        massless.check_slices(model, operation, axial, massless.equilibrium_start(model, operation))
-
-
-def check_slices(model: Model, axial: Axial, start: Start) -> None:
-    """Refuse coupled slices that are too narrow for the forces of a start. UsageError."""
-    contacts, _ = kept_contacts(model.bearing)
-    laws, axes = (contacts.inner_law, contacts.outer_law), start.equilibrium.axes
-    if axes is not None and (reason := massless.narrow_slices(model.bearing, axial, laws, axes)) is not None:
-        raise UsageError(reason)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,27 +214,24 @@ class Arrays:
 
         ValueError.
         """
-        patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
+        patches, points, shear, looked = self.contacts.patches, self.contacts.points, self.contacts.friction.shear, []
         for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
             for side, surface in enumerate((pair.surface or self.bodies.surface, self.bodies.surface)):
-                last = 0  # place in a surface's arrays where a node may stand, with what is read beside and behind it
+                at, last = 2 * pair.row + side, 0  # where a node may stand, with what is read beside and behind it
                 if isinstance(surface, state.RingSurface):
                     last = surface.u.size - surface.cosines.size - WIDTH
                 elif isinstance(surface, DiscSurface):
                     last = surface.u.size - surface.columns - 1
-                _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
-                _check_between("patches.place", patches.place[2 * pair.row + side], last)
+                first = "patches.start", patches.start[at], getattr(surface, "n_nodes", 1) - 1
+                looked += [first, ("patches.place", patches.place[at], last)]
         if points is not None and points.spread is not None:
-            closed, most = points.spread.closed, points.closing.size
-            _check_between("closed", closed[..., 0], closed[..., 1])
-            _check_between("closed", closed[..., 1], most)
+            begin, end = np.moveaxis(points.spread.closed, -1, 0)
+            looked += [("closed", begin, end), ("closed", end, points.closing.size)]
+        for name, found, most in looked:
+            if np.any(found < 0) or np.any(found > most):
+                raise ValueError(f"{name} lies outside of its array")
         if shear is not None and np.any(shear.compliance <= 0.0):
             raise ValueError("springs without a compliance")
-
-
-def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
-    if np.any(found < 0) or np.any(found > most):
-        raise ValueError(f"{name} lies outside of its array")
 
 
 REACH = 0.01  # of a roller's radius
@@ -385,10 +355,10 @@ def make_arrays(
     `ramp` in s; the largest static contact force in N; `mass` : of nodes.
     """
     slowing, data, around = mass.at(dt), model.kernel_data(largest_force), start.equilibrium
-    hub, ground, mounting, n = model.inner_ring, model.outer_ring, operation.mounting, model.bearing.n_rollers
+    hub, ground, body, mounting = model.inner_ring, model.outer_ring, model.roller, operation.mounting
+    n, chord, nowhere = model.bearing.n_rollers, dt if start.steady else 0.0, np.zeros(2)
     inner, outer = ring_nodes(hub, dt, slowing), ring_nodes(ground, dt, slowing)
-    columns = -(-n // discs.COLUMNS) * discs.COLUMNS
-    body = model.roller
+    columns, column = -(-n // discs.COLUMNS) * discs.COLUMNS, N_SCALARS + len(BLOCKS) * n
     whole = {"total_mass": body.total_mass, "inertia": body.polar_inertia, "radius": body.shape.radius}
     rollers, disc = filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole), disc_nodes(body, dt, columns)
     mass_on_hub, damped = hub_mass(hub, operation), 0.0 if mounting.shaft is None else mounting.shaft.damping
@@ -399,33 +369,23 @@ def make_arrays(
         history=parts.history_arrays(model.bearing, operation),
     )  # fmt: skip
     contacts = contact_arrays(model, operation, start, data, friction, mass, columns)
-    chord, history = dt if start.steady else 0.0, operation.history
     if not hub.material.rigid:
-        places, rates = (around.inner_ring, around.hub + start.housing), (start.inner_rate, start.hub_velocity)
-        momenta = _place_turning(hub, inner, places, rates, operation.speed, chord, slowing)
+        places, rates = (around.inner_ring, drive.hub), (start.inner_rate, start.hub_velocity)
+        momenta = _place_ring(hub, inner, places, rates, operation.speed, chord, slowing)
         drive.velocity[:] -= held_velocity(hub, momenta, slowing, drive.mass)
     if not ground.material.rigid:
-        outer_momenta = ring_momenta(ground, start.outer_rate, slowing)
-        if history is not None and history.outer_turn is not None:
-            places, rates = (around.outer_ring, np.zeros(2)), (start.outer_rate, np.zeros(2))
-            _place_turning(ground, outer, places, rates, operation.outer_speed, chord, slowing)
-        else:
-            shift = np.broadcast_to(start.housing, (len(ground.points), 2))
-            _fill(outer.u, around.outer_ring + ground.polar(shift))
-            _fill(outer.w, outer_momenta)
+        places, rates = (around.outer_ring, start.housing), (start.outer_rate, nowhere)
+        outer_momenta = _place_ring(ground, outer, places, rates, operation.outer_speed, chord, slowing)
     _place_rollers(body, rollers, disc, start, dt, slowing)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
-    if mass.share == 0.0:
-        disc, inner, outer = (group._replace(v=group.w) for group in (disc, inner, outer))
-    if mass.calming == 0.0:
-        disc, inner, outer = (group._replace(calmed=group.w) for group in (disc, inner, outer))
-    column = N_SCALARS + len(BLOCKS) * n
+    for name, absent in (("v", mass.share), ("calmed", mass.calming)):
+        if absent == 0.0:
+            disc, inner, outer = (group._replace(**{name: group.w}) for group in (disc, inner, outer))
     free = isinstance(ground, BoredRing)  # which moves by itself
     on_housing = 0.0 if free else _held_mass(ground), None if free or ground.material.rigid else outer
     housing = parts.housing_of(mounting, *on_housing, start.housing, dt, column)
     shaft = parts.springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
-    of_bore = column + len(replace(mounting, bore=None).columns)
-    bore = bore_body(ground, outer, start.outer_rate, housing, of_bore)
+    bore = bore_body(ground, outer, start.outer_rate, housing, column + len(replace(mounting, bore=None).columns))
     others = tuple(body for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if housing is not None and housing.ring is not None:
         housing.velocity[:] -= held_velocity(ground, outer_momenta, slowing, housing.mass)
@@ -482,16 +442,10 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     )  # fmt: skip
 
 
-def _fill(target: np.ndarray, values: np.ndarray) -> None:
-    target[:, :, HALO:-HALO] = values
-    target[:, :, HALO - 1] = target[:, :, -HALO - 1]
-    target[:, :, -HALO:] = target[:, :, HALO : 2 * HALO]
-
-
 Moved = tuple[np.ndarray, np.ndarray]  # a ring's nodes about its centre, (n_rows, 2, n_sectors), and that, (2,)
 
 
-def _place_turning(
+def _place_ring(
     body: RingBody, ring: Ring, places: Moved, rates: Moved, speed: float, chord: float, slowing: Slowing
 ) -> np.ndarray:
     """Polar state about the outer ring's centre: the centre's motion, the rotation and the deformation.
@@ -500,19 +454,15 @@ def _place_turning(
 
     Returns the momenta, (n_rows, 2, n_sectors), m/s, without what half a step turns of them.
     """
-    cosine, sine = np.cos(body.angles), np.sin(body.angles)
-
-    def polar(vector):
-        return np.stack([vector[0] * cosine + vector[1] * sine, vector[1] * cosine - vector[0] * sine])
-
-    _fill(ring.u, places[0] + polar(places[1]))
+    whole = [body.polar(np.broadcast_to(vector, (len(body.points), 2))) for vector in (places[1], rates[1])]
     position = places[0].copy()
     position[:, 0] += body.radii[:, None]
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
-    velocity = rates[0] + speed * turned + polar(rates[1])
-    kick = chord * speed**2 * position  # along chords after it
-    momenta = ring_momenta(body, velocity, slowing)
-    _fill(ring.w, momenta + 0.5 * kick)
+    momenta = ring_momenta(body, rates[0] + speed * turned + whole[1], slowing)
+    kicked = momenta + 0.5 * (chord * speed**2 * position)  # along chords after it
+    for target, values in ((ring.u, places[0] + whole[0]), (ring.w, kicked)):
+        target[:, :, HALO:-HALO] = values
+        target[:, :, HALO - 1], target[:, :, -HALO:] = values[:, :, -1], values[:, :, :HALO]
     return momenta
 
 
@@ -570,10 +520,9 @@ def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
         contacts = contacts._replace(dampers=filled(state.Dampers, sizes, law=table.contacts, whole=levels))
     if table.bodies_1_s > 0.0:
         share = -expm1(-table.bodies_1_s * arrays.drive.dt)
-        around = [body for body in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
         turning = None if history is None else history.outer
-        damping = filled(state.BodyDamping, {}, share=share, around=around[0] if around else turning)
-        bodies = bodies._replace(damping=damping)
+        around = next((body for body in bodies.others if isinstance(body, Bore | Housing)), turning)  # a bore first
+        bodies = bodies._replace(damping=filled(state.BodyDamping, {}, share=share, around=around))
     return replace(arrays, contacts=contacts, bodies=bodies)
 
 
@@ -649,10 +598,9 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
         inner = arrays.bodies.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
     if not outer.material.rigid:
-        carried = [body.place for body in arrays.bodies.others if isinstance(body, Housing)]
         outside = arrays.bodies.outer.u[:, :, HALO:-HALO].copy()
-        for place in carried:
-            outside -= outer.polar(np.broadcast_to(place, (len(outer.points), 2)))
+        for carrier in (body for body in arrays.bodies.others if isinstance(body, Housing)):
+            outside -= outer.polar(np.broadcast_to(carrier.place, (len(outer.points), 2)))
     return Frame(
         sample=sample, time=sample * interval, roller_turn=rollers.turn[: rollers.n].copy(), ring_turn=turn,
         outer_turn=0.0 if drive.history is None or drive.history.outer is None else float(drive.history.outer.frame[0]),
@@ -671,8 +619,7 @@ def global_fields(model: Model, frame: Frame) -> dict[str, tuple[np.ndarray, np.
     turn = frame.roller_turn[:, None]
     fields = {"roller": (rotated(frame.rollers, turn), bodies.turned(local, turn))}
     for name, angle in (("inner_ring", frame.ring_turn), ("outer_ring", frame.outer_turn)):
-        ring = getattr(model, name)
-        polar = getattr(frame, name)
+        ring, polar = getattr(model, name), getattr(frame, name)
         stress = (ring.stress @ ring.cartesian(polar).ravel()).reshape(-1, 3)
         fields[name] = ring.cartesian(polar, angle), bodies.turned(stress, angle)
     return fields

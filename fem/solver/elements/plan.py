@@ -19,6 +19,7 @@ from fem.kernels.elements.state import Pair
 from fem.kernels.elements.tilted import SlicedLaw
 from fem.quantities import largest_loads
 from fem.solver import limits
+from fem.solver import start as starts
 from fem.solver.compiling import CompiledPlan, in_words, pace
 from fem.solver.elements import arrays as elements
 from fem.solver.elements.arrays import Arrays, Start
@@ -27,10 +28,10 @@ from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.solver import Block, may_strike, sample_count
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import Tilting, static_equilibrium, static_error
-from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces
+from fem.statics.exact_statics import LEAST_LOAD, ExpectedForces, kept_contacts, reduced_bearing
 from lagrange import Bearing, Operation
 from lagrange.contact.hertz import contact_pairs
-from lagrange.kinematics import kinematics_met
+from lagrange.kinematics import kinematics, kinematics_met
 from lagrange.scene.scene import MODEL_NAMES, Scene
 from meshes import Mesh, quality
 
@@ -271,8 +272,9 @@ def make_plan(scene: Scene) -> ElementPlan:
     """
     numerics, axial, tilting, cage = scene.numerics, scene.ideal_axial(), None, scene.ideal_cage()
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    if axial is not None:
-        elements.check_slices_unmeshed(bearing, operation, axial)
+    if axial is not None and operation.mounting.points is None and operation.mounting.bore is None:
+        held = reduced_bearing(bearing, kinematics(bearing, *operation.ring_speeds), operation.gravity)
+        starts.check_slices(held, operation, axial, starts.equilibrium_start(held, operation))  # before it is meshed
     forces, fastest = ExpectedForces(bearing, operation), kinematics_met(bearing, operation)
     limits.check_speed(bearing, fastest)
     model = model_of(scene, forces)
@@ -288,7 +290,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     if axial is not None:
         tilting = elements.tilting_of(model, operation, axial, max(expected, 1.0), loaded.equilibrium)
         loaded = elements.equilibrium_start(model, operation, tilting)
-        elements.check_slices(model, axial, loaded)
+        starts.check_narrow(bearing, axial, kept_contacts(bearing)[0].laws, loaded.equilibrium.axes)
     start = elements.rest_start(model, operation, tilting) if numerics.start == "rest" else loaded
     on_bearing, on_cage = cage_springs(bearing, cage, operation)
     springs, sticks = (

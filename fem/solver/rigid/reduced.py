@@ -45,7 +45,7 @@ def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, fl
     Hertz and contacts would push one another in."""
 
     def softness(pressed: float) -> np.ndarray:
-        inner, outer = (float(law.softness(pressed)) for law in (model.inner_law, model.outer_law))
+        inner, outer = (float(law.softness(pressed)) for law in model.laws)
         return np.array([[inner, model.across], [model.across, outer]])
 
     usual = np.linalg.eigvalsh(softness(force / LOAD_MARGIN))[0]
@@ -132,8 +132,8 @@ class ReducedPlan(RigidPlan):
     def reaching(self, times: int) -> "ReducedPlan":
         if self.axial is None or times == 1:
             return self
-        laws, force = (self.model.inner_law, self.model.outer_law), times * self.largest_force
-        tables = starts.tables_of(self.bearing, self.operation, self.axial, laws, force)
+        force = times * self.largest_force
+        tables = starts.tables_of(self.bearing, self.operation, self.axial, self.model.laws, force)
         start = starts.tilted_start(self.model, self.operation, self.axial, tables, self.start)
         return replace(self, tables=tables, start=start)
 
@@ -199,7 +199,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     axial, tables = scene.ideal_axial(), None
     if axial is not None:
         starts.check_slices(model, operation, axial, loaded)
-        tables = starts.tables_of(bearing, operation, axial, (model.inner_law, model.outer_law), largest)
+        tables = starts.tables_of(bearing, operation, axial, model.laws, largest)
         start = starts.tilted_start(model, operation, axial, tables, start)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)

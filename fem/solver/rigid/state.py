@@ -27,8 +27,8 @@ from fem.solver.row_state import RowState, collect_arrays, row_width
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
 from fem.statics.exact_statics import ReducedBearing, neighbours_of
 from lagrange import Bearing, Operation
-from lagrange.axial import ContactTable, SpalledTable, contact_tables
-from lagrange.axial.slices import Axial, steepest_slope
+from lagrange.axial import Axial, ContactTable, SpalledTable, contact_tables
+from lagrange.axial.slices import steepest_slope
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import LogarithmicLaw, PowerLaw
@@ -94,9 +94,7 @@ def coupling_of(model: ReducedBearing, relaxation_factor: float, tangential: np.
     found, at = neighbours_of(bearing, rings)
     pocket = np.arange(columns)
     pocket[: bearing.n_rollers] = np.array(bearing.pocket) - bearing.pocket[0]
-    apart = 2.0 * np.pi / bearing.pockets * pocket
-
-    compliances = vars(found).copy()
+    apart, compliances = 2.0 * np.pi / bearing.pockets * pocket, vars(found).copy()
     for name in ("along", "steep", "bent", "crossed"):  # (..., neighbours, columns) of (..., pockets)
         values = getattr(rings, name)
         compliances[name] = at_line(np.zeros((*values.shape[:-1], at.shape[0], columns)))
@@ -115,16 +113,15 @@ def contact_forces(
 
     `absent` : accounts that are not kept. Where contacts are not coupled what neighbours tell each other has no room.
     """
-    n, coupling, columns, dampers = bearing.n_rollers, contacts.coupling, columns_for(bearing.n_rollers), None
-    halo = 0 if coupling is None else int(np.abs(coupling.distance).max(initial=0))
-    sizes = {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": 0}
+    n, coupling, columns, halo = bearing.n_rollers, contacts.coupling, columns_for(bearing.n_rollers), 0
     if coupling is None:
-        sizes["haloed"] = 0
-        known = {"first": np.full((2, columns), np.nan), "tilt": np.zeros((2, 0)), "lifted": np.zeros((2, 2, 0))}
+        sizes, known = {"haloed": 0, "neighbours": 0}, {"first": np.full((2, columns), np.nan)}
+        known |= {"tilt": np.zeros((2, 0)), "lifted": np.zeros((2, 2, 0))}
     else:
-        sizes["neighbours"], known = coupling.distance.size, {"along": at_line(coupling.along)}
-    if damping.acts:
-        dampers = filled(kernels.ReducedDampers, sizes, law=damping)
+        halo, known = int(np.abs(coupling.distance).max(initial=0)), {"along": at_line(coupling.along)}
+        sizes = {"haloed": columns + 2 * halo, "neighbours": coupling.distance.size}
+    sizes |= {"columns": columns, "lanes": WIDTH}
+    dampers = filled(kernels.ReducedDampers, sizes, law=damping) if damping.acts else None
     around = np.arange(-halo, n + halo) % n
 
     def begun(name: str, group: tuple, sides: Sides) -> tuple:
@@ -142,9 +139,9 @@ def contact_forces(
         found.estimate[:2, :n] = found.force[:2, :n]
     if contacts.tilted is None:
         return found
-    missing = [] if contacts.tilted.part is not None else ["sunken"]
-    missing += [] if found.slope is not None else ["edges"]
-    tilted = begun("moment", filled(TiltedForces, sizes, **dict.fromkeys(missing)), moments)
+    missing = {"sunken": contacts.tilted.part, "edges": found.slope}
+    missing = {name: None for name, there in missing.items() if there is None}
+    tilted = begun("moment", filled(TiltedForces, sizes, **missing), moments)
     if dampers is not None:
         reach, length = bearing.inner_raceway_radius + bearing.roller_radius, bearing.roller_length
         dampers = dampers._replace(tilted=filled(kernels.TiltedDampers, sizes, over_reach=1.0 / reach, length=length))
@@ -338,17 +335,12 @@ class ReducedState(RigidState):
         around = np.array([-radial[1], radial[0]])
         cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
         placed = {
-            "angle": start.angle,
-            "hub": start.hub + start.ring,
-            "hub_velocity": start.hub_velocity,
+            "angle": start.angle, "hub": start.hub + start.ring, "hub_velocity": start.hub_velocity,
             # steps take forces dt²/12 of the acceleration ahead, inwards on a circle; so far out they are static ones
             "centre": (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None],
             "velocity": start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial,
-            "ring": start.ring,
-            "ring_velocity": STILL,
-            "cage": start.ring + plan.seat,
-            "cage_velocity": STILL,
-        }
+            "ring": start.ring, "ring_velocity": STILL, "cage": start.ring + plan.seat, "cage_velocity": STILL,
+        }  # fmt: skip
         inertia = 0.5 * bearing.roller_mass * bearing.roller_radius**2
         bodies = rigid_bodies(bearing, operation, scene.ideal_cage(), dt, placed, inertia=inertia)
         bodies.spin[: bearing.n_rollers] = start.kinematics.roller
@@ -359,11 +351,9 @@ class ReducedState(RigidState):
             radiation = filled(kernels.Radiation, {"columns": bodies.columns}, **known)
         inner, roller = growths(bearing, kinematics(bearing, 1.0))
         growth = inner + roller, roller, outer_growth(bearing, kinematics(bearing, 0.0, 1.0))
-        drive = {
-            "ramp": 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
-            "friction": scene.friction_coefficient,
-            "history": parts.history_arrays(bearing, operation, growth),
-        }
+        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+        history = parts.history_arrays(bearing, operation, growth)
+        drive = {"ramp": ramp, "friction": scene.friction_coefficient, "history": history}
         self.assemble(
             plan, bodies, start.tilts, plan.tables, (start.inner_force, start.outer_force),
             (start.inner_moment, start.outer_moment), scene.damping.contacts, absent, drive, radiation,
@@ -379,11 +369,10 @@ class ReducedState(RigidState):
             guards.add_samples(self.hub_sums, samples)
         if not lost or self.restarts["halvings"] == self.most_halvings:
             return block
+        if self._came_apart and self.restarts["halvings"] and abs(self.imbalance) <= LIMIT:
+            return block  # no fault of the steps: with shorter ones, too, and while energy balances
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged"
-        if self._came_apart:
-            if self.restarts["halvings"] and abs(self.imbalance) <= LIMIT:
-                return block  # no fault of the steps: with shorter ones, too, and while energy balances
-            reason = "the bearing comes apart"
+        reason = "the bearing comes apart" if self._came_apart else reason
         return self.restart(block, f"{reason} with steps of {1e6 * self.plan.time_step:.3g} µs")
 
     def _loses_energy(self, samples: Samples) -> bool:
@@ -490,9 +479,9 @@ class LagrangianState(RigidState):
         free = None if problem.free_cage is None else cage
         # their spin is prescribed
         bodies = rigid_bodies(bearing, operation, free, dt, placed, inertia=np.inf, prescribed=prescribed)
-        laws, tables, absent = (None, None), None, ("ahead", "cut")
+        (inner, outer), tables, absent = (None, None), None, ("ahead", "cut")
         if axial is None:
-            laws, absent = (law_constants(problem.laws.inner), law_constants(problem.laws.outer)), ("taken",)
+            (inner, outer), absent = map(law_constants, problem.laws), ("taken",)
         else:
             tables = tables_of(problem, axial, plan.reach)
         at_start = {name: value[0] for name, value in begin.samples.items()}
@@ -502,7 +491,7 @@ class LagrangianState(RigidState):
         ramp = {"ramp": problem.load_ramp, "friction": 0.0, "history": parts.history_arrays(bearing, operation)}
         self.assemble(
             plan, bodies, problem.first_state.state.tilts, tables, pressed, moments, problem.damping, absent, ramp,
-            inner=laws[0], outer=laws[1],
+            inner=inner, outer=outer,
         )  # fmt: skip
 
     def judged(self, block: Block) -> Block:
@@ -535,15 +524,15 @@ class LagrangianState(RigidState):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        found, missed, passed_on = self.judge.warnings(self.largest), self.missed[0], self.passed_on[0]
-        if missed <= guards.ENERGY_TOLERANCE * passed_on:
-            return found
-        return (
-            *found,
-            f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the largest exchanged energy: "
-            f"the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single impacts are "
-            "off by as much",
-        )
+        missed, passed_on = self.missed[0], self.passed_on[0]
+        if missed > guards.ENERGY_TOLERANCE * passed_on:
+            off = (
+                f"the energy balance is off by up to {100.0 * missed / passed_on:.2g} % of the largest exchanged "
+                f"energy: the step of {1e6 * self.plan.time_step:.3g} µs is too long for impacts and dampers; single "
+                "impacts are off by as much"
+            )
+            return (*self.judge.warnings(self.largest), off)
+        return self.judge.warnings(self.largest)
 
     @property
     def outcome_attributes(self) -> dict[str, float | str]:
@@ -623,16 +612,16 @@ class LagrangianState(RigidState):
         names = [f"{side}_damping_{kind}" for kind in ("force", "moment") for side in ("inner", "outer")]
         given = StatedDampers(*(samples[name] for name in names if name in samples.values))
         touch = contact_state(bearing, problem.contacts, state, given)
-        recorded = dict(zip(names[:2], (touch.inner_damper, touch.outer_damper), strict=True))
-        recorded |= {"inner_force": touch.inner_force, "outer_force": touch.outer_force}
+        recorded = {"inner_force": touch.inner_force, "outer_force": touch.outer_force}
+        dampers = touch.inner_damper, touch.outer_damper
         if touch.tilted is not None:
             recorded |= {"inner_moment": touch.tilted.inner_moment, "outer_moment": touch.tilted.outer_moment}
-            recorded |= dict(zip(names[2:], touch.tilted.dampers, strict=True))
+            dampers += tuple(touch.tilted.dampers)
+        recorded |= zip(names, dampers, strict=False)
         left = hub_equations(problem.acting(time), state, touch, 0.0, 0.0)
+        guided = problem.free_cage is not None and problem.free_cage.guidance == "inner_ring"
         for axis, without in zip("xy", left, strict=True):
-            of_cage: Any = 0.0
-            if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
-                of_cage = samples[f"cage_guidance_{axis}"]
+            of_cage = samples[f"cage_guidance_{axis}"] if guided else 0.0
             recorded[f"inner_a{axis}"] = -(without + of_cage) / operation.inner_mass
         for name in recorded.keys() & samples.values.keys():
             samples[name][:] = recorded[name]
@@ -640,6 +629,6 @@ class LagrangianState(RigidState):
 
 def tables_of(problem: Problem, axial: Axial, times: float = 1.0) -> Tables:
     """Tables made of the slices that the reference has, up to a few times the largest static force, or `times` that."""
-    bearing, laws, force = problem.bearing, (problem.laws.inner, problem.laws.outer), times * expected_force(problem)
+    bearing, laws, force = problem.bearing, problem.laws, times * expected_force(problem)
     slope = steepest_slope(bearing, axial, problem.operation.misalignment, float(laws[0].approach(force)))
     return contact_tables(bearing, axial, laws, force, slope)

@@ -1,12 +1,11 @@
-"""What the pages show: `python -m tests.documented BIN [PAGE ...] [--write]` runs it with the programs of a folder.
+"""What the pages show: `python -m tests.documented BIN [PAGE ...]` runs it with the programs of a folder.
 
 Each page gets an empty folder: first the files it shows, then its commands from top to bottom, word for word, by the
 shell. A block of text right after a block of commands is what they print; "…" stands for lines, or the part of a line,
 left out. Words are compared as they stand, numbers to a unit of the last digit shown. Bits differ between processors: a
 page shows fewer digits than are printed where these differ (NUMBA_CPU_NAME=generic tells). Run times are not compared.
 In a section with commands each number of a sentence is one of the page's blocks, and each sentence in quotation marks
-is printed. `--write` puts what is printed today into the blocks, and its numbers into the sentences. Runs with Python
-alone: an installation can be tried that has nothing beyond the program.
+is printed. Runs with Python alone: an installation can be tried that has nothing beyond the program.
 """
 
 import argparse
@@ -91,8 +90,8 @@ def commands(path: Path) -> Iterator[str]:
     yield from ours(INLINE.findall(text[end:]))
 
 
-def run_page(page: str, programs: Path, write: bool) -> list[str]:
-    """Run a page; what went otherwise than it says, or, with `write`, what is left to be written by hand."""
+def run_page(page: str, programs: Path) -> list[str]:
+    """Run a page; what went otherwise than it says."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     environment |= {"PATH": f"{programs}:{os.environ['PATH']}", "PYTHONSAFEPATH": "1", "PYTHONUNBUFFERED": "1"}
     path, faults, printed = ROOT / page, [], {}
@@ -116,19 +115,16 @@ def run_page(page: str, programs: Path, write: bool) -> list[str]:
             printed[command] = told
             faults += [] if code in may_end else [f"{page}: {command}: exit {code}\n{told[-2000:]}"]
     text = path.read_text(encoding="utf-8")
-    if write and not faults:
-        text = rewritten(text, printed)
-        path.write_text(text, encoding="utf-8")
     return faults or [f"{page}: {fault}" for fault in (*differences(text, printed), *unfounded(text))]
 
 
-def outputs(text: str, printed: dict[str, str]) -> Iterator[tuple[str, list[str], list[str]]]:
-    """Of each block of output its text, its lines and the lines that its commands print."""
+def outputs(text: str, printed: dict[str, str]) -> Iterator[tuple[list[str], list[str]]]:
+    """Of each block of output its lines and the lines that its commands print."""
     for block in OUTPUT.finditer(text):
         lines = [line.partition("#")[0].strip() for line in block["commands"].splitlines()]
         told = "".join(printed[line] for line in ([block["commands"]] if block[1] == "python" else lines))
         told = re.sub(r"^compiling .*\n", "", told, flags=re.M)  # where nothing is kept of earlier runs
-        yield block["shown"], block["shown"].splitlines(), [line.rstrip() for line in told.strip("\n").splitlines()]
+        yield block["shown"].splitlines(), [line.rstrip() for line in told.strip("\n").splitlines()]
 
 
 def words(line: str) -> str:
@@ -166,7 +162,7 @@ def rounds(number: str, exact: str) -> bool:
 
 def differences(text: str, printed: dict[str, str]) -> Iterator[str]:
     """Lines of a page's outputs that are not printed, in their order, or are missing there."""
-    for _, shown, told in outputs(text, printed):
+    for shown, told in outputs(text, printed):
         at, skips = 0, False
         for line in shown:
             if line == LEFT_OUT:
@@ -213,59 +209,6 @@ def prose(text: str) -> str:
     return kept
 
 
-def rewritten(text: str, printed: dict[str, str]) -> str:
-    """A page with what is printed now, and in its sentences the numbers that are printed in place of theirs."""
-    new, now = text, {}
-    for block, shown, told in outputs(text, printed):
-        lines = renewed(shown, told)
-        for line in shown:
-            fresh = NUMBER.findall(words(nearest(line, lines) or ""))
-            for old, number in zip(NUMBER.findall(words(line)), fresh, strict=False):
-                now.setdefault(old, set()).add(number)
-        new = new.replace(f"```text\n{block}```", "```text\n" + "".join(f"{line}\n" for line in lines) + "```", 1)
-    for number in reversed(list(NUMBER.finditer(prose(new)))):
-        found = {each for old, all_ in now.items() if rounds(number[0], old) for each in all_}
-        if len(found) == 1 and not rounds(number[0], *found):
-            decimals = len(number[0].partition(".")[2])
-            sign = number[0][0] if number[0][0] in "-+−" else ""
-            new = f"{new[: number.start()]}{sign}{abs(value(*found)[0]):.{decimals}f}{new[number.end() :]}"
-    return new
-
-
-def as_shown(printed: str, shown: str) -> str:
-    """A printed line with the words left out and the decimals that a page shows of it, but no fewer than two digits."""
-    if (found := alike(shown, printed)) is None:
-        return printed
-    fresh = iter(found.groups())
-
-    def put(match: re.Match) -> str:
-        if match[1] is None:  # run times stay
-            return match[0]
-        number, decimals = next(fresh), len(match[1].partition(".")[2])
-        rounded = f"{value(number)[0]:.{decimals}f}"
-        fits = "e" not in number + match[1] and len(number.partition(".")[2]) > decimals
-        return rounded if fits and abs(float(rounded)) >= 10.0 ** (1 - decimals) else number
-
-    line = re.sub(f"{RUN_TIME.pattern}|{NUMBER.pattern}", put, shown)
-    return line if LEFT_OUT in shown or NUMBER.findall(words(line)) != list(found.groups()) else printed
-
-
-def renewed(shown: list[str], told: list[str]) -> list[str]:
-    """What is printed now, with those lines left out that a page leaves out."""
-    if LEFT_OUT not in shown:
-        return [as_shown(line, nearest(line, shown) or line) for line in told]
-    lines, at = [], 0
-    for line in shown:
-        found = nearest(line, told[at:])
-        if line == LEFT_OUT or found is None:  # a line that is like none is left to be written by hand
-            lines += [line] if lines[-1:] != [line] else []
-        else:
-            begin, at = at, told.index(found, at) + 1
-            lines += told[begin : at - 1] if lines and lines[-1] != LEFT_OUT else []
-            lines.append(as_shown(found, line))
-    return lines + (told[at:] if lines[-1] != LEFT_OUT else [])
-
-
 def _played(command: str, where: dict) -> tuple[int | None, str]:
     """Exit code and words of a live page that is fetched once and ended by Ctrl-C."""
     live = subprocess.Popen(command.split(), stdout=subprocess.PIPE, **where)
@@ -288,10 +231,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("programs", type=Path, help="folder of the programs, as .venv/bin")
     parser.add_argument("pages", nargs="*", default=PAGES, help="as docs/rating.md; all where none is named")
-    parser.add_argument("--write", action="store_true", help="put what is printed into the pages")
     given = parser.parse_intermixed_args()
     with ThreadPoolExecutor(2) as pool:
-        run = pool.map(lambda page: run_page(page, given.programs.resolve(), given.write), given.pages)
+        run = pool.map(lambda page: run_page(page, given.programs.resolve()), given.pages)
         faults = [fault for found in run for fault in found]
     print("\n".join(faults), file=sys.stderr)
     return 1 if faults else 0

@@ -1,7 +1,9 @@
 """Measurements of the handbook: tables in docs/measurements/, written by their commands and quoted by the pages.
 
 A command with `--write` puts a section into docs/measurements/NAME.md; its second line says which command, when, with
-which version and result format and on which processor. A page quotes a number as a link whose title names its cell:
+which version and result format and on which processor. The record of an investigation that has ended stays when its
+program goes: in place of the command it names `git show COMMIT:PATH`, a former program. A page quotes a number as a
+link whose title names its cell:
 
     [0.04 %](measurements/verification.md#contact-statics "`resolved-bearing` · hub displacement: error")
 
@@ -19,9 +21,6 @@ from functools import wraps
 from itertools import pairwise
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-
 from lagrange.columns import FORMAT_VERSION
 from lagrange.version import VERSION
 from tests.documented import value
@@ -29,8 +28,9 @@ from tests.documented import value
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 HEAD = re.compile(
-    r"^\*Measured by `(?P<command>[^`]+)` on (?P<date>\d{4}-\d\d-\d\d) with version (?P<version>\d+\.\d+\.\d+), "
-    r"result format (?P<format>\d+), (?P<processor>[^*]+?)\.(?P<older> Older than result format \d+\.)?\*$",
+    r"^\*Measured by (?P<former>a former program \()?`(?P<command>[^`]+)`(?(former)\)) on (?P<date>\d{4}-\d\d-\d\d) "
+    r"with version (?P<version>\d+\.\d+\.\d+), result format (?P<format>\d+), (?P<processor>[^*]+?)\."
+    r"(?P<older> Older than result format \d+\.)?\*$",
     re.M,
 )
 QUOTE = re.compile(
@@ -45,12 +45,7 @@ def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> st
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))
 
 
-def markdown_of(table: Table) -> str:
-    columns = [[str(cell) for cell in column.cells] for column in table.columns]
-    return markdown_table([str(column.header) for column in table.columns], zip(*columns, strict=True))
-
-
-def publish(name: str, heading: str, command: str, *parts: str | Table, write: bool) -> None:
+def publish(name: str, heading: str, command: str, *parts: str, write: bool) -> None:
     """Print a measurement; with `write` put it into docs/measurements/NAME.md as the section of its heading too.
 
     Parameters
@@ -58,13 +53,14 @@ def publish(name: str, heading: str, command: str, *parts: str | Table, write: b
     command : the command that makes it, as it is typed, without --write
     parts : paragraphs and tables, from top to bottom
     """
-    console = Console(width=None if sys.stdout.isatty() else 160, highlight=False)
-    console.print(f"## {heading}", markup=False)
-    for part in parts:
-        console.print(part, soft_wrap=isinstance(part, str), markup=not isinstance(part, str))
+    text = "\n\n".join(part.strip() for part in parts)
+    print(f"## {heading}\n\n{text}", flush=True)
     if write:
-        text = "\n\n".join(markdown_of(part) if isinstance(part, Table) else part.strip() for part in parts)
-        write_section(DOCS / "measurements" / f"{name}.md", heading, f"{head(command)}\n\n{text}")
+        head = (
+            f"*Measured by `{command} --write` on {date.today().isoformat()} with version {VERSION}, result format "
+            f"{FORMAT_VERSION}, {processor()}.*"
+        )
+        write_section(DOCS / "measurements" / f"{name}.md", heading, f"{head}\n\n{text}")
 
 
 def program(about: str | None, module: str, *sections: Callable[..., Iterable[tuple]]) -> None:
@@ -90,14 +86,6 @@ def program(about: str | None, module: str, *sections: Callable[..., Iterable[tu
     for section in sections:
         (app.command if len(sections) > 1 else app.default)(published(section))
     app(typed)
-
-
-def head(command: str) -> str:
-    """The line that says where a table comes from."""
-    return (
-        f"*Measured by `{command} --write` on {date.today().isoformat()} with version {VERSION}, result format "
-        f"{FORMAT_VERSION}, {processor()}.*"
-    )
 
 
 def processor() -> str:

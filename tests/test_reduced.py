@@ -29,7 +29,7 @@ from tests.reference import kit
 from tests.reference.continua import approach
 from tests.reference.kit import LENGTH, PAPER, STEEL, plan_of, ran, samples_of, whole_run, within
 from tests.reference.modes import thrown_at_flat, vibrations
-from tests.stability.random_scenes import random_scene
+from tests.stability.machine import random_scene
 
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
 

@@ -29,7 +29,6 @@ from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 from tests.reference import compiled, kit, resolved
 from tests.reference.kit import DGBB_209, DOWN, HARRIS, PAPER, RUNNING, assert_refused
 from tests.reference.modes import Body, thrown_at_flat
-from tests.stability.random_scenes import surface_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")
 # so that all scenes here share one compiled time loop: profiles on rings and rollers
@@ -135,8 +134,31 @@ def test_meshes_whose_contacts_are_points_are_refused():
     "number", [*range(0, 20, 4), *(pytest.param(n, marks=pytest.mark.slow) for n in (*range(2, 20, 4), 20, 22))]
 )  # the last two compile a time loop of their own
 def test_energy_is_balanced_in_random_scenes(number):
-    """The first of `python -m tests.stability --surfaces` that are the paper's bearing."""
-    plan = make_plan(parse_scene(surface_scene(1, number), "scene"))
+    """The paper's bearing with up to three spalls and waves on any bodies, and one unequal roller."""
+    rng = np.random.default_rng([1, number, 2])
+    scene = {
+        "bearing": {"outer_raceway_diameter_mm": 56.0 + float(rng.choice([0.0, 0.02, -0.01, 0.05]))},
+        "operation": {"speed_rpm": float(rng.choice([-4500, 1000, 4500, 10000])),
+                      "radial_load_N": float(rng.choice([0, 500, 2000, 6000]))},
+        "numerics": {"start": str(rng.choice(["equilibrium", "rest"])), "load_ramp_ms": 0.3, "mesh_size_mm": 2.0,
+                     "duration_ms": 1.0},
+    }  # fmt: skip
+
+    def body():
+        name = str(rng.choice(["outer_ring", "inner_ring", "roller"]))
+        return {"body": name} | ({"roller": int(rng.integers(0, 13))} if name == "roller" else {})
+
+    scene["spall"] = [body() | {
+        "angle_deg": 60.0 * k + rng.uniform(-20.0, 20.0), "width_mm": rng.uniform(0.2, 2.5),
+        "depth_um": 10.0 ** rng.uniform(0.0, 3.0),
+        "edge_radius_mm": float(rng.choice([0.0, 0.02, 0.1, rng.uniform(0.0, 0.3)])),
+    } for k in range(rng.integers(1, 4))]  # fmt: skip
+    scene["waviness"] = [
+        body() | {"order": int(rng.integers(1, 25)), "amplitude_um": 10.0 ** rng.uniform(-2.0, -0.3)}
+        for _ in range(rng.integers(1, 4))
+    ]
+    scene["unequal_roller"] = [{"roller": int(rng.integers(0, 13)), "diameter_deviation_um": rng.uniform(-5.0, 5.0)}]
+    plan = make_plan(parse_scene(scene, "scene"))
     block = plan.first_state().advance(plan.n_samples)
     assert block.trouble is None and len(block.samples["time"]) == plan.n_samples
     assert np.abs(block.samples.relative_error()).max() < 5e-3

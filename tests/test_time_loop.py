@@ -38,7 +38,7 @@ from meshes import Disc
 from tests.reference import kit
 from tests.reference.continua import half_width, squeezed_disc_approach
 from tests.reference.kit import HALF_PITCH, LENGTH, LOAD, STEEL, arrays, block, model, operation, paper, within
-from tests.stability.random_scenes import random_scene
+from tests.stability.machine import random_scene
 from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 from tests.verification.runs import every_step, plan_of, record, without_spin
 

@@ -1,6 +1,7 @@
 """The fast cases of `python -m tests.verification`; the suite itself notices what fails; its own references."""
 
 from math import inf, nan
+from unittest.mock import ANY
 
 import numpy as np
 import pytest
@@ -55,41 +56,44 @@ def empty():
     return iter(())
 
 
-@pytest.mark.parametrize(
-    ("cases", "code", "words"),
-    [((good,), 0, "all passed"), ((good, wrong, broken), 1, "FAILED: wrong, broken"), ((empty,), 1, "FAILED: empty")],
-    ids=["good", "good, wrong and broken", "empty"],
-)
-def test_what_failed_is_seen_and_the_exit_code_tells_whether_all_passed(cases, code, words, monkeypatch, capsys):
-    monkeypatch.setattr(command, "CASES", [Case("a subject", case) for case in cases])
-    assert command.app([]) == code
-    text = capsys.readouterr().out
-    assert words in text and (wrong not in cases or ("+5 % FAILS" in text and "no equilibrium" in text))
-
-
-def test_names_are_cases_or_subjects_each_with_a_description_and_others_are_refused_in_one_line(capsys):
-    assert command.app(["discmodes"]) == 2
-    text = capsys.readouterr().err
-    assert text.startswith("unknown case discmodes; cases: disc-modes, ") and text.count("\n") == 1
-    assert command.app(["disc-modes", "--write"]) == 2
-    assert [case.name for case in command.named(["impact"])] == ["bouncing-bar", "thrown-roller", "ball-impact"]
-    assert [case.name for case in command.named(["ring_modes", "disc-modes"])] == ["disc-modes", "ring-modes"]
-    assert len({case.name for case in command.CASES}) == len(command.CASES) >= 20
-    assert all(len(case.description) > 40 for case in command.CASES)
-
-
-def test_a_subjects_table_is_written_and_says_how_it_was_made(tmp_path, monkeypatch):
+def test_what_failed_is_seen_the_exit_code_tells_whether_all_passed_and_a_subjects_table_is_written(
+    tmp_path, monkeypatch, capsys
+):
     page = tmp_path / "measurements" / "verification.md"
     page.parent.mkdir()
     page.write_text("# Verification\n\n## Impact\n\nkept\n")
     monkeypatch.setattr(measurements, "DOCS", tmp_path)
-    monkeypatch.setattr(command, "CASES", [Case("a subject", good), Case("a subject", wrong)])
-    assert command.app(["--write"]) == 1
+
+    def told(*cases, options=()):
+        monkeypatch.setattr(command, "CASES", [Case("a subject", case) for case in cases])
+        monkeypatch.setattr("sys.argv", ["verification", *options])
+        with pytest.raises(SystemExit) as ended:
+            measurements.program(command.__doc__, "tests.verification", command.verification)
+        return int(ended.value.code), capsys.readouterr().out
+
+    assert told(good) == (0, ANY) and told(empty)[0] == 1
+    code, text = told(good, wrong, broken)
+    assert code == 1 and "FAILED: wrong, broken" in text and "+5 % FAILS" in text and "no equilibrium" in text
+    assert page.read_text() == "# Verification\n\n## Impact\n\nkept\n"
+    assert told(good, wrong, options=["a-subject", "--write"])[0] == 1
     text = page.read_text(encoding="utf-8")
     assert text.startswith("# Verification\n\n## Impact\n\nkept\n") and "## A subject\n" in text
     assert measurements.HEAD.search(text)["command"] == "python -m tests.verification a-subject --write"
     assert "| `good` | length | 2.001 m | 2 m | +0.05 % | 1 % | analytic: a book |" in text
     assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text
+
+
+def test_names_are_cases_or_subjects_each_with_a_description_and_others_are_refused_in_one_line(monkeypatch, capsys):
+    for words in (["discmodes"], ["disc-modes", "--write"]):
+        monkeypatch.setattr("sys.argv", ["verification", *words])
+        with pytest.raises(SystemExit, match="2"):
+            next(command.verification(words[0]))
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("unknown case discmodes; cases: disc-modes, ") and second.startswith("--write takes whole")
+    assert [case.name for case in command.named(["impact"])] == ["bouncing-bar", "thrown-roller", "ball-impact"]
+    assert [case.name for case in command.named(["ring_modes", "disc-modes"])] == ["disc-modes", "ring-modes"]
+    assert len({case.name for case in command.CASES}) == len(command.CASES) >= 20
+    assert all(len(case.description) > 40 for case in command.CASES)
 
 
 # the modal solution of the thrown roller

@@ -1,11 +1,11 @@
-"""How results depend on mesh, step, interval and the processor: `python -m tests.accuracy.convergence SECTION`."""
+"""How results depend on mesh, step and interval: `python -m tests.accuracy.convergence`.
+
+Mesh and step are refined together, as users do; shares of the critical step make the halves exact. Statics are held
+against the exact series, too. Draws docs/convergence.png.
+"""
 
 import json
-import os
-import subprocess
-import sys
 import tempfile
-from dataclasses import replace
 from itertools import pairwise
 from math import log2, nan, pi
 from pathlib import Path
@@ -13,22 +13,15 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from fem.contacts.model import standing
-from fem.contacts.resolved import ResolvedModel, SpreadModel
-from fem.contacts.subgrid import SubgridModel
 from fem.quantities import moving_quantities
 from fem.result.store import ResultFile
 from fem.solver.errors import NEEDED
 from fem.solver.simulate import make_plan, run
-from fem.statics.contact_balance import Loads
-from fem.statics.equilibrium import equilibrium, static_quantities
-from fem.statics.exact_statics import exact_contacts, exact_statics
-from lagrange.contact.hertz import contact_pairs
-from lagrange.kinematics import roller_angles
+from fem.statics.equilibrium import static_quantities
+from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main as check_main
 from tests.measurements import DOCS, markdown_table, program
-from tests.reference.continua import contact_pressures, layer_approach
 
 RECORD_MS, LAW = 12.0, "johnson"
 # surface spacings that divide the roller's circumference by 18, 36, 72, 144
@@ -100,21 +93,12 @@ def quantities(chosen: Scene, statics: bool) -> dict[str, tuple[float, str]]:
     return told
 
 
-def pyplot():
+def orders():
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    return plt
-
-
-def orders():
-    """Observed orders in mesh size, time step and output interval.
-
-    Mesh and step are refined together, as users do; shares of the critical step make the halves exact. Statics are held
-    against the exact series, too. Draws docs/convergence.png.
-    """
     how = scene().ideal_operation()
     at_rest = exact_statics(scene().ideal_bearing(), how.radial_load, how.first_roller_angle)
     largest, sudden = float(at_rest.inner_force.max()), make_plan(scene(*SUDDEN))
@@ -130,7 +114,7 @@ def orders():
         ("output interval", "output interval, µs", INTERVALS_US, "{:g} µs",
          lambda x: (*SUDDEN, f"numerics.output_interval_us={x}"), {}),
     )  # fmt: skip
-    figure, panels = pyplot().subplots(1, 3, figsize=(11.0, 4.2), layout="constrained", sharey=True)
+    figure, panels = plt.subplots(1, 3, figsize=(11.0, 4.2), layout="constrained", sharey=True)
     tables = []
     for axes, (title, panel, sizes, words, setting, known) in zip(panels, choices, strict=True):
         runs = [quantities(scene(*setting(size)), bool(known)) for size in sizes]
@@ -160,115 +144,5 @@ def orders():
     yield "convergence", "Mesh size, time step and output interval", ORDERS, *tables
 
 
-SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
-RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
-CROSSOVER = """Paper's bearing, 2000 N, a roller on the load line, weightless, against the exact series. *Loads*:
-largest error of a roller's load over the largest load. *Below the grid*: share of a contact's approach that the
-sub-grid term carries at 628 N. *In the layers*: approach of the stiff layer between resolved surfaces over
-the hub's displacement."""
-
-
-def at_rest(kind: str, size_mm: float) -> tuple[float, ...]:
-    """The statics on one mesh: spacing over half-width of the most loaded inner contact, degrees of freedom, errors in
-    % of the hub (signed) and of any roller's load over the largest, share of the approach below the grid and of the
-    hub's displacement in the layers of the most loaded roller, %."""
-    chosen = read_scene()
-    bearing, how, size = chosen.ideal_bearing(), replace(chosen.ideal_operation(), gravity=0.0), 1e-3 * size_mm
-    exact = exact_statics(bearing, how.radial_load, how.first_roller_angle)
-    force = float(exact.inner_force.max())
-    widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
-    if kind == "resolved":
-        model = ResolvedModel.build(bearing, size)
-    elif size < SpreadModel.coarsest * max(widths):
-        model = SpreadModel.of_force(bearing, size, force)
-    else:
-        model = SubgridModel.build(bearing, size)
-    still, law = standing(bearing, how.first_roller_angle), model.inner_law
-    found = equilibrium(model, still, Loads(how.radial_load))
-    whole = float(exact_contacts(bearing, roller_angles(bearing, how.first_roller_angle)).inner_law.approach(force))
-    if isinstance(model, SpreadModel):  # m, that the term below the grid adds to the most loaded inner contact
-        inner = contact_pressures(model, still, how.radial_load)[: bearing.n_rollers]
-        forces = max(inner, key=lambda p: p.pressure.sum()).pressure * law.spacing * law.pair.length
-        below = float(forces @ law.local_compliance(forces.size) @ forces / forces.sum())
-    else:
-        below = float(law.approach(force))
-    layers = sum(layer_approach(each, force) for each in (law, model.outer_law)) if kind == "resolved" else 0.0
-    worst = float(np.abs(found.inner_force - exact.inner_force).max() / force)
-    shares = float(found.hub[1] / exact.hub[1] - 1.0), worst, below / whole, layers / abs(float(exact.hub[1]))
-    return size / widths[0], model.degrees_of_freedom, *(100.0 * share for share in shares)
-
-
-def crossover():
-    """From meshes far coarser than a contact to meshes that resolve it: the paper's bearing at rest by both models.
-
-    Against the exact series; and what share of a contact's approach the law below the grid still carries.
-    """
-    plt, rows = pyplot(), []
-    figure, (upper, lower) = plt.subplots(
-        2, 1, figsize=(7.5, 6.2), sharex=True, layout="constrained", height_ratios=[3, 2]
-    )
-    for kind, sizes, color, style in (
-        ("subgrid", SUBGRID_MM, "#0072B2", "o-"), ("resolved", RESOLVED_MM, "#D55E00", "s-"),
-    ):  # fmt: skip
-        points = [at_rest(kind, size) for size in sizes]
-        rows += [
-            [kind, f"{size:g} mm", f"{per:.3g}", str(freedom), f"{hub:+.4f} %", f"{force:.4f} %", f"{below:.1f} %",
-             f"{layer:.2f} %"]
-            for size, (per, freedom, hub, force, below, layer) in zip(sizes, points, strict=True)
-        ]  # fmt: skip
-        x, _, hub, _, below, layer = zip(*points, strict=True)
-        upper.loglog(x, np.abs(hub), style, color=color, label=kind)
-        lower.semilogx(x, below, style, color=color)
-    upper.loglog(x, layer, "--", color=color, label="resolved: what the contact layer yields")
-    for axes in (upper, lower):
-        axes.axvline(1.0, color="0.6", linestyle="--")
-        axes.grid(True, color="0.9")
-    upper.annotate("mesh = half-width", (1.0, upper.get_ylim()[0]), rotation=90, color="0.4", ha="right", va="bottom")
-    upper.axvline(SpreadModel.coarsest, color="0.6", linestyle=":")
-    upper.annotate(
-        "one patch a contact, uniform mesh →\n← pressure points, mesh coarser inside", (SpreadModel.coarsest, 1.0),
-        xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points", color="0.4", fontsize=8,
-        ha="center", va="bottom",
-    )  # fmt: skip
-    upper.set(ylabel="static hub displacement,\nerror against exact series, %")
-    upper.legend(frameon=False)
-    below = "share of the approach\nbelow the grid, %"
-    lower.set(xlabel="surface spacing over contact half-width", ylabel=below, ylim=(-3, 85))
-    figure.savefig(DOCS / "crossover.png", dpi=160)
-    heads = ("contact", "mesh", "mesh / half-width", "degrees of freedom", "hub displacement", "loads",
-             "below the grid", "in the layers")  # fmt: skip
-    yield "crossover", "Static hub displacement by mesh", CROSSOVER, markdown_table(heads, rows)
-
-
-# LLVM's names: the least of all 64-bit processors; with AVX2 and fused products (2013); with AVX-512 (2017)
-PROCESSORS = {"x86-64": "SSE2", "x86-64-v3": "AVX2", "x86-64-v4": "AVX-512"}
-COLUMNS = {"inner_x": "hub x", "inner_y": "hub y", "inner_force": "inner loads", "roller_spin": "spins"}
-
-
-def processors():
-    """One run compiled for processors of three kinds, about a minute each.
-
-    The processor at hand must know what is asked of it. Results repeat bit for bit on one processor; sums are fused and
-    grouped differently on another, and contacts make of that what they make of any round-off. Compared with the
-    plainest.
-    """
-    runs, rows = {}, []
-    with tempfile.TemporaryDirectory() as folder:
-        for name in PROCESSORS:
-            path = f"{folder}/{name}.nc"
-            words = ["--quiet", "--mesh-size", "2", "--duration", "5", "--output", path]
-            environment = os.environ | {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""}
-            start = "from fem.commands.entry import run_fem; run_fem()"
-            subprocess.run([sys.executable, "-c", start, *words], env=environment, check=True)
-            with h5py.File(path) as file:
-                runs[name] = {column: file[column][:] for column in COLUMNS}
-    plainest = runs[next(iter(PROCESSORS))]
-    for name, values in runs.items():
-        apart = [np.abs(values[c] - plainest[c]).max() / np.abs(plainest[c]).max() for c in COLUMNS]
-        rows.append([f"{PROCESSORS[name]} ({name})", *(f"{value:.1g}" for value in apart)])
-    words = "5 ms of the paper's bearing, 2 mm, largest differences over the largest value."
-    yield "reliability", "Processors", words, markdown_table(["compiled for", *COLUMNS.values()], rows)
-
-
 if __name__ == "__main__":
-    program(__doc__, "tests.accuracy.convergence", orders, crossover, processors)
+    program(__doc__, "tests.accuracy.convergence", orders)

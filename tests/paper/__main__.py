@@ -1,4 +1,4 @@
-"""docs/measurements/paper.md: the paper's figures against ours, and runs with other contacts, supports and samples.
+"""docs/measurements/paper.md: the paper's figures against ours, and runs with other contacts and samples.
 
 `python -m tests.paper [FOLDER] [--write]`: runs are kept in FOLDER (default runs/paper-variants) and used again.
 """
@@ -13,7 +13,7 @@ from lagrange.contact.hertz import delta_star
 from lagrange.scene.scene import read_scene
 from tests.measurements import DOCS, markdown_table, program
 from tests.paper import variants as read_off
-from tests.paper.variants import COARSE, HALF_SUPPORT, Measured, Range, Variant, measure, record_of
+from tests.paper.variants import COARSE, Measured, Range, Variant, measure, record_of
 
 NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours
 POLYGONS = "less-soft-facets-1"
@@ -75,22 +75,6 @@ def paper(folder: Path = Path("runs/paper-variants"), /):
     rows = [[*PAPER, f"{text(RATTLE, 4)} (fig. 7)", ""], *(run_row(*each) for each in measured)]
     settings = markdown_table(["run", "options of run-fem"], options)
     yield "paper", "Runs", FITTED, markdown_table(heads, rows), settings
-    cases = [read_off.held(outside, name) for outside in read_off.OUTSIDE_MM for name in read_off.SUPPORTS]
-    rows = [[f"{c.outside_mm:g}", c.supports, span(c.x), span(c.y), f"{c.loaded[0]}–{c.loaded[1]}", text(c.widest)]
-            for c in cases]  # fmt: skip
-    heads = ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"]
-    about = (
-        "Statics of the finite elements (1 mm), the ring's outside held over "
-        f"{2e3 * HALF_SUPPORT:g} mm around each point; the rollers at four places of a pitch."
-    )
-    moving = [(variant, measure(record_of(variant, folder))) for variant in read_off.SUPPORTED]
-    in_time = markdown_table(
-        ["ring", "x, µm", "y, µm", "ρ, mm", "(22) fitted, N", "(23) fitted, N", "loaded, usually", "y moves at, Hz",
-         "cage, Hz"],
-        [[v.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e3, digits=6), *map(span, m.fitted), str(m.usual),
-          text(m.frequency, 4), text(m.cage, 4)] for v, m in moving],
-    )  # fmt: skip
-    yield "paper", "Outer ring held at few points", about, markdown_table(heads, rows), "60 ms in time:", in_time
     rows = [
         [titles[name], interval, span(m.velocity, 1e3), span(m.acceleration), *map(span, (*m.harris, *m.fitted)),
          text(m.frequency, 4)]

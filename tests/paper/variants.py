@@ -1,18 +1,12 @@
 """What could make the paper's numbers, each as a run of its scene; what is read off a run, and off the paper."""
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from fem.commands.run_fem import run_main
-from fem.contacts.model import standing
-from fem.solver.elements.plan import model_of
-from fem.statics.contact_balance import Loads
-from fem.statics.equilibrium import equilibrium
 from lagrange.columns import ENERGIES
-from lagrange.scene.scene import read_scene
 from residual import Record, evaluate, read_result
 from residual.evaluation import Evaluation
 from residual.load_zone import chosen_roller
@@ -30,27 +24,12 @@ SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
 SKIPPED = 1e-3  # s: left out of every range
 COARSE = 20  # samples: 0.2 ms, three hundred in the paper's record
 BAND = 300.0  # Hz, of figures 10 and 11
-# the outer ring held around few points of its outside only
-MESH = 1e-3  # m
-HALF_SUPPORT = 3e-3  # m, along the outside; much less would be a hinge
-POSITIONS = 4  # of the rollers over one pitch
-SUPPORTS = {  # degrees from the load
-    "all around": None, "top": (180.0,), "bottom": (0.0,), "both sides": (90.0, 270.0),
-    "top and 120° off": (180.0, 300.0, 60.0),
-}  # fmt: skip
-OUTSIDE_MM = (65.0, 62.0, 60.0)  # 4.5 mm behind the raceway, as in this project; 3 mm; 2 mm
 
 
 class Variant(NamedTuple):
     name: str
     title: str
     settings: tuple[str, ...] = ()
-
-
-def settings_held(outside_mm: float, name: str) -> tuple[str, ...]:
-    angles, outside = SUPPORTS[name], f"bearing.outside_diameter_mm={outside_mm}"
-    given = f"support.angles_deg={list(angles or ())}", f"support.width_mm={2e3 * HALF_SUPPORT:g}"
-    return (outside,) if angles is None else (outside, "support.kind=points", *given)
 
 
 def _faceted(size_mm: float, *more: str) -> tuple[str, ...]:
@@ -78,32 +57,6 @@ VARIANTS = (
     Variant("soft-facets-1", "facets of 1 mm, 1.2e7 N/m", _faceted(1.0, _stiffness("1.2e7"))),
     Variant("less-soft-facets-1", "facets of 1 mm, 2e7 N/m", _faceted(1.0, _stiffness("2e7"))),
 )
-HELD = (65.0, "both sides"), (65.0, "top and 120° off"), (65.0, "top"), (60.0, "top")
-SUPPORTED = tuple(  # rings held at points
-    Variant(f"held-{i}", f"{outside:g} mm, {name}", settings_held(outside, name))
-    for i, (outside, name) in enumerate(HELD)
-)
-
-
-def held(outside_mm: float, name: str) -> SimpleNamespace:
-    """Positions of the hub under 2000 N in a ring with one of SUPPORTS while the rollers pass over one pitch, µm.
-
-    `x`, `y`: ranges; `loaded`: least and largest number of loaded rollers; `widest`: the raceway's largest displacement
-    """
-    mesh = f"numerics.mesh_size_mm={1e3 * MESH:g}"
-    model, scene = model_of(read_scene(None, (*settings_held(outside_mm, name), mesh))), read_scene()
-    load, pitch = scene.operation.radial_load_N, 2.0 * np.pi / model.bearing.n_rollers
-    hubs, counts, widest = [], [], 0.0
-    for angle in scene.ideal_operation().first_roller_angle + pitch * np.arange(POSITIONS) / POSITIONS:
-        found = equilibrium(model, standing(model.bearing, angle), Loads(load))
-        hubs.append(1e6 * found.hub)
-        counts.append(int(np.count_nonzero(found.inner_force)))
-        widest = max(widest, 1e6 * float(np.hypot(*found.outer_ring[model.outer_ring.raceway_row]).max()))
-    x, y, loaded = (_range(np.array(values)) for values in (*np.array(hubs).T, counts))
-    loaded = tuple(map(int, loaded))
-    return SimpleNamespace(supports=name, outside_mm=outside_mm, x=x, y=y, loaded=loaded, widest=widest)
-
-
 Range = tuple[float, float]
 
 

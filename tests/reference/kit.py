@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import pi
 from pathlib import Path
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -39,6 +40,7 @@ from lagrange.bearing import BallBearing
 from lagrange.columns import columns_of
 from lagrange.contact.laws import contact_laws
 from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM, SIGNATURE
+from lagrange.kinematics import kinematics
 from lagrange.motion import State
 from lagrange.mounting import ENERGIES
 from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
@@ -253,6 +255,40 @@ def balance_of(result) -> float:
     left, energies = energy_left(result), result.energies
     passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
     return np.abs(left - left[0]).max() / passed
+
+
+class Caged(NamedTuple):
+    """A run with a cage."""
+
+    scene: Scene
+    values: dict[str, np.ndarray]
+    imbalance: float  # over the exchanged and the dissipated energy
+
+    def slip(self, first: float, name: str = "cage") -> float:
+        """Of the cage, or of the rollers' mean, after a share of the run."""
+        angle = self.values["cage_angle"] if name == "cage" else self.values["roller_theta"].mean(axis=1)
+        time, start = self.values["time"], int(first * len(angle))
+        speed = (angle[-1] - angle[start]) / (time[-1] - time[start])
+        return 1.0 - speed / kinematics(self.scene.ideal_bearing(), self.scene.ideal_operation().speed).cage
+
+    @property
+    def spacing(self) -> float:
+        """The most that neighbouring rollers' distance along the pitch circle, seen from the cage, is off, m."""
+        x, y = (self.values[f"roller_{axis}"] - self.values[f"cage_{axis}"][:, None] for axis in "xy")
+        angle, bearing = np.unwrap(np.arctan2(y, x), axis=0), self.scene.ideal_bearing()
+        apart = np.diff(np.concatenate([angle, angle[:, :1] + 2.0 * pi], axis=1), axis=1)
+        apart = (apart + pi) % (2.0 * pi) - pi
+        return float(np.abs(apart - 2.0 * pi / bearing.n_rollers).max()) * bearing.pitch_radius
+
+
+def caged(model: str, duration_ms: float, cage: dict, numerics: dict | None = None, **tables) -> Caged:
+    """A run with a light, stiff cage guided by the rollers, but for what is said of it."""
+    usual = {"guidance": "rollers", "mass_kg": 0.02, "pocket_clearance_mm": 0.2, "stiffness_N_per_m": 1e8}
+    timing = {"duration_ms": duration_ms} | (numerics or {})
+    scene = parse_scene({"model": model, "cage": usual | cage, "numerics": timing, **tables}, "scene")
+    found = whole_run(make_plan(scene))
+    passed = found.exchanged.max() + found["work_dissipated"].max()
+    return Caged(scene, found.values, float(np.abs(found.imbalance).max() / passed))
 
 
 # ---- Result files: options of short runs, what is left in a folder, copies whose content a test may change.

@@ -173,18 +173,17 @@ def bare_depth(spall: Spall | None, opening: float, chord: np.ndarray) -> np.nda
     return np.minimum(arc, spall.depth)
 
 
-def outer_body(bearing: Bearing, spall: Spall | None, half: float, fine: Fineness, hollow: bool = True) -> Body:
+def outer_body(bearing: Bearing, spall: Spall | None, half: float, fine: Fineness) -> Body:
     """The outer ring, touched within `half`, m, of its lowest point; its outside is held.
 
-    The spall, in the lowest point, is cut out of the mesh; `hollow = False`: its material stays, with points on the
-    circle, and only the gap knows of it.
+    The spall, in the lowest point, is cut out of the mesh.
     """
     R, outside = bearing.outer_raceway_radius, bearing.outside_radius
     if spall is None:
         angles = graded_circle(R, [(DOWN - half / R, DOWN + half / R, fine.raceway)], fine.far)
         rim = on_circle(R, angles)
     else:
-        rim = _spalled_rim(R, spall, spall.half_opening(bearing.roller_radius), half, fine, hollow)
+        rim = _spalled_rim(R, spall, spall.half_opening(bearing.roller_radius), half, fine)
     lateral = np.linspace(-pi, pi, round(2.0 * pi * outside / fine.far), endpoint=False)
 
     def touched(x):
@@ -203,7 +202,7 @@ def outer_body(bearing: Bearing, spall: Spall | None, half: float, fine: Finenes
     )  # fmt: skip
 
 
-def _spalled_rim(R: float, spall: Spall, opening: float, half: float, fine: Fineness, hollow: bool) -> np.ndarray:
+def _spalled_rim(R: float, spall: Spall, opening: float, half: float, fine: Fineness) -> np.ndarray:
     """Points of the raceway, the spall's edges and bottom, which is at most as deep as the edges' radius."""
     e, deepest = spall.edge_radius, np.arccos(max(0.0, 1.0 - spall.depth / spall.edge_radius))
     steps, turned = [], 0.0
@@ -225,7 +224,7 @@ def _spalled_rim(R: float, spall: Spall, opening: float, half: float, fine: Fine
     rest = graded_circle(R, [(DOWN + turn[0], DOWN + turn[-1], beyond)], fine.far)
     rest = rest[(rest < DOWN + turn[0] - 1e-9) | (rest > DOWN + turn[-1] + 1e-9)]
     angle = np.concatenate([rest, DOWN + turn])
-    radius = np.concatenate([np.full(rest.size, R), R + (depth if hollow else 0.0 * depth)])
+    radius = np.concatenate([np.full(rest.size, R), R + depth])
     order = np.argsort(angle)
     return radius[order, None] * on_circle(1.0, angle[order])
 
@@ -253,19 +252,15 @@ class Crossing(NamedTuple):
 
 
 def crossing(
-    bearing: Bearing, spall: Spall | None, hub, ahead: float, beyond: float, swing: float,
-    fine: Fineness = FINE, hollow: bool = True,
-) -> Crossing:  # fmt: skip
-    """Mesh all; the roller starts `ahead`, m along the raceway, of the load line and gets as far as `beyond`.
-
-    `hollow = False`: the spall's material stays, with points on the circle, and only the gap knows of it.
-    """
+    bearing: Bearing, spall: Spall | None, hub, ahead: float, beyond: float, swing: float, fine: Fineness = FINE
+) -> Crossing:
+    """Mesh all; the roller starts `ahead`, m along the raceway, of the load line and gets as far as `beyond`."""
     R, Ri, r = bearing.outer_raceway_radius, bearing.inner_raceway_radius, bearing.roller_radius
     most, opening = max(ahead, beyond), 0.0 if spall is None else spall.half_opening(r)
     lower, upper = (way + ROOM for way in (max(opening, most * r / R), most * r / R))
     roller = roller_body(bearing, lower, upper, fine)
     inner = inner_body(bearing, most * Ri / R + 1.5 * ROOM, fine)
-    outer = outer_body(bearing, spall, most + 1.5 * ROOM, fine, hollow)
+    outer = outer_body(bearing, spall, most + 1.5 * ROOM, fine)
 
     def profile(away):
         return R + bare_depth(spall, opening, R * np.sin(away))

@@ -1,11 +1,9 @@
-"""How a random scene ends, what is wrong with it that it has not said itself, and the process that runs one by one."""
+"""How a random scene ends, what is wrong with it that it has not said itself, and the campaign that runs one by one."""
 
 import csv
+import io
 import math
-import multiprocessing
-import os
 import re
-import signal
 import time
 import traceback
 from collections import Counter
@@ -32,7 +30,7 @@ from residual.laws import moment_resultant
 from residual.record import Record
 from residual.sources import read_result
 from tests.measurements import markdown_table
-from tests.waiting import ASLEEP, limit_processor_time
+from tests.stability import forked
 
 ENDINGS = COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
 BY_CODE = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
@@ -49,7 +47,6 @@ class Row(NamedTuple):
     model: str
     ending: str
     what: str
-    seconds: float = 0.0  # of processor time
     imbalance: float = math.nan  # of the exchanged energy: elastic and contact, or the kinetic one's change
     of_stored: float = math.nan  # the same, of the elastic and contact energy alone
 
@@ -75,80 +72,27 @@ class Lines:
                 csv.writer(file, lineterminator="\n").writerow(cells)
 
 
-class Lost(Exception):
-    """A worker did not come to the end of a task."""
-
-
-def _work(pipe, work: Callable[..., Any]) -> None:
-    while (task := pipe.recv()) is not None:
-        *parts, limit = task
-        limit_processor_time(limit)
-        pipe.send(work(*parts))
-
-
-class Worker:
-    """A process that does one task after another, so that a hang or a crash of one is an outcome, not the end."""
-
-    def __init__(self, work: Callable[..., Any]):
-        self._context, self._process, self._does = multiprocessing.get_context("spawn"), None, work
-
-    def do(self, *task: Any, limit: float) -> Any:
-        """The work's answer to a task, `limit` s of processor time at most. Lost: there is none."""
-        if self._process is None:
-            self._pipe, other = self._context.Pipe()
-            self._process = self._context.Process(target=_work, args=(other, self._does), daemon=True)
-            self._process.start()
-            other.close()
-        self._pipe.send((*task, limit))
-        try:
-            if self._pipe.poll(ASLEEP * limit):
-                return self._pipe.recv()
-            what = f"no end after {ASLEEP * limit:.0f} s of wall time"
-        except (EOFError, ConnectionError):
-            self._process.join()
-            over = self._process.exitcode == -signal.SIGXCPU
-            what = f"no end after {limit:.0f} s" if over else f"the process died (exit code {self._process.exitcode})"
-        self.close()
-        raise Lost(what)
-
-    def close(self) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._process = None
-
-
 def ended(tables: dict[str, Any], folder: Path, number: int = 0) -> Row:
-    """Run a scene by run-fem's function, in this process, in a folder that holds its files, and judge its result.
+    """Run a scene by run-fem's function in a folder that holds its files, and judge its result.
 
     Run-fem must refuse it by name (2), stop with a reason (1), or be complete (0) with a result without `faults`.
     """
-    began, imbalance = time.process_time(), (math.nan, math.nan)
     (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
     words = [str(folder / "scene.toml"), "--output", str(folder / "run.nc"), "--quiet", "--force"]
-    kept = [os.dup(number) for number in (1, 2)]
-    with (folder / "said").open("w+", encoding="utf-8") as output, redirect_stdout(output), redirect_stderr(output):
-        for stream in (1, 2):
-            os.dup2(output.fileno(), stream)
+    with redirect_stdout(io.StringIO()) as said, redirect_stderr(said):
         try:
             code = run_main(words)
         except Exception:
-            code = 1
+            code = None
             traceback.print_exc()
-        finally:
-            output.flush()
-            for stream, back in zip((1, 2), kept, strict=True):
-                os.dup2(back, stream)
-                os.close(back)
-    what = (folder / "said").read_text(encoding="utf-8", errors="replace")
+    what, imbalance = said.getvalue(), (math.nan, math.nan)
     ending = BY_CODE.get(code, FAILED)
     if "Traceback" in what or ending == FAILED or (code and not what):  # or without a reason
         ending, what = FAILED, f"exit {code}: {what[-400:]}"
     elif ending == COMPLETE:
         found, imbalance = judged(folder / "run.nc")
         ending, what = (FAILED, "; ".join(found)) if found else (COMPLETE, what)
-    what = " ".join(what.replace(f"{folder}/", "").split())
-    return Row(number, tables.get("model", "fem"), ending, what, time.process_time() - began, *imbalance)
+    return Row(number, tables.get("model", "fem"), ending, " ".join(what.replace(f"{folder}/", "").split()), *imbalance)
 
 
 def _tried(draw: Callable[[int, Path], dict], number: int) -> Row:
@@ -157,36 +101,27 @@ def _tried(draw: Callable[[int, Path], dict], number: int) -> Row:
 
 
 def campaign(
-    draw: Callable[[int, Path], dict[str, Any]], numbers: Iterable[int], lines: Lines, until: float = math.inf,
-    group: Callable[[int], Any] = lambda number: None, limit: float = TIME_LIMIT,
-) -> Iterator[Row]:  # fmt: skip
-    """How scenes end, one after another; those that the file holds are not run again.
+    draw: Callable[[int, Path], dict[str, Any]], numbers: Iterable[int], lines: Lines, until: float = math.inf
+) -> Iterator[Row]:
+    """How scenes end, one after another, each in a process of its own; those that the file holds are not run again.
 
     Parameters
     ----------
     draw : to be pickled, makes a number's tables, whose files it writes into a folder
     until : time.monotonic() after which no further scene begins
-    group : of a number; with another one a new process begins, without the memory of kernels and runs before
     """
-    kept = [row for row in lines.rows if row != list(Row._fields)]  # but for its heading
-    done = {row.number: row for row in map(Row.read, kept)}
-    worker, before = Worker(_tried), None
+    done = {row.number: row for row in map(Row.read, lines.rows)}
     for number in numbers:
         if number not in done:
             if time.monotonic() > until:
                 break
-            if group(number) != before:
-                worker.close()
-                before = group(number)
-            try:
-                done[number] = worker.do(draw, number, limit=limit)
-            except Lost as error:
-                done[number] = Row(number, "", FAILED, str(error), limit)
+            end = forked.run(_tried, draw, number, limit=TIME_LIMIT)
+            lost = f"no end after {TIME_LIMIT} s" if end.code is None else f"exit code {end.code}: {end.said[-400:]}"
+            done[number] = end.answer or Row(number, "", FAILED, lost)
             lines.add(*done[number])
             if done[number].ending in (STOPPED, FAILED):
                 print(*done[number][:4], flush=True)
         yield done[number]
-    worker.close()
 
 
 def report(rows: list[Row], title: str) -> bool:

@@ -1,38 +1,45 @@
-"""Random bearings in random machines, through the command: `python -m tests.stability.machine --scenes 200`.
+"""Random bearings in random machines, reproducible one by one: (seed, number) names a scene.
 
-Each has some of the tables of what stands around a bearing: damping, cage, housing with a fit, sensor, a shaft's
-springs, unbalance, a rotating load, speed and load that change, faults of surfaces; 3 to 60 rollers, or balls, of 3 to
-50 mm, at an angle, in rows, with one missing, on a solid shaft, in an outer ring that turns, tilted, with a law of
-their own; steel, ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN.
-
-(seed, number) names a scene. Which model it has, which tables stand in it and of which kind, belongs to its set, the
-number's remainder: each set compiles a time loop of its own, so that a thousand scenes of a few dozen sets take hours,
-not days. Values, and what changes no compiled loop, are drawn for each scene.
+`random_scene` draws a bearing alone: 3 to 60 rollers of 3 to 50 mm, any materials, mesh, step and start.
+`machine_scene` puts it into some of the tables of what stands around a bearing: damping, cage, housing with a fit,
+sensor, a shaft's springs, unbalance, a rotating load, speed and load that change, faults of surfaces; balls, a contact
+angle, rows, a missing roller, a solid shaft, an outer ring that turns, rollers that tilt, a law of their own; steel,
+ceramic, polymer and what lies between, friction up to 1, up to 60 000 rpm and 50 kN. Which model it has, which tables
+stand in it and of which kind, belongs to its set, the number's remainder: each set compiles a time loop of its own, so
+that a thousand scenes of a few dozen sets take hours, not days. Values, and what changes no compiled loop, are drawn
+for each scene.
 """
 
-import sys
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
-from math import exp, log, pi, sin
+from math import exp, log, pi, sin, sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from cyclopts import App
 
-from tests.stability.campaign import Lines, Row, campaign, report
-from tests.stability.random_scenes import random_scene
-
-TOGETHER = 20  # scenes of a set
-MODELS = ("lagrange", "reduced", "fem")
-SHARES = 0.45, 0.45, 0.1  # of the sets
-DURATION = 5.0  # ms
+RANGES = {
+    "speed_rpm": (-60_000.0, 60_000.0), "radial_load_N": (0.0, 20_000.0), "clearance_um": (-10.0, 200.0),  # diametral
+    "rollers": (3, 60), "roller_diameter_mm": (3.0, 50.0), "friction_coefficient": (0.0, 0.5),
+    "youngs_modulus_GPa": (1.0, 400.0),
+    "mesh_size_mm": (0.5, 3.0),  # for a roller of 10 mm, in proportion for others
+    "time_step_safety": (0.3, 0.99),
+}  # fmt: skip
+UNTAMED = 0.15  # share of scenes whose speed and load are drawn from their whole range whatever the material bears
+HERTZ, STRAIN = 0.1, 0.01  # what the program accepts: contact half-width over roller radius; centrifugal strain
+BUDGET = 1.2e9  # degrees of freedom times steps of 5 ms: about a second
+MOST_FREEDOM = 30_000.0
+MODELS, SHARES = ("lagrange", "reduced", "fem"), (0.45, 0.45, 0.1)  # of the sets
+DURATION_MS = 5.0
 MATERIALS = tuple(  # of steel, ceramic, polymer
     {"youngs_modulus_GPa": modulus, "density_kg_m3": density, "poisson_ratio": nu}
     for modulus, density, nu in ((210.0, 7850.0, 0.3), (310.0, 3200.0, 0.27), (3.6, 1350.0, 0.4))
 )
+# shares of bearings at an angle in rows, with a roller missing, in fits, on a solid shaft, of balls, with a law of
+# their own, in an outer ring that turns, of rollers that tilt; and what is refused with others
+KINDS = {"angle": 0.25, "missing": 0.2, "fit": 0.2, "solid": 0.2, "balls": 0.25, "law": 0.25, "outer ring": 0.3,
+         "axial": 0.25}  # fmt: skip
+REFUSED_WITH = {"angle": {"axial"}, "balls": {"axial"}, "fit": {"angle", "solid"}}
 Tables = dict[str, Any]
 
 
@@ -62,8 +69,90 @@ class Draw:
         (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
         return name
 
+    def speeds(self, operation: Tables, name: str, key: str) -> None:
+        """Put a table of speeds in a speed's place."""
+        speed, shape = operation.pop(key), self.one_of("smooth", "linear")
+        times = [0.0, *sorted(self.uniform(0.2, 0.9) * DURATION_MS for _ in range(2)), DURATION_MS]
+        file = self.table(f"{name}.csv", "time_ms,speed_rpm", [(t, speed * self.uniform(0.7, 1.3)) for t in times])
+        operation |= {name: file, f"{name}_shape": shape}
 
-def _of_set(seed: int, number: int, sets: int) -> tuple[Draw, str]:
+
+def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUDGET) -> Tables:
+    """Tables of scene `number` of a seed, as `lagrange.scene.scene.parse_scene` takes them.
+
+    Geometry and materials come from the whole ranges; speed and load too, but for all scenes except the untamed share
+    they are cut down to a share of what the materials bear, up to all of it. The mesh is coarsened until the run costs
+    no more than `budget`, degrees of freedom times steps of 5 ms.
+    """
+    draw = Draw(np.random.default_rng([seed, number]))
+    uniform, spread, chance = draw.uniform, draw.spread, draw.chance
+    untamed = chance(UNTAMED)
+    n = int(draw.rng.integers(RANGES["rollers"][0], RANGES["rollers"][1] + 1))
+    d = spread(*RANGES["roller_diameter_mm"])
+    clearance = 0.0 if chance(0.05) else 1e-3 * uniform(*RANGES["clearance_um"])
+    pitch = max(d / sin(pi / n) * spread(1.002, 1.5), d * spread(1.5, 3.0))
+    inner = pitch - d - 0.5 * clearance
+    outer = inner + 2.0 * d + clearance
+    length = d * spread(0.5, 3.0)
+    bore, outside = inner * uniform(0.4, 0.85), outer * uniform(1.1, 1.5)
+
+    E, density, same = spread(*RANGES["youngs_modulus_GPa"]), spread(1500.0, 15_000.0), chance(0.4)
+    moduli = [E if same else float(np.clip(E * spread(0.3, 3.0), 1.0, 400.0)) for _ in range(3)]
+    densities = [density if same else float(np.clip(density * spread(0.4, 2.5), 1000.0, 20_000.0)) for _ in range(3)]
+    poisson = [0.3 if same else uniform(0.0, 0.45) for _ in range(3)]
+
+    ring_mass = densities[1] * pi * (inner**2 - bore**2) / 4.0 * length * 1e-9
+    speed = uniform(*RANGES["speed_rpm"])
+    load = 0.0 if chance(0.04) else RANGES["radial_load_N"][1] * uniform(0.0, 1.0) ** 3
+    speed = 0.0 if chance(0.04) else speed
+    if not untamed:  # below a share of what strain and contact width allow
+        share, surface = uniform(0.0, 1.0), 0.5e-3 * inner * pi / 30.0 * abs(speed)  # m/s, of all raceways
+        strain = max(densities[0] / moduli[0], densities[1] / moduli[1]) * 1e-9 * surface**2
+        speed *= min(1.0, sqrt(share * STRAIN / max(strain, 1e-30)))
+        stiffness = 1e9 / (1.0 / moduli[0] + max(1.0 / moduli[1], 1.0 / moduli[2]))
+        curvature = 1.0 / (0.5e-3 * d) + 1.0 / (0.5e-3 * inner)
+        most = pi * (HERTZ * 0.5e-3 * d) ** 2 * stiffness * curvature / 4.0 * 1e-3 * length  # N on a roller
+        orbit = 0.5 * inner / (inner + d) * pi / 30.0 * speed
+        pull = densities[0] * pi / 4.0 * d**2 * length * 1e-9 * orbit**2 * 0.5e-3 * (inner + d)
+        speed *= min(1.0, sqrt(share * most / max(pull, 1e-30)))
+        load = min(load, share * most * n / 5.0)
+
+    coarsest = 0.999 * pi * d / 14.0
+    mesh = float(np.clip(spread(*RANGES["mesh_size_mm"]) * d / 10.0, d / 350.0, coarsest))
+    safety = uniform(*RANGES["time_step_safety"])
+    areas = n * d**2 / 0.87 + inner**2 - bore**2 + outside**2 - outer**2
+    fastest = max(sqrt(1e9 * E / density) for E, density in zip(moduli, densities, strict=True))
+
+    def is_too_dear(mesh):
+        freedom = 2.0 * pi / 4.0 * areas / mesh**2
+        return freedom > MOST_FREEDOM or freedom * (5e-3 * fastest / (0.6e-3 * mesh * safety)) > budget
+
+    while mesh < coarsest and is_too_dear(mesh):
+        mesh = min(1.1 * mesh, coarsest)
+    rest = chance(0.5)
+    return {
+        "name": f"seed {seed} number {number}",
+        "bearing": {
+            "rollers": n, "roller_diameter_mm": d, "roller_length_mm": length, "inner_raceway_diameter_mm": inner,
+            "outer_raceway_diameter_mm": outer, "bore_diameter_mm": bore, "outside_diameter_mm": outside,
+        },
+        "material": {
+            body: {"youngs_modulus_GPa": moduli[i], "density_kg_m3": densities[i], "poisson_ratio": poisson[i]}
+            for i, body in enumerate(("roller", "inner_ring", "outer_ring"))
+        },
+        "operation": {
+            "speed_rpm": speed, "radial_load_N": load, "inner_ring_and_shaft_kg": ring_mass * spread(1.05, 5.0),
+            "gravity_m_s2": 0.0 if chance(0.1) else 9.81, "first_roller_deg": uniform(-180.0, 180.0),
+        },
+        "contact": {"friction_coefficient": 0.0 if chance(0.2) else uniform(*RANGES["friction_coefficient"])},
+        "numerics": {
+            "duration_ms": duration_ms, "start": "rest" if rest else "equilibrium",
+            "load_ramp_ms": uniform(0.1, 2.0) if chance(0.5) else 0.0, "mesh_size_mm": mesh, "time_step_safety": safety,
+        },
+    }  # fmt: skip
+
+
+def of_set(seed: int, number: int, sets: int) -> tuple[Draw, str]:
     """What is drawn for a scene's set, and its model."""
     kinds = Draw(np.random.default_rng([seed, number % sets, 2]))
     return kinds, str(kinds.rng.choice(MODELS, p=SHARES))
@@ -74,8 +163,8 @@ def machine_scene(seed: int, number: int, folder: Path, sets: int, axial: bool =
 
     `axial`: with that table in any case.
     """
-    (kinds, model), values = _of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]), folder)
-    tables = random_scene(seed, number, DURATION, 2e8) | {"name": f"machine {number}", "model": model}
+    (kinds, model), values = of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]), folder)
+    tables = random_scene(seed, number, DURATION_MS, 2e8) | {"name": f"machine {number}", "model": model}
     bearing, operation = tables["bearing"], tables["operation"]
     if values.chance(0.5):  # of materials that there are
         tables["material"] = {body: dict(MATERIALS[values.rng.integers(3)]) for body in tables["material"]}
@@ -125,29 +214,29 @@ def _around(tables: Tables, kinds: Draw, values: Draw) -> None:
         if kinds.chance(0.7):
             tables["sensor"] = {"frequency_Hz": spread(1e3, 3e4), "damping_ratio": uniform(0.01, 0.3)}
     if kinds.chance(0.5):
-        operation |= {"shaft": "springs", "shaft_stiffness_N_per_m": spread(1e5, 1e9),
-                      "shaft_damping_N_s_m": spread(1.0, 1e4)}  # fmt: skip
+        operation |= {"shaft": "springs", "shaft_stiffness_N_per_m": spread(1e5, 1e9)}
+        operation["shaft_damping_N_s_m"] = spread(1.0, 1e4)
     if kinds.chance(0.5):
         turning = 0.3 * operation["radial_load_N"]
         operation |= {"unbalance_g_mm": spread(0.1, 300.0), "rotating_load_N": turning * uniform(0.0, 1.0)}
     if kinds.chance(0.6):
-        _surfaces(tables, kinds, values)
+        tables |= _surfaces(d, n, kinds, values)
     if kinds.chance(0.4):
-        _speeds(operation, values, "speed_table", "speed_rpm")
+        values.speeds(operation, "speed_table", "speed_rpm")
     if kinds.chance(0.3):
         load, shape = operation.pop("radial_load_N"), values.one_of("smooth", "linear", "steps")
-        pulls = [(t, load * uniform(-0.3, 0.3), -load * uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION)]
+        pulls = [(t, load * uniform(-0.3, 0.3), -load * uniform(0.2, 1.0)) for t in (0.0, 2.0, DURATION_MS)]
         operation |= {"load_table": values.table("load.csv", "time_ms,x_N,y_N", pulls), "load_table_shape": shape}
 
 
-def _surfaces(tables: Tables, kinds: Draw, values: Draw) -> None:
+def _surfaces(d: float, n: int, kinds: Draw, values: Draw) -> Tables:
     """Spalls, waves, a measured profile and an unequal element, in their kinds' order."""
-    d, n = tables["bearing"]["roller_diameter_mm"], tables["bearing"]["rollers"]
 
     def body() -> Tables:
         name = kinds.one_of("outer_ring", "inner_ring", "roller")
         return {"body": name} | ({"roller": int(values.rng.integers(n))} if name == "roller" else {})
 
+    tables: Tables = {}
     if kinds.chance(0.7):
         tables["spall"] = [body() | {
             "angle_deg": values.uniform(-60.0, 60.0), "width_mm": d * values.uniform(0.03, 0.25),
@@ -164,26 +253,13 @@ def _surfaces(tables: Tables, kinds: Draw, values: Draw) -> None:
         heights = high * np.cos(np.radians(int(values.rng.integers(1, 9)) * angles))
         file = values.table("heights.csv", "angle_deg,height_um", zip(angles, heights, strict=True))
         tables["profile"] = [{"body": kinds.one_of("outer_ring", "inner_ring"), "file": file}]
-
-
-def _speeds(operation: Tables, values: Draw, name: str, key: str) -> None:
-    speed, shape = operation.pop(key), values.one_of("smooth", "linear")
-    times = [0.0, *sorted(values.uniform(0.2, 0.9) * DURATION for _ in range(2)), DURATION]
-    file = values.table(f"{name}.csv", "time_ms,speed_rpm", [(t, speed * values.uniform(0.7, 1.3)) for t in times])
-    operation |= {name: file, f"{name}_shape": shape}
-
-
-# shares of bearings at an angle in rows, with a roller missing, in fits, on a solid shaft, of balls, with a law of
-# their own, in an outer ring that turns, of rollers that tilt; and what is refused with others
-SHARES_OF_KINDS = {"angle": 0.25, "missing": 0.2, "fit": 0.2, "solid": 0.2, "balls": 0.25, "law": 0.25,
-                   "outer ring": 0.3, "axial": 0.25}  # fmt: skip
-REFUSED_WITH = {"angle": {"axial"}, "balls": {"axial"}, "fit": {"angle", "solid"}}
+    return tables
 
 
 def _of_its_own_kind(tables: Tables, kinds: Draw, values: Draw, axial: bool) -> None:
     """Kinds of bearings, without the tables that they are refused with, so that most scenes run."""
     model, bearing, operation, uniform = tables["model"], tables["bearing"], tables["operation"], values.uniform
-    drawn = {kind for kind, share in SHARES_OF_KINDS.items() if kinds.chance(share) or (axial and kind == "axial")}
+    drawn = {kind for kind, share in KINDS.items() if kinds.chance(share) or (axial and kind == "axial")}
     drawn = {kind for kind in drawn if not REFUSED_WITH.get(kind, set()) & drawn}
 
     def without(*names: str) -> None:
@@ -230,7 +306,7 @@ def _of_its_own_kind(tables: Tables, kinds: Draw, values: Draw, axial: bool) -> 
         if "rotating_load_N" in operation:
             operation["rotating_load_with"] = values.one_of("inner_ring", "outer_ring")
         if values.chance(0.5):
-            _speeds(operation, values, "outer_ring_speed_table", "outer_ring_speed_rpm")
+            values.speeds(operation, "outer_ring_speed_table", "outer_ring_speed_rpm")
     if "axial" in drawn:
         if model == "fem":
             without("damping")  # of contacts, which meshes have not with tilt
@@ -267,38 +343,3 @@ def _axial(tables: Tables, kinds: Draw, values: Draw) -> None:
         for spall in tables.get("spall", []):
             spall |= {"length_mm": part, "z_mm": middle}
     tables["axial"] = axial
-
-
-app = App(help=__doc__)
-
-
-@app.default
-def main(
-    *, scenes: int = 200, seed: int = 1, first: int = 0, sets: int = 48, models: tuple[str, ...] = MODELS,
-    axial: bool = False, output: Path | None = None, seconds: float = 1e9,
-) -> None:  # fmt: skip
-    """Run scenes and print how they ended.
-
-    Parameters
-    ----------
-    scenes: how many
-    seed: of all
-    first: number of the first scene
-    sets: of tables, each of which compiles a time loop of its own
-    models: only scenes of these; the others are passed over
-    axial: each scene has that table
-    output: CSV, a line a scene; scenes that it holds are counted, and not run again
-    seconds: of wall time, after which no further scene begins
-    """
-    draw = partial(machine_scene, seed, sets=sets, axial=axial)
-    # a set's scenes together, because the first of them loads its kernels, but not so many that other sets wait long
-    numbers = sorted(range(first, first + scenes), key=lambda k: (k // (TOGETHER * sets), k % sets, k))
-    wanted = (number for number in numbers if _of_set(seed, number, sets)[1] in models)
-    lines = Lines(output)
-    for _ in campaign(draw, wanted, lines, time.monotonic() + seconds, lambda number: number % sets):
-        pass
-    sys.exit(report(list(map(Row.read, lines.rows)), f"scenes, seed {seed}"))
-
-
-if __name__ == "__main__":
-    app()

@@ -54,6 +54,10 @@ class Case:
         return self.checks.__name__.replace("_", "-")
 
     @property
+    def dashed_subject(self) -> str:
+        return self.subject.replace(" ", "-")
+
+    @property
     def description(self) -> str:
         """The docstring on one line."""
         return " ".join((self.checks.__doc__ or "").split())

@@ -19,8 +19,8 @@ from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
 from fem.pictures.bodies import drawn_bearing, shear_peak
 from fem.pictures.look import Request
-from fem.pictures.recover import StoredRun
-from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR
+from fem.pictures.recover import FIRST_ROLLER, INNER_RING, StoredRun
+from fem.pictures.stress_below import AT_DEPTH, LARGEST_SHEAR
 from fem.pictures.views import draw
 from tests import documented
 from tests.measurements import DOCS
@@ -172,7 +172,7 @@ def main(*, pictures: Annotated[bool, Parameter(negative="")] = False) -> None:
         fields = folder / "fields.nc"
         assert run_main(["--output", str(fields), "--quiet", "--set", "output.fields_every_ms=0.5"]) == 0
         more = 1e-6 * (fields.stat().st_size - run.stat().st_size)
-        print(f"fields every 0.5 ms: {StoredRun(fields).stored_samples.size} frames, {more:.2g} MB more")
+        print(f"fields every 0.5 ms: {StoredRun(fields).frames.size} frames, {more:.2g} MB more")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from fem.commands.run_fem import run_main
 from fem.contacts.points import patch
 from fem.elastic.bodies import turned
 from fem.kernels.law import ripple_at
-from fem.pictures.recover import StoredRun, read_instant
+from fem.pictures.recover import StoredRun
 from fem.result.run_file import GROUP
 from fem.result.store import ResultFile
 from fem.solver.elements.arrays import frame_of, rolling_motion, rotated
@@ -21,7 +21,7 @@ from fem.statics.contact_balance import Loads
 from fem.statics.equilibrium import equilibrium
 from lagrange.errors import UsageError
 from lagrange.scene.scene import SceneError, read_scene
-from tests.reference.kit import sets, unchecked_copy
+from tests.reference.kit import read_instant, sets, unchecked_copy
 
 EVERY = sets("output.fields_every_ms=0.5")
 
@@ -136,7 +136,7 @@ def test_a_file_whose_frames_are_gone_is_not_gone_on_with_and_those_beyond_its_s
     with pytest.raises(UsageError, match=r"sample 150 .* checksum"):
         StoredRun(path).instant(150)
     path = changed(with_fields, tmp_path, lambda file: file.attrs.update(committed_samples=101))
-    assert StoredRun(path).stored_samples.tolist() == [0, 50, 100]
+    assert StoredRun(path).frames.tolist() == [0, 50, 100]
     assert read_instant(path).time == pytest.approx(1e-3, rel=1e-12)
     with pytest.raises(UsageError, match="0 to 1 ms"):
         read_instant(path, 2e-3)

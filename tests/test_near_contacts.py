@@ -23,8 +23,8 @@ from fem.kernels.elements.points import spread_forces
 from fem.kernels.jit import kernel
 from fem.pictures import stress_below
 from fem.pictures.bodies import drawn_bearing, shear_peak
-from fem.pictures.recover import read_instant
-from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING, hertz_stress, spline_displacement
+from fem.pictures.recover import FIRST_ROLLER, INNER_RING, OUTER_RING
+from fem.pictures.stress_below import hertz_stress, spline_displacement
 from fem.solver.limits import check_meshes
 from fem.solver.simulate import make_plan, run
 from fem.statics.contact_balance import Loads
@@ -54,7 +54,7 @@ def bearing(tmp_path_factory):
         options = [word for each in (*still, *settings) for word in ("--set", each)]
         options += ["--mesh-size", str(mesh_size), "--duration", "0", "--output", str(path), "--quiet"]
         assert run_main(options) == 0
-        instant = read_instant(path)
+        instant = kit.read_instant(path)
         return instant, drawn_bearing(instant)
 
     return make

@@ -526,7 +526,7 @@ def test_numbers_of_a_worked_example(rated, monkeypatch):
     (["bearing.designation='6205'", "bearing.inner_conformity=0.54"], "C_N", "inner groove radius up to 0.52"),
 ])  # fmt: skip
 def test_what_can_not_be_computed_has_a_reason(settings, missing, word):
-    found = rating(scene(*settings)).answer(missing)
+    found = rating(scene(*settings)).answers[missing]
     assert found.value is None and word in found.reason
 
 

@@ -376,8 +376,9 @@ def test_an_export_is_replaced_by_the_next_and_any_file_by_force(ending, kept, c
 
 
 def test_films_are_known_as_such(tmp_path):
+    images = np.zeros((2, 64, 64, 3), dtype=np.uint8)
     for place in (tmp_path / "a.gif", tmp_path / "a.mp4"):
-        write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, np.zeros((1, 3), dtype=np.uint8))
+        write_film(place, iter(images), 25.0, images[0])
         refuse_foreign(place, force=False)
 
 

@@ -132,7 +132,7 @@ def _render(
                             yield renderer.image(sample)
                             count()
 
-                    exports.write_film(target, images(), fps, renderer.palette)
+                    exports.write_film(target, images(), fps, renderer.image(samples[len(samples) // 2]))
                 done = f"Film: {target} ({len(samples)} frames)"
     with telling():
         print(shown(done))
@@ -179,7 +179,7 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
         raise UsageError(
             f"--start, --stop: {1e3 * stored.times[first]:g} to {1e3 * stored.times[last]:g} ms contain no sample"
         )
-    kept = stored.stored_samples
+    kept = stored.frames
     kept = kept[(kept >= first) & (kept <= last)]
     if frames is None and len(kept) > 1:
         return kept.tolist()

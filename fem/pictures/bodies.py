@@ -21,9 +21,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fem.contacts.points import patch
-from fem.elastic.bodies import RingBody, max_shear, von_mises
-from fem.kernels.columns import INNER, OUTER
-from fem.pictures.recover import Instant
+from fem.elastic.bodies import max_shear, von_mises
+from fem.kernels.columns import ROLLER
+from fem.pictures.recover import FIRST_ROLLER, OUTER_RING, Instant, unit_vector
 from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, hertz_stress, smooth_stress
 from fem.solver.elements.arrays import rotated
 from lagrange.bearing import Bearing
@@ -64,7 +64,7 @@ def refined(
     all columns of nodal data, (n_nodes, n_columns), are carried along. The first two are the position, m; a new node,
     behind the old ones, has the mean of its edge's ends.
     `wanted` : from middles, (n, 2), m, to the longest edge allowed there, (n,), m"""
-    settled = np.zeros((0, 3), dtype=triangles.dtype)  # small enough, which a neighbour's halved edge can undo
+    settled = triangles[:0]  # small enough, which a neighbour's halved edge can undo
 
     def edges_of(triangles: np.ndarray) -> np.ndarray:
         """One number for each edge, (n, 3), the same for both triangles at it; edge k joins corners k and k + 1."""
@@ -78,14 +78,13 @@ def refined(
         if not large.any():
             break
         split = np.unique(edges_of(triangles[large]))
-        reached = np.zeros(len(data), dtype=np.int8)
-        reached[triangles[large]] = 1
         triangles = np.concatenate([triangles, settled])
-        touched = reached[triangles].sum(axis=1) > 1
-        settled, triangles = triangles[~touched], triangles[touched]
         key = edges_of(triangles)
         at = np.minimum(np.searchsorted(split, key), len(split) - 1)
-        triangles = _children(triangles, split[at] == key, len(data) + at)
+        halved = split[at] == key
+        touched = halved.any(axis=1)
+        settled, triangles = triangles[~touched], triangles[touched]
+        triangles = _children(triangles, halved[touched], len(data) + at[touched])
         data = np.concatenate([data, 0.5 * (data[split // len(data)] + data[split % len(data)])])
     return data, np.concatenate([triangles, settled])
 
@@ -94,13 +93,11 @@ def _children(triangles: np.ndarray, halved: np.ndarray, middle: np.ndarray) -> 
     """Four, three or two in place of a triangle with three, two or one halved edges."""
     count = halved.sum(axis=1)
     # counted from the corner after the whole edge, or from the halved edge on
-    first = np.where(count == 2, np.argmin(halved, axis=1) + 1, np.where(count == 1, np.argmax(halved, axis=1), 0))
+    first = np.choose(count, [0, np.argmax(halved, axis=1), np.argmin(halved, axis=1) + 1, 0])
     order = (first[:, None] + np.arange(3)) % 3
     # corners 0, 1, 2, and 3, 4, 5 the middles of the edges from them
     places = np.concatenate([np.take_along_axis(each, order, axis=1) for each in (triangles, middle)], axis=1)
-    children = {
-        0: [0, 1, 2], 3: [0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5], 2: [3, 1, 4, 0, 3, 4, 0, 4, 2], 1: [0, 3, 2, 3, 1, 2],
-    }  # fmt: skip
+    children = {3: [0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5], 2: [3, 1, 4, 0, 3, 4, 0, 4, 2], 1: [0, 3, 2, 3, 1, 2]}
     return np.concatenate([places[count == n][:, new].reshape(-1, 3) for n, new in children.items()])
 
 
@@ -119,24 +116,19 @@ class DrawnBearing(NamedTuple):
     circles: tuple[np.ndarray, ...]  # nodes of the outlines: bore, inner and outer raceway, outside, rollers
     loads: list[BodyLoad]
     spacing: float  # m, of a roller's surface nodes
-    hub: np.ndarray  # (2,), m
     roller_reference: np.ndarray  # (n_rollers, 2), m, centres, undeformed and just touching
-    roller_shift: np.ndarray  # (n_rollers, 2), m, from there
 
-    @property
-    def body(self) -> np.ndarray:  # number of each node's body: 0 inner ring, 1 outer ring, 2 + j roller j
-        return np.rint(self.data[:, _BODY]).astype(int)
-
-    @property
-    def reference(self) -> np.ndarray:
-        """Nodes of the undeformed bearing whose parts just touch, (n_nodes, 2), m; refined ones lie on the circles."""
-        return self.data[:, _CENTRE] + self.local
+    body = property(lambda self: np.rint(self.data[:, _BODY]).astype(int))  # number of each node's body
+    # the mesh's stress less its patches' near the contacts, (n_nodes, 3), Pa; not a number in rigid bodies
+    smooth_stress = property(lambda self: self.data[:, _STRESS])
+    # nodes of the undeformed bearing whose parts just touch, (n_nodes, 2), m; refined ones lie on the circles
+    reference = property(lambda self: self.data[:, _CENTRE] + self.local)
 
     @property
     def local(self) -> np.ndarray:  # the same from the bodies' centres
         local = self.data[:, _LOCAL]
-        length = np.hypot(*local.T)[:, None]
-        return np.where(length > 0.0, local / np.maximum(length, 1e-300) * self.data[:, _RADIUS, None], 0.0)
+        length = np.maximum(np.hypot(*local.T), 1e-300)
+        return local * (self.data[:, _RADIUS] / length)[:, None]
 
     def points(self, magnification: float) -> np.ndarray:
         """Nodes as drawn, (n_nodes, 2), m."""
@@ -152,11 +144,6 @@ class DrawnBearing(NamedTuple):
             points = self._replace(data=between).points(magnification)
             found.append(np.concatenate([points, points[:1]]))
         return found
-
-    @property
-    def smooth_stress(self) -> np.ndarray:
-        """The mesh's less its patches' near the contacts, (n_nodes, 3), Pa; not a number in rigid bodies."""
-        return self.data[:, _STRESS]
 
     def stress(self) -> np.ndarray:
         """Nodal stress with what lies below the grid, (n_nodes, 3), Pa."""
@@ -204,81 +191,77 @@ class DrawnBearing(NamedTuple):
 
 def drawn_bearing(instant: Instant) -> DrawnBearing:
     """Bodies of an instant in the fixed axes, on the finite elements' nodes."""
-    model, bearing = instant.model, instant.model.bearing
-    inner, outer, disc, n = model.inner_ring, model.outer_ring, model.roller, bearing.n_rollers
-    reference, loads, bodies = _roller_reference(instant), contact_loads(instant), (inner, outer, *n * (disc,))
-    apart = outer.cartesian(_clearance(outer, bearing), instant.outer_turn)
-    local = [rotated(inner.points, instant.ring_turn), rotated(outer.points, instant.outer_turn) - apart]
-    local += [rotated(disc.points, turn) for turn in instant.roller_turn]
-    columns = zip(local, [*np.zeros((2, 2)), *reference], body_motions(instant), _dents(instant),
+    model, surfaces, reference = instant.model, instant.surfaces, roller_reference(instant)
+    loads = contact_loads(instant)
+    local = [rotated(body.points, turn) for body, _, _, turn in surfaces]
+    local[OUTER_RING] = local[OUTER_RING] - model.outer_ring.cartesian(_clearance(instant), instant.outer_turn)
+    columns = zip(surfaces, local, [*np.zeros((2, 2)), *reference], body_motions(instant), _dents(instant),
                   smooth_stress(instant, loads), strict=True)  # fmt: skip
-    parts = []
-    for number, (body, (at, centre, motion, dent, stress)) in enumerate(zip(bodies, columns, strict=True)):
-        data = np.empty((len(motion), _COLUMNS))
+    parts, cells, circles, first = [], [], [], 0
+    for number, ((body, _, nodes, _), at, centre, motion, dent, stress) in enumerate(columns):
+        data = np.empty((len(at), _COLUMNS))
         data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = at, np.hypot(*at.T), centre
         data[:, _MOTION], data[:, _DENT] = motion, dent
         data[:, _STRESS] = np.nan if body.material.rigid else stress  # which has none: drawn without colour
         data[:, _POISSON], data[:, _BODY] = body.material.poisson_ratio, number
+        circles += [first + np.arange(nodes)] * (number < FIRST_ROLLER)
+        circles.append(first + len(at) - nodes + np.arange(nodes))
         parts.append(data)
-    first = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
-    cells = [body.cells + start for body, start in zip(bodies, first, strict=False)]
-    circles = []
-    for k, ring in enumerate((inner, outer)):
-        circles += [first[k] + np.arange(ring.n_sectors), first[k + 1] - ring.n_sectors + np.arange(ring.n_sectors)]
-    circles += [np.arange(first[k + 1] - disc.shape.surface_nodes, first[k + 1]) for k in range(2, n + 2)]
+        cells.append(body.cells + first)
+        first += len(at)
     halves = [c[:, corners] for c in cells for corners in ([0, 1, 2], [0, 2, 3])[: c.shape[1] - 2]]
     return DrawnBearing(
         data=np.concatenate(parts), triangles=np.concatenate(halves),
-        cells=tuple(c for c, body in zip(cells, bodies, strict=True) if not body.material.rigid),
-        circles=tuple(circles), loads=loads, spacing=disc.shape.surface_spacing, hub=instant.hub,
-        roller_reference=reference, roller_shift=instant.centres - reference,
+        cells=tuple(c for c, surface in zip(cells, surfaces, strict=True) if not surface.body.material.rigid),
+        circles=tuple(circles), loads=loads, spacing=model.roller.shape.surface_spacing, roller_reference=reference,
     )  # fmt: skip
 
 
 def body_motions(instant: Instant) -> list[np.ndarray]:
     """Nodes' displacements from the reference, (n_nodes, 2), m, of inner ring, outer ring and rollers."""
     inner, outer = instant.model.inner_ring, instant.model.outer_ring
-    shift = instant.centres - _roller_reference(instant)
+    shift = instant.centres - roller_reference(instant)
     return [
         instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn),
-        outer.cartesian(instant.outer_ring + _clearance(outer, instant.model.bearing), instant.outer_turn),
+        outer.cartesian(instant.outer_ring + _clearance(instant), instant.outer_turn),
         *(shift[j] + rotated(instant.rollers[j], turn) for j, turn in enumerate(instant.roller_turn)),
     ]
 
 
-def _roller_reference(instant: Instant) -> np.ndarray:
+def roller_reference(instant: Instant) -> np.ndarray:
     """Where rollers just touch the inner raceway of the centred bearing, (n_rollers, 2), m."""
-    touching, _ = touching_distances(instant.model.bearing)
-    return touching * np.column_stack([np.cos(instant.outer_angle), np.sin(instant.outer_angle)])
+    return touching_distances(instant.model.bearing)[0] * unit_vector(instant.outer_angle)
 
 
-def _clearance(outer: RingBody, bearing: Bearing) -> np.ndarray:
+def _clearance(instant: Instant) -> np.ndarray:
     """How far the outer ring lies outside a bearing whose parts just touch, (n_rows, 2, n_sectors), polar, m."""
-    outward = np.zeros((outer.n_rows, 2, outer.n_sectors))
-    outward[:, 0] = bearing.radial_clearance
+    outward = np.zeros((instant.model.outer_ring.n_rows, 2, instant.model.outer_ring.n_sectors))
+    outward[:, 0] = instant.model.bearing.radial_clearance
     return outward
 
 
 def _dents(instant: Instant) -> list[np.ndarray]:
     """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m: whole at the contact."""
-    model, disc, of_rings = instant.model, instant.model.roller, []
-    of_rollers = np.zeros((instant.roller_turn.size, disc.n_nodes, 2))
-    for kind, ring, angles, forces, turn in (
-        (INNER, model.inner_ring, instant.inner_angle, instant.inner_force, instant.ring_turn),
-        (OUTER, model.outer_ring, instant.outer_angle, instant.outer_force, instant.outer_turn),
-    ):
-        on_ring = 0.5 + 0.5 * (disc.material.rigid - ring.material.rigid)  # half, but nothing of it on a rigid body
-        depths = model.indentation(kind, forces) / LARGEST_WEIGHT
-        dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
-        for j, (angle, depth) in enumerate(zip(angles, depths, strict=True)):
-            nodes, weight, _ = patch(ring.n_sectors, angle - turn)
-            np.add.at(dents, (ring.raceway_row, 0, nodes), (-1.0 if kind == INNER else 1.0) * on_ring * depth * weight)
-            across = angle + pi if kind == INNER else angle
-            nodes, weight, _ = patch(disc.shape.surface_nodes, across - instant.roller_turn[j])
-            inward = -(1.0 - on_ring) * depth * np.outer(weight, [np.cos(across), np.sin(across)])
-            np.add.at(of_rollers[j], disc.first_surface_node + nodes, inward)
-        of_rings.append(ring.cartesian(dents, turn))
-    return [*of_rings, *of_rollers]
+    model, surfaces, disc = instant.model, instant.surfaces, instant.model.roller
+    of_rings, forces = (model.inner_ring, model.outer_ring), (instant.inner_force, instant.outer_force)
+    depths = [model.indentation(kind, force) / LARGEST_WEIGHT for kind, force in enumerate(forces)]
+    dents = [np.zeros((ring.n_rows, 2, ring.n_sectors)) for ring in of_rings]
+    dents += [np.zeros((disc.n_nodes, 2)) for _ in instant.roller_turn]
+    for kind, j, number, angle, *_ in instant.sides():
+        if kind == ROLLER:
+            continue
+        body, radius, n_surface, turn = surfaces[number]
+        nodes, weight, _ = patch(n_surface, angle - turn)
+        on_ring = 0.5 + 0.5 * (disc.material.rigid - of_rings[kind].material.rigid)  # half, but nothing on a rigid body
+        if number < FIRST_ROLLER:
+            outward = -np.sign(radius) * on_ring * depths[kind][j] * weight
+            np.add.at(dents[number], (body.raceway_row, 0, nodes), outward)
+        else:
+            inward = -(1.0 - on_ring) * depths[kind][j] * np.outer(weight, unit_vector(angle))
+            np.add.at(dents[number], disc.first_surface_node + nodes, inward)
+    of_inner, of_outer, *of_rollers = dents
+    inner, outer = of_rings
+    return [inner.cartesian(of_inner, instant.ring_turn), outer.cartesian(of_outer, instant.outer_turn), *of_rollers]
 
 
 class ShearPeak(NamedTuple):
@@ -286,7 +269,6 @@ class ShearPeak(NamedTuple):
 
     shear: float  # Pa, in the plane
     depth: float  # m
-    across: float  # m, from the contact's middle, along the surface
     pressure: float  # Hertz's p₀, Pa
     half_width: float  # b, m
 
@@ -295,35 +277,27 @@ def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
     """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
 
     A mesh that resolves the contact is searched itself, node by node."""
-    load, b = item.load, item.load.half_width
-    at = np.flatnonzero(drawn.body == item.body)
-    nodes = drawn.local[at] - load.point
-    distance, along = np.hypot(*nodes.T), np.array([load.inward[1], -load.inward[0]])
+    load, b, at = item.load, item.load.half_width, np.flatnonzero(drawn.body == item.body)
+    nodes, smooth = drawn.local[at] - load.point, drawn.smooth_stress[at]
+    distance = np.hypot(*nodes.T)
     if item.is_resolved:
         near = distance < DEPTHS[-1] * b
-        depth, across = nodes[near] @ load.inward, nodes[near] @ along
-        shear = max_shear(drawn.smooth_stress[at[near]])
+        depth, shear = nodes[near] @ load.inward, max_shear(smooth[near])
     else:
         depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
-        points = load.point + depth[:, None] * load.inward + across[:, None] * along
-        near = distance < FITTED_WITHIN * item.spacing
-        matrix, wanted = (
-            np.column_stack([np.ones(len(places)), places / item.spacing])
-            for places in (nodes[near], points - load.point)
-        )
-        smooth = wanted @ np.linalg.lstsq(matrix, drawn.smooth_stress[at[near]], rcond=None)[0]
-        shear = max_shear(smooth + hertz_stress(points, load))
+        places, near = np.outer(depth, load.inward), distance < FITTED_WITHIN * item.spacing
+        places += np.outer(across, [load.inward[1], -load.inward[0]])
+        matrix, wanted = (np.column_stack([np.ones(len(x)), x / item.spacing]) for x in (nodes[near], places))
+        fitted = wanted @ np.linalg.lstsq(matrix, smooth[near], rcond=None)[0]
+        shear = max_shear(fitted + hertz_stress(load.point + places, load))
     k = int(np.argmax(shear))
-    return ShearPeak(
-        float(shear[k]), float(depth[k]), float(across[k]), 2.0 * float(np.hypot(*load.force)) / (pi * b), b
-    )
+    return ShearPeak(float(shear[k]), float(depth[k]), 2.0 * float(np.hypot(*load.force)) / (pi * b), b)
 
 
 class Circle(NamedTuple):
     """A body's surface as a picture draws it; lengths in m."""
 
-    body: Body
-    roller: int | None
+    roller: int | None  # None: a raceway
     centre: np.ndarray  # (2,)
     radius: float
     turn: float  # rad, of the body's own frame
@@ -332,9 +306,8 @@ class Circle(NamedTuple):
 
     def points(self, angle: np.ndarray, inwards) -> np.ndarray:
         """At angles in the body's frame, rad, so deep in its material, m; (n, 2)."""
-        direction = angle + self.turn
-        unit = np.column_stack([np.cos(direction), np.sin(direction)])
-        return self.centre + (self.radius + self.into * np.broadcast_to(inwards, angle.shape))[:, None] * unit
+        radius = self.radius + self.into * np.broadcast_to(inwards, angle.shape)
+        return self.centre + radius[:, None] * unit_vector(angle + self.turn)
 
     def name_place(self, angle: float = pi, inwards: float | None = None) -> np.ndarray:
         """Where a name stands, (2,), m; of a roller across from the dot that shows its turn."""
@@ -349,17 +322,13 @@ class Drawing:
     drawn: DrawnBearing
     magnification: float
 
-    @property
-    def bearing(self) -> Bearing:
-        return self.instant.model.bearing
-
-    @property
-    def hub(self) -> np.ndarray:  # where the hub is drawn, (2,), m
-        return self.magnification * self.drawn.hub
+    bearing = property(lambda self: self.instant.model.bearing)
+    hub = property(lambda self: self.magnification * self.instant.hub)  # where the hub is drawn, (2,), m
 
     @property
     def centres(self) -> np.ndarray:  # where the rollers' centres are drawn, (n_rollers, 2), m
-        return self.drawn.roller_reference + self.magnification * self.drawn.roller_shift
+        reference = self.drawn.roller_reference
+        return reference + self.magnification * (self.instant.centres - reference)
 
     def circle(self, body: Body, roller: int | None) -> Circle:
         """A raceway, or a roller's surface."""
@@ -371,9 +340,7 @@ class Drawing:
             radius, centre, turn = bearing.inner_raceway_radius, self.hub, instant.ring_turn
         else:
             radius, centre, turn = bearing.roller_radius, self.centres[roller], float(instant.roller_turn[roller])
-        into = 1.0 if body == "outer_ring" else -1.0
-        return Circle(body=body, roller=roller, centre=centre, radius=radius, turn=turn, into=into,
-                      thickness=thickness(bearing, body))  # fmt: skip
+        return Circle(roller, centre, radius, turn, 1.0 if body == "outer_ring" else -1.0, thickness(bearing, body))
 
 
 class Hole(NamedTuple):
@@ -401,38 +368,39 @@ def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
     rollers reach, or as they are"""
     bearing, made = drawing.bearing, []
     for spall in spalls(bearing):
-        circle, factor = drawing.circle(spall.body, spall.roller), drawing.magnification
+        circle, factor, times = drawing.circle(spall.body, spall.roller), drawing.magnification, ""
         own, opening = own_radius(bearing, spall), spall.half_opening(bearing.roller_radius)
-        half = asin(opening / own)
+        half, middle = asin(opening / own), 0.5 * circle.thickness
         angle = spall.angle + half * np.linspace(-1.0, 1.0, HOLE_POINTS)
         if as_reached:  # magnified as displacements are, or by a round factor that draws it so deep or less
             depth = _sinkage(bearing, (spall,), spall.body, spall.roller, angle)
             most, deepest = min(DEEPEST * circle.thickness, STEEPEST * spall.width), float(depth.max())
-            factor = factor if factor * deepest <= most else rounded_down(most / deepest)
+            if factor * deepest > most:
+                factor = rounded_down(most / deepest)
+                times = f", × {factor:g}"
         else:
             at, below = outline(spall, opening)
             order = np.argsort(at, kind="stable")
             depth = np.interp(own * np.sin(angle - spall.angle), at[order], below[order])
-        depth = np.clip(factor * depth, 0.0, circle.thickness)
-        entered, times = _entered(drawing, circle, angle), "" if factor == drawing.magnification else f", × {factor:g}"
-        middle = 0.5 * circle.thickness
-        beside = spall.angle + half + NAME_BESIDE * bearing.outside_radius / (own + circle.into * middle)
-        top, bottom = np.maximum(entered, -margin), np.maximum(depth, entered)
-        place = circle.name_place(beside, middle) if spall.roller is None else circle.name_place()
-        name = f"spall {1e3 * spall.width:.3g} mm{times}"
-        made.append(
-            Hole(circle.points(angle, top), circle.points(angle, bottom), circle.points(angle, depth), name, place)
-        )
+        depth, entered = np.clip(factor * depth, 0.0, circle.thickness), _entered(drawing, circle, angle)
+        lines = (circle.points(angle, in_) for in_ in (np.maximum(entered, -margin), np.maximum(depth, entered), depth))
+        place = circle.name_place()
+        if spall.roller is None:
+            beside = NAME_BESIDE * bearing.outside_radius / (own + circle.into * middle)
+            place = circle.name_place(spall.angle + half + beside, middle)
+        made.append(Hole(*lines, f"spall {1e3 * spall.width:.3g} mm{times}", place))
     return made
 
 
 def charts(drawing: Drawing) -> list[Chart]:
     """Charts of all surfaces with waves or measured heights."""
     made, factor = [], chart_factor(drawing.bearing)
-    for body, roller, height, name in _heights(drawing.bearing):
+    for body, roller, height, name in _heights(drawing.bearing) if factor is not None else ():
         circle = drawing.circle(body, roller)
-        depth = 0.5 * circle.thickness if roller is None else (1.0 - CHART_AT) * circle.radius
-        place = circle.name_place(0.5 * pi - circle.turn, depth) if roller is None else circle.name_place()
+        depth, place = (1.0 - CHART_AT) * circle.radius, circle.name_place()
+        if roller is None:
+            depth = 0.5 * circle.thickness
+            place = circle.name_place(0.5 * pi - circle.turn, depth)
         made.append(Chart(circle.points(AROUND, depth), circle.points(AROUND, depth - factor * height), name, place))
     return made
 
@@ -469,20 +437,17 @@ def unequal_rollers(drawing: Drawing) -> list[tuple[Circle, str]]:
 
 def _entered(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:
     """How deep other bodies reach into a circle's material along its radii, m; negative where they end before it."""
+    others = [drawing.circle(body, None) for body in ("inner_ring", "outer_ring")]
     if circle.roller is None:
         others = [drawing.circle("roller", j) for j in range(drawing.bearing.n_rollers)]
-    else:
-        others = [drawing.circle(body, None) for body in ("inner_ring", "outer_ring")]
-    deepest = np.full_like(angle, -np.inf)
-    unit = circle.points(angle, 0.0) - circle.centre
-    unit /= np.hypot(*unit.T)[:, None]
+    deepest, unit = np.full_like(angle, -np.inf), unit_vector(angle + circle.turn)
     for other in others:
         to_centre = circle.centre - other.centre
         along = unit @ to_centre
         inside = along**2 - (to_centre @ to_centre - other.radius**2)
-        root = np.sqrt(np.maximum(inside, 0.0))
-        is_outside = circle.into < 0.0 and other.into < 0.0  # two discs: the ray comes to the other one from outside
-        end = -along - root if is_outside else -along + root
+        # of two discs the ray comes to the other one from outside
+        way = -1.0 if circle.into < 0.0 and other.into < 0.0 else 1.0
+        end = -along + way * np.sqrt(np.maximum(inside, 0.0))
         hit = (inside > 0.0) & (end > 0.0)
         deepest = np.maximum(deepest, np.where(hit, circle.into * (end - circle.radius), -np.inf))
     return deepest

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import matplotlib  # for its fonts and colour maps
 import numpy as np
 import pyvista as pv
+from matplotlib.patches import FancyArrow
 from PIL import Image
 
 from fem.pictures.output import rendering_failure
@@ -26,7 +27,6 @@ os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no w
 ASPECT = 4.0 / 3.0  # of a picture
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
-FROM_FILE = 4  # VTK_FONT_FILE
 REFERENCE_WIDTH = 1600.0
 FINER = 2  # rendered that much finer, then averaged: anti-aliasing that does not depend on the driver
 LARGEST_WINDOW = 8192  # pixels
@@ -34,7 +34,7 @@ STEP = 1e-3  # in height, from what is drawn to what comes to lie on top of it
 INK, QUIET = "#1a1a1a", "#4d4d4d"
 NO_VALUE = "#c9c9c9"
 FAULT = "#ff9900"  # of surfaces that are not perfect
-ARC_POINTS = 361
+ARC_POINTS, SHADES = 361, 256  # of a circle; of a scale
 Shapes = np.ndarray | Sequence[np.ndarray]  # one, (n, 2), many of one length, (m, n, 2), or of any
 
 
@@ -48,6 +48,10 @@ class View:
     top: float = 1.0
     middle: tuple[float, float]
     tall: float  # from the lower to the upper edge, in the plane's lengths
+
+    @property
+    def pixel(self) -> float:  # of a page 1600 wide, in the plane's lengths
+        return self.tall * ASPECT / (REFERENCE_WIDTH * (self.top - self.bottom))
 
 
 class Panel:
@@ -83,38 +87,31 @@ class Panel:
 
     def strip(self, one: np.ndarray, other: np.ndarray, color: str) -> None:
         """The area between two lines of as many points."""
-        self._add(self._mesh(np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1), "faces"), color=color)
+        self._add(self._mesh(_between(one, other), "faces"), color=color)
 
     def field(self, points: np.ndarray, triangles: np.ndarray, values: np.ndarray, scale: "Scale") -> None:
         """Triangles coloured by nodal values; beyond the scale's limits the ends' colours, without a value NO_VALUE."""
-        cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
-        self._colour(pv.PolyData(self._lifted(points), faces=cells), np.ma.filled(scale.norm(values), np.nan), scale)
+        mesh = pv.PolyData.from_regular_faces(self._lifted(points), triangles)
+        self._colour(mesh, np.ma.filled(scale.norm(values), np.nan), scale)
 
     def colour_bar(self, scale: "Scale", left: float, bottom: float, top: float, width: float) -> None:
         """The colours of a scale, its ticks at their right."""
-        unit, share, middle = (
-            0.0005 * self.view.tall,
-            np.linspace(0.0, 1.0, 65),
-            (left + 0.5 * width, 0.5 * (bottom + top)),
-        )
-        one, other = (np.column_stack([np.full(65, x), bottom + share * (top - bottom)]) for x in (left, left + width))
-        bar = self._mesh(np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1), "faces")
-        self._colour(bar, np.stack([share[:-1], share[:-1], share[1:], share[1:]], axis=1).ravel(), scale)
-        self.stroke(box(middle, 0.5 * width, 0.5 * (top - bottom)), QUIET, 1.2)
-        for at, label in scale.ticks():
-            x, y = left + width, bottom + at * (top - bottom)
-            self.stroke(np.array([(x, y), (x + 15 * unit, y)]), QUIET, 1.2)
-            self.text(label, x + 30 * unit, y, 23.0)
+        pixel, right, height = self.view.pixel, left + width, np.linspace(bottom, top, SHADES + 1)
+        edges = (np.column_stack([np.full(SHADES + 1, x), height]) for x in (left, right))
+        self._colour(self._mesh(_between(*edges), "faces"), np.linspace(0.0, 1.0, SHADES), scale)
+        self.stroke(box((left + 0.5 * width, 0.5 * (bottom + top)), 0.5 * width, 0.5 * (top - bottom)), QUIET, 1.2)
+        for share, label in scale.ticks():
+            y = bottom + share * (top - bottom)
+            self.stroke(np.array([(right, y), (right + 9.0 * pixel, y)]), QUIET, 1.2)
+            self.text(label, right + 18.0 * pixel, y, 23.0)
 
     def text(self, text: str, x: float, y: float, size: float, color=INK, bold=False, align="left", backed=False):
         """Text whose left, center or right lies at (x, y), halfway up; `backed`: on white that shines through."""
-        actor = pv.Text(text)
-        actor.prop.SetFontFamily(FROM_FILE)
-        actor.prop.SetFontFile(BOLD if bold else FONT)
-        actor.prop.font_size, actor.prop.color = round(size * self._canvas.pixel), color
-        actor.prop.justification_horizontal, actor.prop.justification_vertical = align, "center"
-        if backed:
-            actor.prop.background_color, actor.prop.background_opacity = "white", 0.75
+        actor, ground = pv.Text(text), {"background_color": "white", "background_opacity": 0.75} if backed else {}
+        actor.prop = pv.TextProperty(
+            color=color, font_file=BOLD if bold else FONT, font_size=round(size * self._canvas.pixel),
+            justification_horizontal=align, justification_vertical="center", **ground,
+        )  # fmt: skip
         place = actor.GetPositionCoordinate()
         place.SetCoordinateSystemToWorld()
         place.SetValue(*self._place(np.array([[x, y]]))[0], 0.0)
@@ -125,14 +122,10 @@ class Panel:
         self.stroke(box(self.view.middle, 0.497 * self.wide, 0.497 * self.view.tall), QUIET, 1.5)
 
     def _mesh(self, shapes: Shapes, kind: str) -> pv.PolyData:
-        if isinstance(shapes, np.ndarray):
-            points = shapes.reshape(-1, 2)
-            corners = np.arange(len(points)).reshape(-1, shapes.shape[-2])
-            cells = np.column_stack([np.full(len(corners), corners.shape[1]), corners]).ravel()
-        else:
-            points, ends = np.concatenate(shapes), np.cumsum([len(shape) for shape in shapes])
-            cells = np.concatenate([np.r_[len(shape), end - len(shape) : end]
-                                    for shape, end in zip(shapes, ends, strict=True)])  # fmt: skip
+        if isinstance(shapes, np.ndarray) and shapes.ndim == 2:
+            shapes = [shapes]
+        points, sizes = np.concatenate(shapes), np.array([len(shape) for shape in shapes])
+        cells = np.insert(np.arange(len(points)), np.cumsum(sizes) - sizes, sizes)
         return pv.PolyData(self._lifted(points), **{kind: cells})
 
     def _lifted(self, points: np.ndarray) -> np.ndarray:
@@ -144,7 +137,7 @@ class Panel:
 
     def _colour(self, mesh: pv.PolyData, shares: np.ndarray, scale: "Scale") -> None:
         self._add(
-            mesh, scalars=shares, clim=(0.0, 1.0), cmap=scale.colours, n_colors=256, interpolate_before_map=True,
+            mesh, scalars=shares, clim=(0.0, 1.0), cmap=scale.colours, n_colors=SHADES, interpolate_before_map=True,
             nan_color=NO_VALUE, show_scalar_bar=False,
         )  # fmt: skip
 
@@ -185,6 +178,10 @@ class Canvas:
 # Points of shapes, (n, 2); outlines are closed
 
 
+def _between(one: np.ndarray, other: np.ndarray) -> np.ndarray:  # quadrilaterals, (n − 1, 4, 2), between two lines
+    return np.stack([one[:-1], other[:-1], other[1:], one[1:]], axis=1)
+
+
 def arc(centre, radius: float, start: float = 0.0, end: float = 2.0 * np.pi) -> np.ndarray:
     """An arc, or a circle."""
     angle = np.linspace(start, end, ARC_POINTS)
@@ -201,18 +198,14 @@ def cross(middle, arm: float) -> list[np.ndarray]:
     return [np.asarray(middle) + np.array([[-arm, 0.0], [arm, 0.0]])[:, way] for way in ([0, 1], [1, 0])]
 
 
-def arrow(tail, tip, width: float, border: float = 0.0) -> np.ndarray:
-    """An arrow of a given shaft width; `border` grows its outline on all sides."""
-    tail, tip = np.asarray(tail, dtype=float), np.asarray(tip, dtype=float)
-    length = float(np.hypot(*(tip - tail)))
-    along, head = (tip - tail) / length, min(3.2 * width, 0.8 * length)
-    head_half = 1.5 * head / 3.2
-    half, slope = min(0.5 * width, 0.5 * head_half) + border, np.hypot(head, head_half)
-    # a border parallel to the head's sides moves its tip by border / sin(half angle)
-    neck, barb = length - head - border, head_half + border * (slope + head_half) / head
-    x = np.array([-border, neck, neck, length + border * slope / head_half, neck, neck, -border])
-    y = np.array([half, half, barb, 0.0, -barb, -half, -half])
-    return tail + np.outer(x, along) + np.outer(y, [-along[1], along[0]])
+def arrow(tail, tip, width: float) -> np.ndarray:
+    """An arrow of a given shaft width, thinner where it is short."""
+    along = np.subtract(tip, tail)
+    head = min(3.2 * width, 0.8 * float(np.hypot(*along)))
+    wide = 3.0 * head / 3.2
+    shape = FancyArrow(*tail, *along, width=min(width, 0.5 * wide), head_width=wide, head_length=head,
+                       length_includes_head=True)  # fmt: skip
+    return shape.get_xy()
 
 
 def turning_arrow(panel: Panel, centre, radius: float, start: float, end: float, width: float) -> None:

@@ -38,10 +38,8 @@ class Scale:
         self.title, self.unit, self._size, self.colours = FIELDS[field]
         self.end = float(ROUND.tick_values(0.0, largest / self._size or 1.0)[-1])  # in its unit
         self.limits = (FAINTEST * self.end if logarithmic else 0.0), self.end
-        self.norm, self._locator = (
-            (LogNorm if logarithmic else Normalize)(*self.limits),
-            ROUND_TIMES if logarithmic else ROUND,
-        )
+        norm, self._locator = (LogNorm, ROUND_TIMES) if logarithmic else (Normalize, ROUND)
+        self.norm = norm(*self.limits)
 
     def ticks(self) -> list[tuple[float, str]]:
         """Share of the bar's length and label."""

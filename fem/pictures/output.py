@@ -90,20 +90,18 @@ def rendering_failure(reason: str) -> str:
     return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"
 
 
-def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: float, palette: np.ndarray) -> None:
+def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: float, typical: np.ndarray) -> None:
     """Write the images, (height, width, 3) bytes, heights and widths even, as a film; whole or not at all.
 
     MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow. OSError: it can't be written.
-    `palette` : (n, 3), bytes, n up to 256: the colours of a GIF, one palette for all frames, so that they keep their
-    meaning"""
+    `typical` : one of them, whose colours are those of all frames of a GIF, so that they keep their meaning"""
     import imageio_ffmpeg
     from PIL import Image
 
     target.parent.mkdir(parents=True, exist_ok=True)
     with replaced(target) as part:
         if target.suffix.lower() == ".gif":
-            colours = Image.new("P", (1, 1))
-            colours.putpalette(palette.astype(np.uint8).tobytes())
+            colours = Image.fromarray(typical).quantize(method=Image.Quantize.MAXCOVERAGE)
             frames = (Image.fromarray(image).quantize(palette=colours, dither=Image.Dither.NONE) for image in images)
             next(frames).save(
                 part, format="GIF", save_all=True, append_images=frames, duration=round(1e3 / frames_per_second),
@@ -150,18 +148,15 @@ def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
     from fem.elastic.bodies import max_shear, von_mises
     from fem.solver.elements.arrays import global_fields, rotated
 
-    model, of_bodies = instant.model, global_fields(instant.model, instant)
-    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    rollers = rotated(disc.points[None], instant.roller_turn[:, None]) + instant.centres[:, None]
-    turned_ring = rotated(inner.points, instant.ring_turn) + instant.hub
-    points = np.concatenate([turned_ring, rotated(outer.points, instant.outer_turn), rollers.reshape(-1, 2)])
+    of_bodies, surfaces = global_fields(instant.model, instant), instant.surfaces
+    places = zip(surfaces, (instant.hub, np.zeros(2), *instant.centres), strict=True)
+    points = np.concatenate([rotated(body.points, turn) + place for (body, _, _, turn), place in places])
     parts = [of_bodies[name] for name in ("inner_ring", "outer_ring", "roller")]
     displacement, stress = (
         np.concatenate([part[k].reshape(-1, width) for part in parts]) for k, width in enumerate((2, 3))
     )
-    count = [len(inner.points), len(outer.points), instant.roller_turn.size * len(disc.points)]
-    poisson = np.repeat([body.material.poisson_ratio for body in (inner, outer, disc)], count)
-    tensor = np.zeros((len(points), 3, 3))
+    ratios, counts = zip(*((body.material.poisson_ratio, len(body.points)) for body, *_ in surfaces), strict=True)
+    poisson, tensor = np.repeat(ratios, counts), np.zeros((len(points), 3, 3))
     tensor[:, 0, 0], tensor[:, 1, 1], tensor[:, 0, 1] = stress.T
     tensor[:, 1, 0], tensor[:, 2, 2] = tensor[:, 0, 1], poisson * (tensor[:, 0, 0] + tensor[:, 1, 1])
     data = {
@@ -173,12 +168,13 @@ def fields(instant: "Instant") -> tuple[np.ndarray, dict[str, np.ndarray]]:
 
 def _cells(instant: "Instant") -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Cells of the rings and of the rollers, and the number of each one's body."""
-    model, n = instant.model, instant.roller_turn.size
-    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    starts = len(inner.points) + len(outer.points) + len(disc.points) * np.arange(n)
-    rings = np.concatenate([inner.cells, outer.cells + len(inner.points)])
-    numbers = [np.repeat([0, 1], [len(inner.cells), len(outer.cells)]), np.repeat(2 + np.arange(n), len(disc.cells))]
-    return [rings, (disc.cells[None] + starts[:, None, None]).reshape(-1, 3)], numbers
+    cells, numbers, first = [], [], 0
+    for number, (body, *_) in enumerate(instant.surfaces):
+        cells.append(body.cells + first)
+        numbers.append(np.full(len(body.cells), number))
+        first += len(body.points)
+    blocks, bodies = ([np.concatenate(each[:2]), np.concatenate(each[2:])] for each in (cells, numbers))
+    return blocks, bodies
 
 
 def _write_vtkhdf(file: "h5py.File", run: "StoredRun", samples: Sequence[int], count: Callable[[], None]) -> None:

@@ -6,20 +6,23 @@ in the deformation, and the tractions between rollers. How far the rollers' mesh
 summed up.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from fem.contacts.model import Model
+from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.columns import INNER, OUTER, ROLLER
 from fem.result.run_file import RunFile
+from fem.solver.elements.arrays import rotated
 from fem.solver.elements.plan import model_of
 from fem.solver.solver import Frame
-from lagrange import Operation
 from lagrange.errors import UsageError
 from lagrange.kinematics import turned
 from lagrange.messages import shown
@@ -28,6 +31,27 @@ from lagrange.scene.scene import Scene
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
 OF_CAGE = ("cage_x", "cage_y", "cage_angle")
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
+INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
+
+
+class Surface(NamedTuple):
+    """A raceway or a roller's surface, and its body."""
+
+    body: DiscBody | RingBody
+    radius: float  # m, > 0 convex
+    nodes: int  # of the mesh, on it
+    turn: float  # rad, of the body
+
+
+class Side(NamedTuple):
+    """One body's side of a contact."""
+
+    kind: int  # INNER, OUTER, ROLLER
+    roller: int  # j of the contact, ROLLER: with j + 1
+    body: int  # number
+    angle: float  # rad, from the body's centre to the contact
+    normal: float  # N
+    force: np.ndarray  # (2,), N, on the body, traction included
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,21 +71,33 @@ class Instant(Frame):
     stored: bool  # the run's own fields, not recovered ones
     stored_elastic_energy: float  # J, of the meshes in the run
 
-    @property
-    def operation(self) -> Operation:  # what acts at the instant
-        return self.scene.ideal_operation().at(self.time)
+    operation = property(lambda self: self.scene.ideal_operation().at(self.time))  # what acts at the instant
+    inner_angle = property(lambda self: _angle(self.centres - self.hub))  # from the hub to every roller, rad
+    outer_angle = property(lambda self: _angle(self.centres))  # from the outer ring's centre, rad
 
     @property
-    def inner_angle(self) -> np.ndarray:  # direction from the hub to every roller, rad
-        return _angle(self.centres - self.hub)
+    def surfaces(self) -> list[Surface]:  # by number of the body
+        inner, outer, disc = self.model.inner_ring, self.model.outer_ring, self.model.roller
+        return [
+            Surface(inner, inner.raceway_radius, inner.n_sectors, self.ring_turn),
+            Surface(outer, -outer.raceway_radius, outer.n_sectors, self.outer_turn),
+            *(Surface(disc, disc.shape.radius, disc.shape.surface_nodes, float(turn)) for turn in self.roller_turn),
+        ]
 
-    @property
-    def outer_angle(self) -> np.ndarray:  # direction from the outer ring's centre to every roller, rad
-        return _angle(self.centres)
-
-    @property
-    def next_angle(self) -> np.ndarray:  # direction from every roller to the following one, rad
-        return _angle(np.roll(self.centres, -1, axis=0) - self.centres)
+    def sides(self) -> Iterator[Side]:
+        """Both sides of every contact, open ones too."""
+        ahead, n = _angle(np.roll(self.centres, -1, axis=0) - self.centres), len(self.centres)
+        for kind, *columns in (
+            (INNER, self.inner_angle, self.inner_force, self.inner_traction),
+            (OUTER, self.outer_angle, self.outer_force, self.outer_traction),
+            (ROLLER, ahead, self.roller_force, np.zeros(n)),
+        ):
+            for j, (angle, normal, traction) in enumerate(zip(*columns, strict=True)):
+                outward = 1.0 if kind == INNER else -1.0  # of the push on roller j
+                push = outward * normal * unit_vector(angle) + traction * unit_vector(angle + 0.5 * pi)
+                other = (kind, angle) if kind != ROLLER else (FIRST_ROLLER + (j + 1) % n, angle + pi)
+                yield Side(kind, j, *other, normal, -push)
+                yield Side(kind, j, FIRST_ROLLER + j, angle + pi * (kind == INNER), normal, push)
 
     @property
     def elastic_energy(self) -> float:  # ½ uᵀKu over all bodies, J
@@ -86,10 +122,6 @@ class StoredRun(RunFile):
         except RuntimeError as error:
             raise UsageError(str(error)) from None
 
-    @property
-    def stored_samples(self) -> np.ndarray:  # samples whose fields are in the file
-        return self.frames
-
     @cached_property
     def orbit(self) -> np.ndarray:  # the hub's positions at all samples, (n_times, 2), m
         return np.column_stack([self.from_housing("inner_x"), self.from_housing("inner_y")])
@@ -108,15 +140,14 @@ class StoredRun(RunFile):
         return float(angle[(widest + 1) % angle.size]), float(angle[widest])
 
     def contact_forces(self, samples) -> np.ndarray:
-        """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
-        return self._closed(np.stack([self[name][samples] for name in FORCES], axis=1))
+        """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1; 0 for what is
+        round-off of an open contact."""
+        forces = np.stack([self[name][samples] for name in FORCES], axis=1)
+        return np.where(forces > self._least_force, forces, 0.0)
 
     @cached_property
     def _least_force(self) -> float:
         return ROUND_OFF * max(float(self[name].max()) for name in FORCES)
-
-    def _closed(self, force: np.ndarray) -> np.ndarray:  # forces, N, without what is round-off of an open contact
-        return np.where(force > self._least_force, force, 0.0)
 
     @cached_property
     def _turns(self) -> np.ndarray:  # spin summed up by the trapezoidal rule, (n_times, n_rollers), rad
@@ -141,14 +172,14 @@ class StoredRun(RunFile):
         inner, outer, between = self.contact_forces([sample])[0]
         way = turned(model.bearing, self.scene.ideal_operation(), time)
         turns, stored = (float(way.shaft), float(way.outer_ring)), np.flatnonzero(self.frames == sample)
-        none = dict.fromkeys(("rollers", "inner_ring", "outer_ring"), np.zeros(0))
-        fields = dict(
+        fields = dict.fromkeys(("rollers", "inner_ring", "outer_ring"), np.zeros(0))
+        fields |= dict(
             sample=sample, time=time, roller_turn=self._turns[sample], ring_turn=turns[0], outer_turn=turns[1]
         )
         if stored.size:
             fields = vars(self.frame(int(stored[0]), model, turns))
         found = Instant(
-            **none | fields, scene=self.scene, model=model, hub=self.orbit[sample],
+            **fields, scene=self.scene, model=model, hub=self.orbit[sample],
             centres=np.column_stack([self.from_housing(f"roller_{axis}")[sample] for axis in "xy"]),
             inner_force=inner, outer_force=outer, inner_traction=self["inner_traction"][sample],
             outer_traction=self["outer_traction"][sample], roller_force=between,
@@ -158,45 +189,30 @@ class StoredRun(RunFile):
         return found if found.stored else replace(found, **_recovered(found, self["roller_spin"][sample]))
 
 
-def read_instant(path: Path, time: float | None = None) -> Instant:
-    """The sample nearest to a time, s (None: the last one), with its fields; errors as in `StoredRun`."""
-    run = StoredRun(path)
-    return run.instant(run.nearest(time))
-
-
 def _recovered(at: Instant, spin: np.ndarray) -> dict[str, np.ndarray]:
     """The quasi-static displacements under an instant's forces, its rollers spinning, (n_rollers,), rad/s."""
-    model, gravity, n = at.model, at.operation.gravity, len(at.centres)
-    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    speed, outer_speed = (float(each) for each in at.operation.ring_speeds)
-    inner_load = inner.body_load(gravity, at.ring_turn, speed)
-    outer_load = outer.body_load(gravity, at.outer_turn, outer_speed)
-    load = spin[:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
+    model, gravity, surfaces = at.model, at.operation.gravity, at.surfaces
+    disc, of_rollers = model.roller, spin[:, None, None] ** 2 * (model.roller.mass[:, None] * model.roller.points)
+    rings = zip(surfaces, at.operation.ring_speeds, strict=False)
+    loads = [ring.body.body_load(gravity, ring.turn, float(speed)) for ring, speed in rings] + list(of_rollers)
+    for side in at.sides():
+        body, radius, n_surface, turn = surfaces[side.body]
+        nodes, weight, offset = model.carried(side.kind, n_surface, side.angle - turn, abs(radius), side.normal)
+        if side.body >= FIRST_ROLLER:
+            force = np.outer(weight, rotated(side.force, -turn))
+            np.add.at(loads[side.body], disc.first_surface_node + nodes, force)
+        else:
+            force = weight[:, None] * rotated(rotated(side.force, -side.angle), offset)
+            for k in (0, 1):  # along the node's radius, and around
+                np.add.at(loads[side.body], (body.raceway_row, k, nodes), force[:, k])
+    rollers = disc.relaxed(of_rollers.reshape(len(spin), -1).T).T.reshape(of_rollers.shape)
+    inner, outer, *_ = loads
+    return dict(rollers=rollers, inner_ring=model.inner_ring.held(inner), outer_ring=model.outer_ring.rested(outer))
 
-    def push_disc(kind: int, j: int, angle: float, along: float, force: float) -> None:
-        """Load roller j by a force, N, inward at an angle of the fixed axes, and counter-clockwise."""
-        turned = angle - at.roller_turn[j]
-        nodes, weight, _ = model.carried(kind, disc.shape.surface_nodes, turned, disc.shape.radius, force)
-        c, s = np.cos(turned), np.sin(turned)
-        np.add.at(
-            load[j], disc.first_surface_node + nodes, np.outer(weight, [-force * c - along * s, along * c - force * s])
-        )
 
-    for kind, ring, of_ring, turn, angles, forces, tractions, sign in (
-        (INNER, inner, inner_load, at.ring_turn, at.inner_angle, at.inner_force, at.inner_traction, -1.0),
-        (OUTER, outer, outer_load, at.outer_turn, at.outer_angle, at.outer_force, at.outer_traction, 1.0),
-    ):
-        for j, (angle, force, traction) in enumerate(zip(angles, forces, tractions, strict=True)):
-            push_disc(kind, j, angle + (pi if kind == INNER else 0.0), sign * traction, force)
-            nodes, weight, offset = model.carried(kind, ring.n_sectors, angle - turn, ring.raceway_radius, force)
-            cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
-            np.add.at(of_ring, (ring.raceway_row, 0, nodes), sign * force * cosine + traction * sine)
-            np.add.at(of_ring, (ring.raceway_row, 1, nodes), sign * force * sine - traction * cosine)
-    for j, (angle, force) in enumerate(zip(at.next_angle, at.roller_force, strict=True)):
-        push_disc(ROLLER, j, angle, 0.0, force)
-        push_disc(ROLLER, (j + 1) % n, angle + pi, 0.0, force)
-    rollers = disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
-    return dict(rollers=rollers, inner_ring=inner.held(inner_load), outer_ring=outer.rested(outer_load))
+def unit_vector(angle) -> np.ndarray:
+    """(..., 2)."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
 def _angle(vectors: np.ndarray) -> np.ndarray:

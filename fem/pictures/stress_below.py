@@ -26,17 +26,18 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from fem.elastic.bodies import turned
-from fem.pictures.recover import Instant
+from fem.pictures.recover import FIRST_ROLLER, Instant, unit_vector
 from fem.solver.elements.arrays import global_fields, rotated
 from lagrange import Material
 
 LARGEST_SHEAR, AT_DEPTH = 0.3003, 0.7861  # of Hertz's p₀ and b: McEwen's maximum under a line contact
-SOURCES = 8  # Gauss points in each of the patch's four intervals
+INTERVALS, SOURCES = (-2, -1, 0, 1, 2), 8  # ends of the patch's, in node spacings; Gauss points in each
 WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
 BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
-INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
+KINDS = "inner", "outer", "next"  # of contacts: on the raceways, roller j with j + 1
 
 
 class SurfaceLoad(NamedTuple):
@@ -102,16 +103,14 @@ def spline_displacement(
 def _quadrature() -> tuple[np.ndarray, np.ndarray]:
     """Points of the patch, in node spacings, and weights that include its density."""
     abscissa, weight = np.polynomial.legendre.leggauss(SOURCES)
-    at = np.concatenate([k + 0.5 * (abscissa + 1.0) for k in (-2, -1, 0, 1)])
-    away = np.abs(at)
-    density = np.where(away < 1.0, 2.0 / 3.0 - away**2 + 0.5 * away**3, (2.0 - away) ** 3 / 6.0)
-    return at, density * np.tile(0.5 * weight, 4)
+    at = np.add.outer(INTERVALS[:-1], 0.5 * (abscissa + 1.0)).ravel()
+    return at, BSpline.basis_element(INTERVALS)(at) * np.tile(0.5 * weight, 4)
 
 
 def _spline_logarithm(z: np.ndarray) -> np.ndarray:
     """∫ w(t) ln(z + it) dt over the cubic B-spline w: a fourth difference of the logarithm's fourth antiderivative."""
     total = np.zeros_like(z)
-    for k, factor in zip((-2, -1, 0, 1, 2), (1.0, -4.0, 6.0, -4.0, 1.0), strict=True):
+    for k, factor in zip(INTERVALS, (1.0, -4.0, 6.0, -4.0, 1.0), strict=True):
         x = z + 1j * k
         total += factor * x**4 / 24.0 * (np.log(np.where(x == 0.0, 1.0, x)) - 25.0 / 12.0)
     return total
@@ -121,7 +120,7 @@ class BodyLoad(NamedTuple):
     """A contact force on a body, `load` in the body's axes: from its centre, not turned with it."""
 
     body: int
-    kind: str  # of contact: inner, outer, next (roller j with j + 1)
+    kind: str  # one of KINDS
     roller: int  # j of the contact
     load: SurfaceLoad
     radius: float  # m, of the surface, > 0 convex
@@ -148,51 +147,33 @@ class BodyLoad(NamedTuple):
 
 
 def contact_loads(instant: Instant) -> list[BodyLoad]:
-    """All contact forces on all bodies, two for each contact."""
-    model, n, loads = instant.model, instant.model.bearing.n_rollers, []
-    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    shapes = (  # body, radius (convex above 0), surface nodes
-        (inner, inner.raceway_radius, inner.n_sectors), (outer, -outer.raceway_radius, outer.n_sectors),
-        (disc, disc.shape.radius, disc.shape.surface_nodes),
-    )  # fmt: skip
-
-    def add(kind: str, roller: int, body: int, angle: float, force: np.ndarray, half_width: float) -> None:
-        (shape, radius, nodes), outward = shapes[min(body, FIRST_ROLLER)], np.array([np.cos(angle), np.sin(angle)])
-        load = SurfaceLoad(abs(radius) * outward, -np.sign(radius) * outward, force / model.bearing.roller_length,
-                           half_width)  # fmt: skip
+    """All contact forces on all bodies, two for each closed contact."""
+    model, surfaces, loads = instant.model, instant.surfaces, []
+    for side in instant.sides():
+        if side.normal <= 0.0:
+            continue
+        body, radius, nodes, _ = surfaces[side.body]
+        outward, half_width = unit_vector(side.angle), model.laws[side.kind].pair.half_width(side.normal)
+        force = side.force / model.bearing.roller_length
+        load = SurfaceLoad(abs(radius) * outward, -np.sign(radius) * outward, force, half_width)
         spacing = model.smeared(2.0 * np.pi * abs(radius) / nodes, half_width)
-        loads.append(BodyLoad(body, kind, roller, load, radius, spacing, shape.material.rigid))
-
-    for kind, body, sign in (("inner", INNER_RING, 1.0), ("outer", OUTER_RING, -1.0)):
-        angles, forces, tractions = (getattr(instant, f"{kind}_{name}") for name in ("angle", "force", "traction"))
-        for j in np.flatnonzero(forces > 0.0):
-            c, s = np.cos(angles[j]), np.sin(angles[j])
-            push = sign * forces[j] * np.array([c, s]) + tractions[j] * np.array([-s, c])  # on the roller
-            b = getattr(model, f"{kind}_law").pair.half_width(forces[j])
-            add(kind, j, body, angles[j], -push, b)
-            add(kind, j, FIRST_ROLLER + j, angles[j] + (np.pi if sign > 0.0 else 0.0), push, b)
-    for j in np.flatnonzero(instant.roller_force > 0.0):
-        angle, b = instant.next_angle[j], model.roller_law.pair.half_width(instant.roller_force[j])
-        push = instant.roller_force[j] * np.array([np.cos(angle), np.sin(angle)])
-        add("next", j, FIRST_ROLLER + j, angle, -push, b)
-        add("next", j, FIRST_ROLLER + (j + 1) % n, angle + np.pi, push, b)
+        loads.append(BodyLoad(side.body, KINDS[side.kind], side.roller, load, radius, spacing, body.material.rigid))
     return loads
 
 
 def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     """Nodal stress of every body less its patches' near the contacts, (n_nodes, 3), Pa, fixed axes; by body number."""
-    model, fields = instant.model, global_fields(instant.model, instant)
+    surfaces, fields = instant.surfaces, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
-    turns = (instant.ring_turn, instant.outer_turn, *map(float, instant.roller_turn))
     for item in loads:
         if item.is_resolved or item.is_rigid:
             continue
-        body, turn = (model.inner_ring, model.outer_ring, model.roller)[min(item.body, FIRST_ROLLER)], turns[item.body]
+        body, radius, _, turn = surfaces[item.body]
         points = rotated(body.points, turn)
-        near = np.hypot(*(points - item.load.point).T) < BEYOND * abs(item.radius)
+        near = np.hypot(*(points - item.load.point).T) < BEYOND * abs(radius)
         near |= item.body >= FIRST_ROLLER
         displacement = np.zeros_like(points)
-        displacement[near] = spline_displacement(points[near], item.load, item.radius, item.spacing, body.material)
+        displacement[near] = spline_displacement(points[near], item.load, radius, item.spacing, body.material)
         stress = turned((body.stress @ rotated(displacement, -turn).ravel()).reshape(-1, 3), turn)
         stresses[item.body] -= item.share(points)[:, None] * stress
     return stresses

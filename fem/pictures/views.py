@@ -13,18 +13,16 @@ from math import asin, pi
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import to_rgb
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from fem.pictures import bodies, canvas
-from fem.pictures.bodies import Drawing, DrawnBearing, ShearPeak, drawn_bearing, rounded_down, shear_peak
+from fem.pictures.bodies import Drawing, DrawnBearing, rounded_down, shear_peak
 from fem.pictures.canvas import ASPECT, FAULT, INK, QUIET, Panel, View, arc, arrow
 from fem.pictures.look import Look, Request, Scale, chosen_look
 from fem.pictures.output import MARK
-from fem.pictures.recover import Instant, StoredRun
-from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad
+from fem.pictures.recover import FIRST_ROLLER, Instant, StoredRun, unit_vector
+from fem.pictures.stress_below import AT_DEPTH, LARGEST_SHEAR
 from fem.solver.elements.arrays import rotated
 from lagrange.bearing import load_factor
 from lagrange.files.output import replaced
@@ -35,14 +33,12 @@ from lagrange.surface.faults import own_radius
 from lagrange.surface.passages import spalls
 
 TITLE, HEADING, TEXT, SMALL = 38.0, 26.0, 23.0, 19.0  # pixels of 1600
-TIP = 0.0065  # of a page's height: half the ends of a length bar
+TIP = 7.8  # pixels: half the ends of a length bar
 RELATIVE = 0.33  # triangles over their distance from the contact
+OUTLINE, SPALL = 1.6, 3.5  # pixels
 WIRE, FINEST_WIRES = 0.7, 6.0  # pixels; a finer mesh is not shown
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
 CAGE, ORBIT_DOT = "#c9b28a", "#0072b2"
-COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT, CAGE
-SCALE_COLOURS, GREYS = 160, 32  # of a palette
-NEARLY_WHITE = 248.0
 PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room
 
 
@@ -64,24 +60,12 @@ class Renderer(AbstractContextManager):
             self._paint, views = _paint_bearing, [PAGE, *_orbit_view(self.look)]
         self._canvas = canvas.Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), views)
 
-    @property
-    def palette(self) -> np.ndarray:
-        """Up to 256 colours that show these pictures well, (n, 3) bytes: the scale's, greys, marks and their edges."""
-        mixed = [
-            share * np.array(to_rgb(colour)) + (1.0 - share) * np.array(to_rgb(ground))
-            for colour in COLOURS for ground in ("white", INK) for share in (1.0, 0.75, 0.5, 0.25)
-        ]  # fmt: skip
-        shades = colormaps[self.look.scale.colours](np.linspace(0.0, 1.0, SCALE_COLOURS))[:, :3]
-        greys = np.repeat(np.linspace(0.0, 1.0, GREYS)[:, None], 3, axis=1)
-        found = np.unique(np.rint(255.0 * np.concatenate([shades, greys, mixed])), axis=0)
-        white_enough = found.min(axis=1) >= NEARLY_WHITE  # Pillow's nearest colour of white would be one of them
-        return np.concatenate([found[~white_enough], [[255.0, 255.0, 255.0]]])
-
     def image(self, sample: int) -> np.ndarray:
         """(height, width, 3) bytes."""
         instant, look = self._run.instant(sample), self.look
         self._canvas.clear()
-        sketch = Sketch(instant=instant, drawn=drawn_bearing(instant), magnification=look.magnification, look=look)
+        drawn = bodies.drawn_bearing(instant)
+        sketch = Sketch(instant=instant, drawn=drawn, magnification=look.magnification, look=look)
         self._paint(sketch, *self._canvas.panels)
         return self._canvas.image()
 
@@ -95,18 +79,16 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     with Renderer(run, request, [sample]) as renderer:
         image, look = renderer.image(sample), renderer.look
     seen = "the whole bearing" if request.view == "bearing" else f"roller {look.roller} in its contacts"
-    about = PngInfo()
+    at, about = f"{1e3 * run.times[sample]:.6g} ms", PngInfo()
     about.add_text("Software", MARK)
     about.add_itxt("Source", shown(run.path.name))
-    at = f"{1e3 * run.times[sample]:.6g} ms"
     about.add_itxt("Description", f"{look.scale.title}, {seen} at {at}; {run.scene.method}.")
-    target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
     with replaced(target) as part:
         Image.fromarray(image).save(part, format="PNG", pnginfo=about, compress_level=PACKED)
 
 
-# ---- what stands beside pictures of both kinds
+# ---- what pictures of both kinds share
 
 
 def _signed(value: float) -> str:  # A number with a true minus sign, and no negative zero
@@ -118,7 +100,6 @@ def _title(page: Panel, sketch: Sketch, x: float, y: float, below: float, method
     `below` : how far below the title facts stand; `method_below`: and model and damping in a line of their own"""
     instant, bearing = sketch.instant, sketch.bearing
     scene, operation, ramp = instant.scene, instant.operation, 1e-3 * instant.scene.numerics.load_ramp_ms
-    page.text(f"{scene.name}:  t = {1e3 * instant.time:.6g} ms", x, y, TITLE, bold=True)
     whole = load_factor(bearing) * operation.radial_load  # of the bearing
     load = f"W = {whole:.6g} N"
     if scene.numerics.start == "rest" and instant.time < ramp:
@@ -137,18 +118,19 @@ def _title(page: Panel, sketch: Sketch, x: float, y: float, below: float, method
         facts.append(method)
     else:
         page.text(method, x, y - method_below, SMALL, QUIET)
+    page.text(f"{scene.name}:  t = {1e3 * instant.time:.6g} ms", x, y, TITLE, bold=True)
     page.text("   ".join([*facts, sketch.look.pace]).rstrip(), x, y - below, HEADING)
 
 
 def _length_bar(page: Panel, x: float, y: float, unit: float, longest: float = 0.5, backed: bool = False) -> None:
     """A bar of a round length; `unit`, mm, is what one length of the plane stands for; `backed`: on a white ground."""
-    length = rounded_down(longest * unit)
-    end, tip = x + length / unit, TIP * page.view.tall / (page.view.top - page.view.bottom)
+    length, tip = rounded_down(longest * unit), TIP * page.view.pixel
+    end = x + length / unit
     if backed:
         middle = 0.5 * (x + end) + 0.25 * tip, y
         page.fill(canvas.box(middle, 0.5 * (end - x) + 1.25 * tip, 2.0 * tip), "white", 0.75)
-    ends = [np.array([(at, y - tip), (at, y + tip)]) for at in (x, end)]
-    page.stroke([np.array([(x, y), (end, y)]), *ends], INK, 3.0)
+    lines = ((x, y), (end, y)), ((x, y - tip), (x, y + tip)), ((end, y - tip), (end, y + tip))
+    page.stroke(np.array(lines), INK, 3.0)
     page.text(f"{length:g} mm", end + 2.0 * tip, y, TEXT, backed=backed)
 
 
@@ -160,21 +142,36 @@ def _texts(page: Panel, x: float, y: float, lines: Sequence[str], size: float, a
     return y
 
 
-def _unit(angle) -> np.ndarray:
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+def _bodies(plane: Panel, sketch: Sketch, fine: DrawnBearing, scale: Scale, unit: float, page=False) -> list:
+    """Coloured bodies, their outlines, and the holes of spalls, which are returned.
+    `unit` : m, a length of the panel; `page` : whether it shows the whole bearing: spalls as deep as rollers reach"""
+    values, is_roller = scale.values(fine), fine.body[fine.triangles[:, 0]] >= FIRST_ROLLER
+    for part in (~is_roller, is_roller):  # above: where one lies in a spall, magnified, it overlaps the ring
+        if part.any():
+            plane.field(fine.points(sketch.magnification), fine.triangles[part], values, scale)
+    plane.stroke(sketch.drawn.outlines(sketch.magnification), INK, OUTLINE)
+    holes = bodies.holes(sketch, OUTLINE * plane.view.pixel * unit, as_reached=page)
+    for hole in holes:
+        plane.strip(hole.top, hole.bottom, "white")
+        plane.stroke(hole.edge, FAULT, SPALL)
+    return holes
+
+
+def _mesh(plane: Panel, sketch: Sketch, unit: float) -> None:  # edges of the finite elements, if they can be told apart
+    drawn = sketch.drawn
+    if drawn.spacing > FINEST_WIRES * plane.view.pixel * unit:
+        plane.stroke(drawn.points(sketch.magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
 
 
 # ---- the whole bearing
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
-PIXEL = PAGE.tall * ASPECT / 1600.0  # of a page 1600 wide, outside radii
 FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
-OUTLINE = 1.5  # pixels
 BAR = 0.34  # of a roller's radius: half a cage's bar across the pitch circle
 BAR_POINTS, WALL_POINTS = 12, 24  # of an arc, of a pocket's wall
 HOUSING_RADIUS, THINNEST_HOUSING = 1.09, 0.01
-ARROW_WIDTH = 0.017
+ARROW_WIDTH, HALO = 0.017, 4.0  # outside radii; pixels, of white around arrows
 NAME = 18.0  # pixels
 DOT = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 EDGE, TOP = -1.18, 1.325  # of the title, outside radii
@@ -197,33 +194,37 @@ def _orbit_view(look: Look) -> list[View]:
 
 
 def _paint_bearing(sketch: Sketch, page: Panel, *inset: Panel) -> None:
-    instant, drawn, look, bearing = sketch.instant, sketch.drawn, sketch.look, sketch.bearing
-    unit, magnification = bearing.outside_radius, sketch.magnification
+    drawn, look, bearing, unit = sketch.drawn, sketch.look, sketch.bearing, sketch.bearing.outside_radius
     plane = page.placed(lambda points: np.asarray(points) / unit)  # for lengths in m
     _housing(page, sketch)
-    if cage := bars(instant):
+    plane.fill(arc(sketch.hub, bearing.core_radius), SHAFT)
+    if cage := bars(sketch.instant):
         plane.fill(cage, CAGE)
         plane.stroke([np.concatenate([bar, bar[:1]]) for bar in cage], INK, OUTLINE)
-    fine = drawn.refined(FINEST * PIXEL * unit, COARSEST * unit, RELATIVE)
-    values, rollers = look.scale.values(fine), fine.body[fine.triangles[:, 0]] >= FIRST_ROLLER
-    for part in (~rollers, rollers):  # above: where one lies in a spall, magnified, it overlaps the ring
-        plane.field(fine.points(magnification), fine.triangles[part], values, look.scale)
-    if drawn.spacing > FINEST_WIRES * PIXEL * unit:
-        plane.stroke(drawn.points(magnification)[drawn.inner_edges()], "white", WIRE, 0.22)
-    hub = sketch.hub / unit
-    page.fill(arc(hub, bearing.core_radius / unit), SHAFT)
-    plane.stroke([*drawn.outlines(magnification), arc(sketch.hub, bearing.core_radius)], INK, OUTLINE)
-    _surfaces(plane, sketch)
+    fine = drawn.refined(FINEST * PAGE.pixel * unit, COARSEST * unit, RELATIVE)
+    names = [(hole.name, hole.place) for hole in _bodies(plane, sketch, fine, look.scale, unit, page=True)]
+    _mesh(plane, sketch, unit)
+    plane.stroke(arc(sketch.hub, bearing.core_radius), INK, OUTLINE)
+    for chart in bodies.charts(sketch):
+        plane.stroke(chart.circle, "white", 1.0, opacity=0.8)
+        plane.stroke(chart.curve, FAULT, 2.5)
+        names.append((chart.name, chart.place))
+    for roller, name in bodies.unequal_rollers(sketch):
+        plane.stroke(arc(roller.centre, roller.radius), FAULT, 4.0)
+        names.append((name, roller.name_place()))
+    for name, place in names:
+        plane.text(name, *place, NAME, backed=True, align="center")
     _dots(plane, sketch)
-    _shaft(page, sketch, hub, bearing.core_radius / unit)
+    _shaft(page, sketch, sketch.hub / unit, bearing.core_radius / unit)
     arrows = []
-    for tails, forces in contact_forces(instant):
-        for start, vector in zip(sketch.centres + tails, look.arrow_length * forces, strict=True):
-            if np.hypot(*vector) >= 0.5 * ARROW_WIDTH * unit:
-                arrows.append((start / unit, (start + vector) / unit, ARROW_WIDTH))
+    for item in drawn.loads:
+        vector = look.arrow_length * bearing.roller_length * item.load.force / unit
+        if item.body >= FIRST_ROLLER and np.hypot(*vector) >= 0.5 * ARROW_WIDTH:
+            tail = (sketch.centres[item.body - FIRST_ROLLER] + item.load.point) / unit
+            arrows.append(arrow(tail, tail + vector, ARROW_WIDTH))
     if arrows:
-        page.fill([arrow(*ends, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
-        page.fill([arrow(*ends) for ends in arrows], FORCE)
+        page.stroke(arrows, "white", HALO)
+        page.fill(arrows, FORCE)
     _legend(page, sketch)
     for panel in inset:
         _orbit(page, panel, sketch)
@@ -256,8 +257,9 @@ def bars(instant: Instant) -> list[np.ndarray]:
         return []
     half, wide = bearing.roller_radius + 0.5 * facts.pocket_clearance, BAR * bearing.roller_radius
     across = np.linspace(-wide, wide, WALL_POINTS)
-    is_round = facts.guidance == "rollers"
-    ahead = np.sqrt(np.maximum(half**2 - across**2, 0.0)) if is_round else np.full(WALL_POINTS, half)
+    ahead = np.full(WALL_POINTS, half)
+    if facts.guidance == "rollers":  # round pockets
+        ahead = np.sqrt(np.maximum(half**2 - across**2, 0.0))
     wall = bearing.pitch_radius + across + 1j * ahead  # of a pocket, from inside to outside; its roller on the x axis
     between = np.exp(2j * pi / bearing.pockets)
     before, after = wall, np.conj(wall) * between  # of the pocket behind, of the one in front
@@ -273,34 +275,17 @@ def bars(instant: Instant) -> list[np.ndarray]:
     return [instant.cage[:2] + np.column_stack([each.real, each.imag]) for each in turned]
 
 
-def _surfaces(plane: Panel, sketch: Sketch) -> None:
-    """Holes where spalls are, roundness charts of waves, and the names of both and of unequal rollers."""
-    names = []
-    for hole in bodies.holes(sketch, OUTLINE * PIXEL * sketch.bearing.outside_radius, as_reached=True):
-        plane.strip(hole.top, hole.bottom, "white")
-        plane.stroke(hole.edge, FAULT, 3.5)
-        names.append((hole.name, hole.place))
-    for chart in bodies.charts(sketch):
-        plane.stroke(chart.circle, "white", 1.0, opacity=0.8)
-        plane.stroke(chart.curve, FAULT, 2.5)
-        names.append((chart.name, chart.place))
-    for roller, name in bodies.unequal_rollers(sketch):
-        plane.stroke(arc(roller.centre, roller.radius), FAULT, 4.0)
-        names.append((name, roller.name_place()))
-    for name, place in names:
-        plane.text(name, *place, NAME, backed=True, align="center")
-
-
 def _dots(plane: Panel, sketch: Sketch) -> None:  # dots that turn with the rollers and the rings that turn
     instant, bearing = sketch.instant, sketch.bearing
     if not any(instant.operation.ring_speeds):
         return
     places = [
-        *(sketch.centres + DOT[0] * bearing.roller_radius * _unit(instant.roller_turn)),
-        sketch.hub + 0.5 * (bearing.core_radius + bearing.inner_raceway_radius) * _unit(instant.ring_turn),
+        *(sketch.centres + DOT[0] * bearing.roller_radius * unit_vector(instant.roller_turn)),
+        sketch.hub + 0.5 * (bearing.core_radius + bearing.inner_raceway_radius) * unit_vector(instant.ring_turn),
     ]
     if instant.operation.outer_speed != 0.0:
-        places.append(0.5 * (bearing.outer_raceway_radius + bearing.outside_radius) * _unit(instant.outer_turn))
+        middle = 0.5 * (bearing.outer_raceway_radius + bearing.outside_radius)
+        places.append(middle * unit_vector(instant.outer_turn))
     for size, colour in ((1.35, INK), (1.0, "white")):
         plane.fill([arc(place, size * DOT[1] * bearing.roller_radius) for place in places], colour)
 
@@ -313,29 +298,15 @@ def _shaft(page: Panel, sketch: Sketch, hub: np.ndarray, bore: float) -> None:
         page.fill(arrow(hub, hub + np.array([0.0, -0.80 * bore]), 0.075 * bore), INK)
         page.text("W", hub[0] + 0.16 * bore, hub[1] - 0.55 * bore, size, bold=True)
     page.fill(arc(hub, 0.05 * bore), INK)
-    for speed, place, low, width in (
-        (operation.speed, (hub, 0.78 * bore), 0.28, 0.05 * bore),
-        (operation.outer_speed, ((0.0, 0.0), HOUSING_RADIUS + 0.035), 0.42, 0.016),
+    for speed, centre, radius, low, width in (
+        (operation.speed, hub, 0.78 * bore, 0.28, 0.05 * bore),
+        (operation.outer_speed, (0.0, 0.0), HOUSING_RADIUS + 0.035, 0.42, 0.016),
     ):
         if speed != 0.0:
             ends = (pi * low, pi * (1.0 - low))[:: 1 if speed > 0.0 else -1]
-            canvas.turning_arrow(page, *place, *ends, width)
+            canvas.turning_arrow(page, centre, radius, *ends, width)
     if operation.speed != 0.0:
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
-
-
-def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Where each kind of contact acts on the rollers, m from the centre, and the force with traction, N."""
-    radius = instant.model.bearing.roller_radius
-    inner, outer, ahead = (_unit(angle) for angle in (instant.inner_angle, instant.outer_angle, instant.next_angle))
-    along_inner, along_outer = (_unit(angle + 0.5 * pi) for angle in (instant.inner_angle, instant.outer_angle))
-    pushed = instant.roller_force[:, None] * ahead
-    return [
-        (-radius * inner, instant.inner_force[:, None] * inner + instant.inner_traction[:, None] * along_inner),
-        (radius * outer, -instant.outer_force[:, None] * outer + instant.outer_traction[:, None] * along_outer),
-        (radius * ahead, -pushed),
-        (-radius * np.roll(ahead, 1, axis=0), np.roll(pushed, 1, axis=0)),
-    ]
 
 
 def _legend(page: Panel, sketch: Sketch) -> None:
@@ -358,10 +329,10 @@ def _legend(page: Panel, sketch: Sketch) -> None:
     bore, clearance = instant.scene.mounting().bore, 2.0 * bearing.radial_clearance
     x, y_hub = (_signed(round(1e6 * value, 2)) for value in instant.hub)
     facts = [f"hub (dot): x = {x}, y = {y_hub} µm", f"from the {'bore' if bore else 'outer ring'}'s centre (cross)"]
-    gaps = [(bore.clearance, "play in the bore" if bore.clearance >= 0.0 else "press fit")] if bore else []
+    gaps = [(bore.clearance, "play in the bore", "press fit")] if bore else []
     if abs(clearance) > 1e-12:
-        gaps.append((clearance, "clearance" if clearance > 0.0 else "preload"))
-    facts += [f"{name} {1e6 * abs(gap):.3g} µm, magnified too" for gap, name in gaps]
+        gaps.append((clearance, "clearance", "preload"))
+    facts += [f"{open_ if gap >= 0.0 else tight} {1e6 * abs(gap):.3g} µm, magnified too" for gap, open_, tight in gaps]
     if spalls(bearing):
         facts.append("spalls: depth that rollers reach")
     if (factor := bodies.chart_factor(bearing)) is not None:
@@ -409,7 +380,6 @@ CONTACTS = tuple(  # inner, outer
 FINEST_ROLLER, COARSEST_ROLLER = 0.003, 0.06  # of a roller's radius: triangles of its panel
 FINEST_BELOW, RELATIVE_BELOW = 0.06, 0.12  # of a half-width, of the distance from the contact: of a contact's panel
 REACH = 2.6  # roller radii around the roller's centre that its panel can see
-RIM = 1.8  # pixels, of outlines
 BARS = (0.685, 0.22, 0.72), (1.172, 0.24, 0.74)  # left, bottom and top of the roller's scale, of the contacts'
 BAR_WIDTH = 0.020
 FACTS, FACTS_APART = 20.0, 0.027  # pixels, of the page's height
@@ -417,25 +387,11 @@ CROSS = 0.16  # half the size of a mark
 
 
 def _paint_closeup(sketch: Sketch, page: Panel, main: Panel, *contacts: Panel) -> None:
-    look, instant, drawn, j = sketch.look, sketch.instant, sketch.drawn, sketch.look.roller
+    look = sketch.look
     _title(page, sketch, 0.02, 0.97, 0.042, 0.071)
     _roller(main, sketch)
     for panel, kind in zip(contacts, ("inner", "outer"), strict=True):
-        loads = [item for item in drawn.loads if (item.kind, item.roller) == (kind, j) and not item.is_rigid]
-        over = _is_over_a_spall(sketch, kind)
-        peaks = [] if over else [(item, shear_peak(drawn, item)) for item in loads]
-        _contact(panel, sketch, kind, peaks)
-        force, left = getattr(instant, f"{kind}_force")[j], ASPECT * panel.view.left
-        page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, panel.view.top + 0.022, HEADING, bold=True)
-        lines = ["open"]
-        if force > 0.0 and over:
-            lines = ["over a spall: its edge carries the force,", "below which the stress is not shown"]
-        elif peaks:
-            lines = [f"p₀ = {1e-6 * peaks[0][1].pressure:.0f} MPa   2b = {2e6 * peaks[0][1].half_width:.0f} µm"]
-        for item, peak in peaks:
-            name, depth = "roller" if item.body >= FIRST_ROLLER else "ring", peak.depth / peak.half_width
-            lines.append(f"+ {name}: shear {peak.shear / peak.pressure:.3f} p₀, {depth:.2f} b deep")
-        _texts(page, left, panel.view.bottom - 0.021, lines, FACTS, FACTS_APART)
+        _contact(page, panel, sketch, kind)
     page.text(look.scale.title, BARS[0][0], 0.965, HEADING, bold=True)
     for scale, (x, bottom, top) in zip((look.scale, look.contact_scale), BARS, strict=True):
         page.text(scale.unit, x, top + 0.035, HEADING, bold=True)
@@ -469,24 +425,13 @@ def _turned(panel: Panel, sketch: Sketch, origin: np.ndarray, unit: float) -> Pa
     return panel.placed(lambda points: rotated(points - origin, turn) / unit)
 
 
-def _bodies(plane: Panel, sketch: Sketch, fine: DrawnBearing, scale: Scale, unit: float) -> None:
-    """Coloured bodies and their outlines."""
-    plane.field(fine.points(sketch.magnification), fine.triangles, scale.values(fine), scale)
-    plane.stroke(sketch.drawn.outlines(sketch.magnification), INK, RIM)
-    margin = RIM * unit * plane.view.tall / (1200.0 * (plane.view.top - plane.view.bottom))
-    for hole in bodies.holes(sketch, margin, as_reached=False):
-        plane.strip(hole.top, hole.bottom, "white")
-        plane.stroke(hole.edge, FAULT, 2.0 * RIM)
-
-
 def _roller(main: Panel, sketch: Sketch) -> None:  # the whole roller, with the mesh and the bodies' names
     drawn, radius, j = sketch.drawn, sketch.bearing.roller_radius, sketch.look.roller
     centre = drawn.roller_reference[j]
     plane = _turned(main, sketch, centre, radius)
     fine = drawn.near(centre, REACH * radius).refined(FINEST_ROLLER * radius, COARSEST_ROLLER * radius, RELATIVE)
     _bodies(plane, sketch, fine, sketch.look.scale, radius)
-    if drawn.spacing > FINEST_WIRES * ROLLER.tall / (1200.0 * ROLLER.top) * radius:
-        plane.stroke(drawn.points(sketch.magnification)[drawn.inner_edges()], "white", WIRE, 0.25)
+    _mesh(plane, sketch, radius)
     left, tall = -0.48 * main.wide, ROLLER.tall
     angle = (np.degrees(_direction(sketch, "outer")) + 90.0 + 180.0) % 360.0 - 180.0
     name = f"roller {j}, {_signed(round(angle, 1))}° from the load"
@@ -496,19 +441,32 @@ def _roller(main: Panel, sketch: Sketch) -> None:  # the whole roller, with the 
     _length_bar(main, left + 0.02, -0.46 * tall, 1e3 * radius, backed=True)
 
 
-def _contact(panel: Panel, sketch: Sketch, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
-    """The field around one contact, how wide it is, and where the shear is largest."""
-    b, drawn, tall = sketch.look.half_width, sketch.drawn, panel.view.tall
-    angle = _direction(sketch, kind) + pi * (kind == "inner")
-    point = drawn.roller_reference[sketch.look.roller] + sketch.bearing.roller_radius * _unit(angle)
+def _contact(page: Panel, panel: Panel, sketch: Sketch, kind: str) -> None:
+    """The field around one contact, how wide it is, where the shear is largest; and the numbers around its panel."""
+    b, j, drawn, view = sketch.look.half_width, sketch.look.roller, sketch.drawn, panel.view
+    angle, tall = _direction(sketch, kind) + pi * (kind == "inner"), view.tall
+    point = drawn.roller_reference[j] + sketch.bearing.roller_radius * unit_vector(angle)
     near = drawn.near(point, 1.5 * drawn.spacing + tall * b)
     fine = near.refined(FINEST_BELOW * b, 0.5 * drawn.spacing, RELATIVE_BELOW)
     _bodies(_turned(panel, sketch, point, b), sketch, fine, sketch.look.contact_scale, b)
     panel.frame()
     _length_bar(panel, -0.46 * panel.wide, -0.44 * tall, 1e3 * b, longest=2.0, backed=True)
-    for item, peak in peaks:
+    force, left = getattr(sketch.instant, f"{kind}_force")[j], ASPECT * view.left
+    page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, view.top + 0.022, HEADING, bold=True)
+    lines, over = ["open"] if force <= 0.0 else [], _is_over_a_spall(sketch, kind)
+    if force > 0.0 and over:
+        lines = ["over a spall: its edge carries the force,", "below which the stress is not shown"]
+    for item in () if over else drawn.loads:
+        if (item.kind, item.roller) != (kind, j) or item.is_rigid:
+            continue
+        peak = shear_peak(drawn, item)
+        if not lines:
+            lines.append(f"p₀ = {1e-6 * peak.pressure:.0f} MPa   2b = {2e6 * peak.half_width:.0f} µm")
+        name, depth = "roller" if item.body >= FIRST_ROLLER else "ring", peak.depth / peak.half_width
+        lines.append(f"+ {name}: shear {peak.shear / peak.pressure:.3f} p₀, {depth:.2f} b deep")
         upright = rotated(item.load.inward, -0.5 * pi - _direction(sketch, "outer"))[1]  # ±1, of the inward normal
         half = peak.half_width / b
         panel.stroke(np.array([[-half, 0.0], [half, 0.0]]), "white", 5.0)
         for colour, pixels in ((INK, 5.0), ("white", 2.5)):
             panel.stroke(canvas.cross((0.0, upright * peak.depth / b), CROSS), colour, pixels)
+    _texts(page, left, view.bottom - 0.021, lines, FACTS, FACTS_APART)

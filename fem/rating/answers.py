@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import degrees, nan, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +17,7 @@ from lagrange.bearing import load_factor, stiffness_factor
 from lagrange.catalogue import dimension_series, listed, width_of
 from lagrange.contact import hertz
 from lagrange.first_state import equilibrium_state
-from lagrange.fits import OperatingClearance, growths, outer_growth
+from lagrange.fits import growths, outer_growth
 from lagrange.kinematics import kinematics
 from lagrange.mounting import HELD
 from lagrange.rating import life, reference_life, sources
@@ -37,7 +37,7 @@ INSTANTS = 2000  # of a load that changes with time
 SLOPES = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)  # mrad
 ALLOWED_SLOPE = 4.0 / 60.0 * pi / 180.0  # rad, of cylindrical roller bearings of narrow series by makers' catalogues
 PLANE = "rollers do not tilt: the scene has no [axial]"
-BENDS = "[support]: elastic rings need an outer ring held all around"
+NO_RUN = "no run: give a result file of run-fem instead of the scene"
 NO_FIT = "no [fit] in the scene: its clearance is assumed to include interference and temperatures"
 
 
@@ -56,7 +56,7 @@ class Options(NamedTuple):
 
 
 class Case:
-    """A scene with its options; each property is computed once, or is `Unavailable`."""
+    """A scene with its options; each property is computed once, or is `Unavailable`. Loads in N."""
 
     def __init__(self, scene: Scene, options: Options):
         self.scene, self.options = scene, options
@@ -71,21 +71,10 @@ class Case:
         self.bends = self.mounting.points is not None or self.mounting.bore is not None  # the outer ring
         self.weight = operation.inner_mass * operation.gravity
 
-    @cached_property
-    def row(self) -> Dimensions:
-        return Dimensions.of(self.scene.unmounted_bearing())
-
-    @cached_property
-    def basic(self) -> Basic:
-        return Basic.of(self.scene.unmounted_bearing())
-
-    @cached_property
-    def basic_life(self) -> float:
-        return life.basic_life(self.basic.dynamic, self.load, self.exponent)
-
-    @cached_property
-    def laws(self):
-        return contact_laws(self.scene.lagrange.law, self.bearing)
+    row = cached_property(lambda self: Dimensions.of(self.scene.unmounted_bearing()))
+    basic = cached_property(lambda self: Basic.of(self.scene.unmounted_bearing()))
+    basic_life = property(lambda self: life.basic_life(self.basic.dynamic, self.load, self.exponent))
+    laws = cached_property(lambda self: contact_laws(self.scene.lagrange.law, self.bearing))
 
     @cached_property
     def on_bearing(self) -> Operation:
@@ -101,7 +90,7 @@ class Case:
         return replace(self.operation, side_load=side, radial_load=down, mounting=HELD)
 
     @cached_property
-    def static_load(self) -> float:  # at t = 0, weight of shaft and ring included, N
+    def static_load(self) -> float:  # at t = 0, weight of shaft and ring included
         acting = self.on_bearing
         return load_factor(self.bearing) * float(np.hypot(acting.side_load, acting.radial_load + self.weight))
 
@@ -119,34 +108,20 @@ class Case:
             raise Unavailable("the bearing does not turn")
         return DutyCycle(loads=load_factor(self.bearing) * load, speeds=speeds, shares=np.ones(INSTANTS))
 
-    @cached_property
-    def load(self) -> float:  # P, N
-        return self.static_load if self.cycle is None else self.cycle.load(self.exponent)
+    # P and P0; what P is of one row's section, P/(i cos α); speed of one ring against the other
+    load = cached_property(lambda self: self.static_load if self.cycle is None else self.cycle.load(self.exponent))
+    largest_load = property(lambda self: self.static_load if self.cycle is None else self.cycle.largest_load)
+    section_load = property(lambda self: positive(self.load, "no load on the rollers") / load_factor(self.bearing))
+    rpm = cached_property(lambda self: abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed)
 
     @cached_property
-    def largest_load(self) -> float:  # P0, N
-        return self.static_load if self.cycle is None else self.cycle.largest_load
-
-    @cached_property
-    def section_load(self) -> float:  # what P is of one row's section, N: P/(i cos α)
-        return positive(self.load, "no load on the rollers") / load_factor(self.bearing)
-
-    @cached_property
-    def rpm(self) -> float:  # of one ring against the other
-        return abs(self.relative_speed) / RPM if self.cycle is None else self.cycle.speed
-
-    @cached_property
-    def viscosity(self) -> float:  # Kinematic, mm²/s
+    def viscosity(self) -> float:  # kinematic, mm²/s
         if self.options.viscosity is not None:
             return self.options.viscosity
-        oil = self.scene.lubricant or _refuse(
-            "no viscosity: the scene has no [lubricant]; or give --viscosity in mm²/s"
-        )
+        oil = self.scene.lubricant or _refuse("no viscosity: no [lubricant] in the scene; or give --viscosity in mm²/s")
         return 1e6 * oil.viscosity_Pa_s / self.options.oil_density
 
-    @cached_property
-    def kappa(self) -> float:
-        return self.viscosity / reference_viscosity(self.rpm, self.basic.pitch)
+    kappa = cached_property(lambda self: self.viscosity / reference_viscosity(self.rpm, self.basic.pitch))
 
     @cached_property
     def contamination(self) -> float:
@@ -170,32 +145,28 @@ class Case:
         self, first: float = 0.0, slope: float | None = None, profile: bool | None = None, load: float | None = None
     ) -> LaminaLoads:
         """The standard's load distribution, roller 0 at an angle from the load, rad.
-        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : N, None: P"""
+        `slope` : rad, of the shaft, `profile` : of `rigid_loads`; None: the scene's; `load` : None: P"""
         return reference_life.rigid_loads(
             self.row, self.section_load if load is None else load / load_factor(self.bearing),
             2e3 * self.bearing.radial_clearance, self.operation.misalignment if slope is None else slope,
             profile=self.profile if profile is None else profile, first=first,
         )  # fmt: skip
 
-    @cached_property
-    def rigid(self) -> LaminaLoads:
-        return self.rigid_at()
+    rigid = cached_property(lambda self: self.rigid_at())
 
     def under(self, operation: Operation, elastic: bool, samples: int = SAMPLES) -> Pitch:
         """Equilibria over a pitch, by elastic rings, or rigid ones on the scene's contact law."""
-        if self.axial is None:
-            return self.plane_under(operation, elastic, samples)
         if elastic and self.bends:
-            raise Unavailable(BENDS)
-        return self.tilted_under(operation, elastic).pitch
+            raise Unavailable("[support]: elastic rings need an outer ring held all around")
+        if self.axial is not None:
+            return self.tilted_under(operation, elastic).pitch
+        return self.plane_under(operation, elastic, samples)
 
     def plane_under(self, operation: Operation, elastic: bool, samples: int) -> Pitch:
-        """The same with parallel axes."""
+        """The same with parallel axes, the outer ring held all around."""
         damping = self.scene.damping.contacts
         bearing = under_films(self.scene.perfect_bearing(), self.scene.films(operation))
         if elastic:
-            if self.bends:
-                raise Unavailable(BENDS)
             from fem.rating.equilibria import elastic_pitch
 
             return elastic_pitch(bearing, operation, damping, samples)
@@ -211,21 +182,11 @@ class Case:
         axial = axial or self.axial or _refuse(PLANE)
         return tilted_pitch(self.bearing, axial, operation, None if elastic else self.laws)
 
-    @cached_property
-    def elastic(self) -> Pitch:
-        return self.under(self.on_bearing, True)
-
-    @cached_property
-    def lagrangian(self) -> Pitch:
-        return self.under(self.on_bearing, False)
-
-    @property
-    def pitch(self) -> Pitch:  # by the contacts of the scene's model
-        return self.lagrangian if self.scene.model == "lagrange" else self.elastic
-
-    @cached_property
-    def tilted(self) -> "TiltedPitch":  # by the contacts of the scene's model
-        return self.tilted_under(self.on_bearing, elastic=self.scene.model != "lagrange")
+    # over a pitch: by elastic rings, by rigid ones, by the contacts of the scene's model without and with tilting
+    elastic = cached_property(lambda self: self.under(self.on_bearing, True))
+    lagrangian = cached_property(lambda self: self.under(self.on_bearing, False))
+    pitch = property(lambda self: self.lagrangian if self.scene.model == "lagrange" else self.elastic)
+    tilted = cached_property(lambda self: self.tilted_under(self.on_bearing, self.scene.model != "lagrange"))
 
     @cached_property
     def oscillation(self) -> str:
@@ -251,9 +212,8 @@ class Case:
             raise Unavailable("stresses and films are those of line contacts; this bearing has balls")
         return hertz.contact_pairs(self.bearing)
 
-    @property
-    def largest_forces(self) -> tuple[float, float]:  # at inner and outer raceway over the pitch, N
-        return float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
+    # at inner and outer raceway over the pitch
+    largest_forces = property(lambda self: (float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())))
 
     @cached_property
     def stressed(self) -> dict[str, hertz.LineContact]:  # the most loaded contact of each raceway over the pitch
@@ -264,10 +224,8 @@ class Case:
     @cached_property
     def peak_pressure(self) -> float:  # largest Hertz pressure of any contact over the pitch, Pa
         if isinstance(self.bearing, BallBearing):
-            inner, outer = self.largest_forces
-            return max(
-                hertz.ball_pressure(self.bearing, "inner", inner), hertz.ball_pressure(self.bearing, "outer", outer)
-            )
+            (inner, outer), of = self.largest_forces, hertz.ball_pressure
+            return max(of(self.bearing, "inner", inner), of(self.bearing, "outer", outer))
         return max(each.peak_pressure for each in self.stressed.values())
 
     @cached_property
@@ -289,14 +247,12 @@ class Case:
     def diameters(self) -> tuple[float, float]:  # d and D, mm; of a solid shaft its own
         return 2e3 * (self.bearing.bore_radius or self.bearing.inner_raceway_radius), 2e3 * self.bearing.outside_radius
 
-    @cached_property
-    def torques(self) -> dict[str, Torque]:
-        return {name: self.torque(model, self.rpm) for name, model in life.FRICTION.items()}
-
     def torque(self, model: Callable[..., Torque], rpm: float) -> Torque:
         life.caged_cylinders(self.row)
         series = dimension_series(self.scene.bearing.designation)
         return model(*self.diameters, self.load, rpm, self.viscosity, series)
+
+    torques = cached_property(lambda self: {name: self.torque(law, self.rpm) for name, law in life.FRICTION.items()})
 
     @cached_property
     def losses(self) -> dict[str, float]:  # W
@@ -306,14 +262,10 @@ class Case:
         """K."""
         losses, known = self.losses, listed(self.scene.bearing.designation)
         width = self.options.width or (known and width_of(known[0]))
-        outward = life.conductance(
-            *self.diameters, width or _refuse("the bearing's width is not known: no designation; give --width in mm")
-        )
-        return {name: loss / outward for name, loss in losses.items()}
+        width = width or _refuse("the bearing's width is not known: no designation; give --width in mm")
+        return {name: loss / life.conductance(*self.diameters, width) for name, loss in losses.items()}
 
-    @cached_property
-    def build_up(self) -> OperatingClearance:
-        return self.scene.operating_clearance() or _refuse(NO_FIT)
+    build_up = property(lambda self: self.scene.operating_clearance() or _refuse(NO_FIT))
 
     @cached_property
     def clearance_parts(self) -> dict[str, float | None]:  # µm
@@ -324,18 +276,11 @@ class Case:
             motion = kinematics(self.bearing, *self.operation.ring_speeds)
             inner, roller = growths(self.bearing, motion)
             spin = inner + 2.0 * roller - outer_growth(self.bearing, motion)
-        return {
-            "given": round(2e6 * self.scene.perfect_bearing().radial_clearance / cosine, 6) + 0.0,
-            "shaft_fit": None,
-            "housing_fit": None,
-            "temperature": None,
-            "speed": -2e6 * spin / cosine,
-            "film": 1e6 * self.scene.film_loss() / cosine,
-        }
+        given = round(2e6 * self.scene.perfect_bearing().radial_clearance / cosine, 6) + 0.0
+        of_speed = {"speed": -2e6 * spin / cosine, "film": 1e6 * self.scene.film_loss() / cosine}
+        return {"given": given, "shaft_fit": None, "housing_fit": None, "temperature": None, **of_speed}
 
-    @property
-    def run(self) -> RunLoads:
-        return self.options.run or _refuse("no run: give a result file of run-fem instead of the scene")
+    run = property(lambda self: self.options.run or _refuse(NO_RUN))
 
     @property
     def with_housing(self) -> np.ndarray:  # stiffness of the bearing and its housing behind each other, (2, 2), N/m
@@ -366,9 +311,8 @@ class Case:
             alone = replace(self.axial, slices=reference_life.LAMINAE, coupling=False)
             return self.reference_life(*self.tilted_under(acting, True, alone).loads)
         pitch = self.elastic if self.cycle is None else self.under(acting, True)
-        return self.reference_life(
-            *(reference_life.shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
-        )
+        forces = pitch.inner_force, pitch.outer_force
+        return self.reference_life(*(reference_life.shared_out(self.row, force) for force in forces))
 
     def reference_life(self, inner: np.ndarray, outer: np.ndarray | None = None) -> float:
         """L10r, 10⁶ revolutions, under loads of laminae, N."""
@@ -500,14 +444,13 @@ DECLARED: tuple[tuple[str, str, str, Source, Callable[[Case], Any]], ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
 class Rating(Mapping[str, Any]):
     """Values by name; `answers` have units and sources beside them."""
 
-    scene: Scene
-    answers: dict[str, Answer]
-    warnings: tuple[str, ...]
-    case: Case
+    def __init__(self, case: Case):
+        self.case, self.scene = case, case.scene
+        self.answers = {declared[0]: _answer(case, *declared) for declared in DECLARED}
+        self.warnings = tuple(_warnings(case, {name: answer.value for name, answer in self.answers.items()}))
 
     def __getitem__(self, name: str) -> Any:
         return self.answers[name].value
@@ -522,23 +465,17 @@ class Rating(Mapping[str, Any]):
     def name(self) -> str:
         return self.case.options.name or self.scene.name
 
-    def answer(self, name: str) -> Answer:
-        """KeyError: there is none of that name."""
-        return self.answers[name]
-
     def to_json(self) -> dict[str, Any]:
         """Values, and by their names the reasons of those that are null, and the sources."""
-        reasons = {answer.name: answer.reason for answer in self.answers.values() if answer.reason}
+        reasons = {name: answer.reason for name, answer in self.answers.items() if answer.reason}
         parts = self["operating_clearance_parts_um"].items()
-        return {
-            **{answer.name: _plain(answer.value) for answer in self.answers.values()},
-            "warnings": list(self.warnings),
-            "reasons": reasons | {f"operating_clearance_parts_um.{n}": NO_FIT for n, part in parts if part is None},
-            "sources": {
-                name: {"source": f"{by.name}: {by.text}", "second_hand": by.second_hand or None}
-                for name, by in ((name, answer.source) for name, answer in self.answers.items())
-            },
+        reasons |= {f"operating_clearance_parts_um.{name}": NO_FIT for name, part in parts if part is None}
+        sources = {
+            name: {"source": f"{by.name}: {by.text}", "second_hand": by.second_hand or None}
+            for name, (*_, by, _) in self.answers.items()
         }
+        values = {name: _plain(value) for name, value in self.items()}
+        return values | {"warnings": list(self.warnings), "reasons": reasons, "sources": sources}
 
 
 def _plain(value: Any) -> Any:  # for JSON: arrays as lists, what is infinite or no number as null
@@ -557,10 +494,7 @@ def rating(scene: Scene, options: Options | None = None) -> Rating:
     Example
     -------
     rating(Scene(bearing={"designation": "NU206"}))["C_N"]"""
-    case = Case(scene, options or Options())
-    answers = {declared[0]: _answer(case, *declared) for declared in DECLARED}
-    warnings = tuple(_warnings(case, {name: answer.value for name, answer in answers.items()}))
-    return Rating(scene=scene, answers=answers, warnings=warnings, case=case)
+    return Rating(Case(scene, options or Options()))
 
 
 def values_of(scene: Scene, names: Collection[str]) -> dict[str, float]:

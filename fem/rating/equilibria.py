@@ -103,10 +103,11 @@ class TiltedPitch:
             found[pair.kind] = slices.count * float(loads.max())
         return found
 
-    @property
-    def stiffness(self) -> np.ndarray:
-        """(4, 4), of forces and moments by the hub's place and slope, x, y each, mean over the pitch; N/m, N, N m."""
-        return np.mean([each.stiffness for each in self.statics], axis=0)
+    # means over the pitch: (4, 4), of forces and moments by the hub's place and slope, x, y each; N/m, N, N m
+    stiffness = property(lambda self: np.mean([each.stiffness for each in self.statics], axis=0))
+    # that holds the shaft at its slope, in the plane of the load, N m; of the shaft, its +z end towards the load, rad
+    moment = property(lambda self: float(np.mean([each.on_hub[1] for each in self.statics])))
+    slope = property(lambda self: -float(np.mean([each.place[3] for each in self.statics])))
 
     @property
     def tilt_stiffness(self) -> float:  # ∂M/∂ψ in the plane of the load at a free hub, mean over the pitch, N m/rad
@@ -115,14 +116,6 @@ class TiltedPitch:
             hub, cross, slope = each.stiffness[:2, :2], each.stiffness[:2, 2:], each.stiffness[2:, 2:]
             found.append((slope - cross.T @ np.linalg.solve(hub, cross))[1, 1])
         return float(np.mean(found))
-
-    @property
-    def moment(self) -> float:  # that holds the shaft at its slope, in the plane of the load, mean over the pitch, N m
-        return float(np.mean([each.on_hub[1] for each in self.statics]))
-
-    @property
-    def slope(self) -> float:  # of the shaft, its +z end towards the load, mean over the pitch, rad
-        return -float(np.mean([each.place[3] for each in self.statics]))
 
 
 def tilted_pitch(
@@ -154,18 +147,16 @@ def _tilted_pitch(
     bearing: Bearing, axial: Axial, still: Operation, laws: ContactLaws | None, samples: int
 ) -> TiltedPitch:
     """Whatever the slices' width. Unavailable."""
-    hub, first = hub_tilt(still, axial), roller_angles(bearing, still.first_roller_angle)
-    nothing, found = np.zeros(2 * bearing.n_rollers), []
-    elastic = None
+    hub, found, elastic = hub_tilt(still, axial), [], None
     try:
         if laws is not None:
             slices = contact_slices(bearing, replace(axial, coupling=False), laws)
         else:
             _refuse_rigid(bearing)
-            contacts = exact_contacts(bearing, first)
+            contacts = exact_contacts(bearing, roller_angles(bearing, still.first_roller_angle))
             curves = cast(tuple[ContactLaw, ContactLaw], (contacts.inner_law, contacts.outer_law))
-            slices = tilted_slices(bearing, axial, curves)
-            elastic = Elastic(contacts.compliance, np.zeros(contacts.compliance.shape), nothing)
+            slices, compliance = tilted_slices(bearing, axial, curves), contacts.compliance
+            elastic = Elastic(compliance, np.zeros(compliance.shape), np.zeros(2 * bearing.n_rollers))
 
         def solve(angles: np.ndarray, near: Point | None) -> Point:
             start = _pushed(bearing, slices[0], still, angles) if near is None else (near.place, near.rho)

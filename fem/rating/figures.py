@@ -1,5 +1,6 @@
 """Figures of rating.html, with the look of the report."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
@@ -38,14 +39,10 @@ def rating_figures(case: Case) -> list[Drawing]:
 def _contacts(case: Case) -> list[tuple[bool, str, Pitch, str]]:
     """Whether elastic, words, equilibria and colour of what there is: elastic rings, rigid ones on a law."""
     found = []
-    for elastic, words, colour in (
-        (True, "elastic rings", BLUE),
-        (False, f"rigid rings, {case.laws.inner.name}", ORANGE),
-    ):
-        try:
+    rigid = f"rigid rings, {case.laws.inner.name}"
+    for elastic, words, colour in (True, "elastic rings", BLUE), (False, rigid, ORANGE):
+        with suppress(Unavailable):
             found.append((elastic, words, case.elastic if elastic else case.lagrangian, colour))
-        except Unavailable:
-            continue
     return found
 
 
@@ -54,8 +51,8 @@ def _clearance(case: Case) -> Drawing:  # parts of the operating clearance, one 
     figure, axis = plt.subplots(figsize=(WIDTH, 2.7))
     rows, level = found.rows(), 0.0
     for place, ((_, label, _), part) in enumerate(zip(rows, [*found.parts.values(), found.total], strict=True)):
-        whole = place in (0, len(rows) - 1)
-        start, step = (0.0, UM * part) if whole else (level, UM * part)
+        whole, step = place in (0, len(rows) - 1), UM * part
+        start = 0.0 if whole else level
         axis.bar(place, step, bottom=start, width=0.6, color=BLUE if whole else RED if part < 0.0 else GREEN)
         axis.annotate(label, (place, max(start, start + step)), (0, 3), textcoords="offset points", ha="center")
         level = start + step
@@ -144,14 +141,13 @@ def _life(case: Case) -> Drawing:
 
 def _misalignment(case: Case) -> Drawing:
     tilts, curves, mark = np.linspace(0.0, TILTED, 25), [], None
-    kinds: list[tuple[bool | None, str, str, str]] = [(True, BLUE, "-", "logarithmic profile")]
-    kinds.append((False, RED, "-", "straight rollers"))
+    kinds: list[tuple] = [(True, BLUE, "-", "logarithmic profile"), (False, RED, "-", "straight rollers")]
     if case.axial is not None:
         kinds.append((None, GREEN, "--", "the scene's profiles"))
         mark = 1e3 * abs(case.operation.misalignment), {"linestyle": ":"}
-    for profile, colour, style, words in kinds:
+    for profile, *look in kinds:
         lives = [case.reference_life(case.rigid_at(slope=tilt, profile=profile).loads) for tilt in tilts]
-        curves.append((lives, colour, style, words))
+        curves.append((lives, *look))
     caption = "ISO/TS 16281, rigid rings, misaligned in the plane of the load."
     about = "misalignment", "Life over misalignment", caption
     return _lives(1e3 * tilts, "misalignment, mrad", curves, mark, about)

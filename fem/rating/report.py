@@ -1,6 +1,7 @@
 """What rate-bearing prints, its JSON file, and rating.html: one file, to be opened anywhere."""
 
 import json
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -56,10 +57,10 @@ def print_rating(rating: Rating) -> None:
     from rich.table import Table
 
     console = Console(highlight=False)
-    table, missing = Table(box=None, pad_edge=False, show_header=False), dict[str, list[str]]()
+    table, missing = Table(box=None, pad_edge=False, show_header=False), defaultdict[str, list[str]](list)
     for answer in rating.answers.values():
         if answer.value is None:
-            missing.setdefault(answer.reason, []).append(answer.name)
+            missing[answer.reason].append(answer.name)
         elif answer.name not in BULKY:
             source = answer.source.name + (" †" if answer.source.second_hand else "")
             table.add_row(*(escape(shown(cell)) for cell in (answer.meaning, in_words(answer), source)))
@@ -94,7 +95,7 @@ def write_page(path: Path, rating: Rating) -> None:
         TEMPLATE, name=rating.name, verdict=_verdict(rating), warnings=rating.warnings, version=VERSION,
         numbers=Section(columns=("", "value", "source"), rows=rows + parts, kind="words stacked"),
         contacts=Section(columns=("most loaded contact", "inner raceway", "outer raceway"), rows=contacts),
-        stresses=rating.answer("contacts").source, missing=Section(columns=(), rows=missing, kind="words"),
+        stresses=rating.answers["contacts"].source, missing=Section(columns=(), rows=missing, kind="words"),
         figures=rating_figures(rating.case), scene=rating.scene.to_toml(),
     )  # fmt: skip
     write_whole(path, text.encode())
@@ -102,7 +103,7 @@ def write_page(path: Path, rating: Rating) -> None:
 
 def _verdict(rating: Rating) -> str:  # the first sentence
     if rating["C_N"] is None:
-        return f"No load ratings: {rating.answer('C_N').reason}."
+        return f"No load ratings: {rating.answers['C_N'].reason}."
     words = {name.partition("_")[0]: text.format(factor * rating[name])
              for name, factor, text in reversed(VERDICT) if rating[name] is not None}  # fmt: skip
     words = {name: words[name] for name in ("C", "C0", "P", "L10") if name in words}

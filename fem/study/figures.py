@@ -1,10 +1,10 @@
 """Figures of a study's page, with the look of the report."""
 
-import base64
-import io
 import textwrap
 from collections.abc import Iterator
 from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -13,7 +13,7 @@ from pandas import DataFrame
 
 from fem.study.folder import Column, Indices, Table
 from lagrange.scene.keys import name_in_words
-from residual.figures import DPI, LARGEST_SVG, STYLE, WIDTH, Drawing, make_plain
+from residual.figures import STYLE, WIDTH, Drawing, save
 from residual.formatting import BLUE, GREY, ORANGE
 
 CELL, TALL = 1.75, 1.9  # inches: a panel among many, one of a column
@@ -81,7 +81,8 @@ def _is_geometric(values: np.ndarray) -> bool:
     """Whether values have equal ratios, and so much apart that a logarithmic axis shows them better."""
     if len(values) < 3 or values[0] <= 0.0 or values[-1] < WIDE * values[0]:
         return False
-    return bool(np.allclose(np.diff(np.log(values)), np.log(values[-1] / values[0]) / (len(values) - 1), rtol=0.05))
+    steps = np.diff(np.log(values))
+    return np.allclose(steps, steps.mean(), rtol=0.05)
 
 
 def _main_effects(table: Table) -> Iterator[Drawing]:
@@ -109,31 +110,32 @@ def _main_effects(table: Table) -> Iterator[Drawing]:
 def _heat_map(table: Table) -> Iterator[Drawing]:
     """Two parameters that explain most, of each quantity; means over all others."""
     quantities = [column for column in table.telling if len(table.strongest(column)) > 1][:4]
-    if len(table.parameters) < 2 or not quantities:
+    if not quantities:
         return
     columns = min(2, len(quantities))
     rows = -(-len(quantities) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.6 + 2.6 * rows), squeeze=False)
-    for axis, quantity in zip(axes.ravel(), quantities, strict=False):
+    for axis in axes.flat[len(quantities) :]:
+        axis.set_visible(False)
+    for axis, quantity in zip(axes.flat, quantities, strict=False):
         (x, _), (y, _) = table.strongest(quantity)[:2]
-        known = np.isfinite(quantity.values) & np.isfinite(x.values) & np.isfinite(y.values)
-        found = DataFrame({"x": x.values, "y": y.values, "value": quantity.values})[known]
+        found = DataFrame({"x": x.values, "y": y.values, "value": quantity.values})
+        found = found[np.isfinite(found).all(axis=1)]
+        sides = (axis.xaxis, x), (axis.yaxis, y)
         if found.x.nunique() * found.y.nunique() <= 2 * len(found):
-            mean = found.groupby(["y", "x"]).value.mean().unstack()
+            mean = found.pivot_table("value", "y", "x")
             drawn = axis.pcolormesh(range(mean.shape[1]), range(len(mean)), mean, shading="nearest", cmap="viridis")
-            for side, column, at in ((axis.xaxis, x, mean.columns), (axis.yaxis, y, mean.index)):
+            for (side, column), at in zip(sides, (mean.columns, mean.index), strict=True):
                 some = np.unique(np.linspace(0, at.size - 1, min(at.size, MOST_TICKS)).round().astype(int))
                 side.set_ticks(some, [column.words[int(at[k])] if column.words else f"{at[k]:.5g}" for k in some])
         else:
             drawn = axis.scatter(found.x, found.y, c=found.value, s=10, cmap="viridis")
-            for side, column in ((axis.xaxis, x), (axis.yaxis, y)):
+            for side, column in sides:
                 if column.words:
                     side.set_ticks(range(len(column.words)), column.words)
         axis.grid(visible=False)
         axis.set(xlabel=x.label, ylabel=y.label, title=_broken(quantity, 36))
         figure.colorbar(drawn, ax=axis)
-    for axis in axes.ravel()[len(quantities) :]:
-        axis.set_visible(False)
     caption = "Each quantity over its two strongest parameters, averaged over all others."
     yield finished(figure, "heat-map", "Two parameters at a time", caption)
 
@@ -180,12 +182,8 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
 
 def finished(figure, name: str, title: str, caption: str) -> Drawing:
     """A figure as text that goes into a page, and closed."""
-    make_plain(figure)
-    vectors, pixels = io.BytesIO(), io.BytesIO()
-    figure.savefig(vectors, format="svg", metadata={"Date": None})
-    kind, data = "svg+xml", vectors.getvalue()
-    if len(data) > LARGEST_SVG:
-        figure.savefig(pixels, format="png", dpi=DPI, metadata={"Software": None})
-        kind, data = "png", pixels.getvalue()
+    figure.draw_without_rendering()  # lays it out
+    with TemporaryDirectory() as folder:
+        found = save(Drawing(name, title, caption, figure), Path(folder))
     plt.close(figure)
-    return Drawing(name, title, caption, None, f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}")
+    return found

@@ -29,6 +29,7 @@ from fem.elastic.reciprocal_mass import LUMPED, SECOND, ReciprocalMass
 from fem.kernels.columns import BLOCKS, N_SCALARS
 from fem.kernels.elements.loop import advance
 from fem.kernels.elements.state import Drive
+from fem.pictures.recover import StoredRun
 from fem.solver import simulate
 from fem.solver.elements.arrays import Arrays, Start, equilibrium_start, make_arrays, rest_start
 from fem.solver.rigid.reduced import ReducedPlan
@@ -306,6 +307,12 @@ def same_data(left, right):
     """Whether two result files hold the same numbers."""
     with h5py.File(left) as a, h5py.File(right) as b:
         return all(np.array_equal(a[name][:], b[name][:]) for name in columns_of(""))
+
+
+def read_instant(path, time=None):
+    """The sample nearest to a time, s, of a result file; None: the last one."""
+    run = StoredRun(path)
+    return run.instant(run.nearest(time))
 
 
 def names_in(folder):

@@ -3,7 +3,6 @@
 throughput      time of every phase of a step against the machine's ceilings, memory, start-up
 table_costs     time that each table of a scene adds; absent tables add none
 planning        what it takes to plan a scene after others
-expected_time   what --dry-run expects beside what a run takes
 studies         what a study adds to its points, and what a second process gives
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
@@ -14,16 +13,14 @@ pictures        docs' pictures; stress below contacts, times, sizes
 measured_records verdicts on records whose truth is known
 same_bits       whether another revision gives the same bits, and takes the same time
 
-Here is what they share: scenes with some keys set, times, runs in turns, tables of the terminal.
+Here is what they share: scenes with some keys set, times, runs in turns.
 """
 
 import resource
 import statistics
 import time
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from typing import TYPE_CHECKING, TypeVar
-
-from rich.table import Table
 
 if TYPE_CHECKING:
     from fem.solver.elements.plan import ElementPlan
@@ -71,13 +68,3 @@ def spread(values: Iterable[float], digits: int = 3) -> str:
     """Write the lowest and the highest of some numbers."""
     values = list(values)
     return f"{min(values):.{digits}f} … {max(values):.{digits}f}"
-
-
-def new_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]] = ()) -> Table:
-    """Make a table for the terminal; the first column is aligned left, the others right."""
-    table = Table(title=title, title_justify="left")
-    for i, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if i else "left")
-    for row in rows:
-        table.add_row(*row)
-    return table

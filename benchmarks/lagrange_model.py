@@ -10,16 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
-from benchmarks import new_table, timed
+from benchmarks import timed
 from fem.commands.run_fem import run_main
 from fem.solver.rigid.lagrangian import LagrangianPlan, make_plan
 from fem.solver.solver import Samples
 from lagrange.scene.scene import read_scene
 from residual import evaluate, read_result
-from tests.measurements import program
+from tests.measurements import markdown_table, program
 from tests.reference.forward_motion import simulate
 
 REPEATS = 7  # of which the fastest counts
@@ -46,13 +44,13 @@ def solve(plan: LagrangianPlan, count: int) -> Samples:
     return Samples.joined(blocks)
 
 
-def solutions() -> Table:
+def solutions() -> str:
     """Table with a row for each way to solve."""
     headings = (
         "law and options", "steps", "seconds", "than real time", "off the reference, m", "with half the step",
         "energy error over the contacts' energy",
     )  # fmt: skip
-    table = new_table("60 ms of the paper's bearing, a sample every 10 µs", headings)
+    rows = []
     for name, keys in CASES.items():
         sampled = f"numerics.output_interval_us={1e6 * INTERVAL:g}", f"numerics.duration_ms={1e3 * DURATION:g}"
         plan = make_plan(read_scene(None, ("model=lagrange", *sampled, *keys)))
@@ -64,11 +62,9 @@ def solutions() -> Table:
             for each in (plan, replace(plan, stride=2 * plan.stride))
         ]
         drift = np.abs(run.imbalance).max() / run["energy_contact"][run["time"] > 1e-3].mean()
-        table.add_row(
-            name, str(plan.steps), f"{fast:.3f}", f"{DURATION / fast:.1f}", *(f"{each:.0e}" for each in off),
-            f"{drift:.1e}",
-        )  # fmt: skip
-    return table
+        shown = f"{fast:.3f}", f"{DURATION / fast:.1f}", *(f"{each:.0e}" for each in off), f"{drift:.1e}"
+        rows.append((name, str(plan.steps), *shown))
+    return markdown_table(headings, rows)
 
 
 def checked(interval_us: float, *settings: str) -> list[str]:
@@ -89,7 +85,7 @@ def checked(interval_us: float, *settings: str) -> list[str]:
     return cells
 
 
-def residuals() -> Table:
+def residuals() -> str:
     """Table with a row for each sampling interval."""
     headings = ("sampling", "x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else")
     rows = (
@@ -97,12 +93,12 @@ def residuals() -> Table:
         for words, settings in (("", ()), (", preloaded", (PRELOADED,)))
         for interval in (10.0, 5.0, 2.0)
     )
-    return new_table("The checker on the model's own output, Harris' law, error forces in N", headings, rows)
+    return markdown_table(headings, rows)
 
 
 def speed():
     yield "lagrange", "Speed", solutions()
-    Console(width=120, highlight=False).print(residuals())
+    print("The checker on the model's own output, Harris' law, error forces in N", residuals(), sep="\n\n")
 
 
 if __name__ == "__main__":

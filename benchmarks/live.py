@@ -14,12 +14,11 @@ from pathlib import Path
 from queue import Queue
 from threading import Thread
 
-from rich.console import Console
-
-from benchmarks import new_table, timed
+from benchmarks import timed
 from fem.live.player import Player
 from fem.live.server import FRAME, LiveServer
 from lagrange.scene.scene import read_scene
+from tests.measurements import markdown_table
 
 SCENES = {
     "paper": (), "clearance 40 µm": ("bearing.outer_raceway_diameter_mm=56.04",), "spall 1 mm": ("spall.0.width_mm=1",),
@@ -75,10 +74,9 @@ def watched(browser, player: Player, slowness: float) -> list[str]:
 
 
 def main() -> None:
-    console = Console(highlight=False)
     rows = [[name, *costs(player_of(settings))] for name, settings in SCENES.items()]
     headings = ("scene", "work a second in real time, s", "a frame, ms", "kB")
-    console.print(new_table("Processor time of the player", headings, rows))
+    print("Processor time of the player", markdown_table(headings, rows), sep="\n\n")
     path = shutil.which("chromium") or shutil.which("google-chrome")
     if path is None:
         sys.exit("no browser here: apt-get install chromium")
@@ -95,7 +93,8 @@ def main() -> None:
             for slowness in PACES
         ]
         browser.close()
-    console.print(new_table("In a browser", ("scene", "asked for", "frames a second", "reached"), rows))
+    headings = ("scene", "asked for", "frames a second", "reached")
+    print("In a browser", markdown_table(headings, rows), sep="\n\n")
 
 
 if __name__ == "__main__":

@@ -7,10 +7,10 @@ another load, another speed, a spall elsewhere, or a spall of another width, who
 import random
 from collections.abc import Callable
 
-from benchmarks import new_table, timed
+from benchmarks import timed
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
-from tests.measurements import program
+from tests.measurements import markdown_table, program
 
 MODELS = {
     "Lagrangian": ("model=lagrange",), "reduced": ("model=reduced",),
@@ -35,8 +35,7 @@ CHANGES: dict[str, Callable[[random.Random], dict[str, float | str]]] = {
 
 
 def main():
-    table = new_table("Planning after others, median processor time, ms (least … most)", ("another", *MODELS))
-    bases = [read_scene(None, (*settings, "numerics.duration_ms=5")) for settings in MODELS.values()]
+    rows, bases = [], [read_scene(None, (*settings, "numerics.duration_ms=5")) for settings in MODELS.values()]
     for base in bases:
         make_plan(base).prepare()
     for name, change in CHANGES.items():
@@ -47,9 +46,9 @@ def main():
             scenes = [base.varied(change(rng)) for _ in range(PLANS)]
             times = sorted(timed(lambda scene: make_plan(scene).first_state(), scene)[0] for scene in scenes)
             cells.append(f"{1e3 * times[PLANS // 2]:.1f} ({1e3 * times[0]:.1f} … {1e3 * times[-1]:.1f})")
-        table.add_row(name, *cells)
+        rows.append([name, *cells])
     words = f"Medians of {PLANS} plans, ms of processor time from a scene to its run's first state (least … most)."
-    yield "performance", "Planning one scene after another", words, table
+    yield "performance", "Planning one scene after another", words, markdown_table(("another", *MODELS), rows)
 
 
 if __name__ == "__main__":

@@ -6,12 +6,12 @@ for the first tenth of that. How the reduced model's step grows with the number 
 
 from math import pi, sin
 
-from benchmarks import in_turns, new_table, timed
+from benchmarks import in_turns, timed
 from fem.solver.row_state import RowState
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan
 from lagrange.scene.scene import read_scene
-from tests.measurements import program
+from tests.measurements import markdown_table, program
 
 TURNS = 15
 ELEMENTS_MS = 6.0
@@ -48,13 +48,12 @@ def main():
     simulated = (reduced.n_samples - 1) * reduced.interval
     print(f"{simulated / fast:.2f} times faster than the bearing, {slow / fast:.0f} times than finite elements")
     rows = (("reduced", f"{fast:.4f} s"), ("finite elements, 1 mm", f"{slow:.2f} s"))
-    whole = new_table("60 ms of the paper's bearing", ("60 ms of the paper's bearing", "processor time"), rows)
-    table = new_table("A step of the reduced model", ("rollers", "step, µs", "per roller, ns"))
+    whole, rows = markdown_table(("60 ms of the paper's bearing", "processor time"), rows), []
     for count in ROLLERS:
         plan = plan_of("reduced", *rollers_of(count))
         step = min(loop_seconds(plan) for _ in range(TURNS)) / (plan.stride * plan.n_samples)
-        table.add_row(str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}")
-    yield "reduced", "Speed", whole, table
+        rows.append((str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}"))
+    yield "reduced", "Speed", whole, markdown_table(("rollers", "step, µs", "per roller, ns"), rows)
 
 
 if __name__ == "__main__":

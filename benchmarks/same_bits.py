@@ -30,10 +30,9 @@ from typing import Annotated
 import h5py
 import numpy as np
 from cyclopts import App, Parameter
-from rich.console import Console
-from rich.table import Table
 
-from benchmarks import new_table, processor_seconds
+from benchmarks import processor_seconds
+from tests.measurements import markdown_table
 
 HERE = Path(__file__).resolve().parent.parent
 # attributes that may differ; a scene's text gains keys as the program does
@@ -47,7 +46,6 @@ JUDGED = (
 )
 MOST_TOLD, LONGEST_TOLD = 12, 160  # differences of a scene, characters of each
 SPEED_MS = 60.0  # of the paper's bearing
-console = Console(highlight=False, soft_wrap=True)
 
 
 @dataclass(frozen=True)
@@ -286,9 +284,9 @@ def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, floa
     return time.perf_counter() - began, processor_seconds(resource.RUSAGE_CHILDREN) - before
 
 
-def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> Table:
+def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> str:
     headings = "mesh, mm", "this tree, s", "base, s", "ratio of wall times", "of processor times", "of fastest runs"
-    table = new_table(f"Whole runs of {SPEED_MS:g} ms, {pairs} pairs in turns, one thread", headings)
+    rows = []
     for size in sizes:
         options = ("--mesh-size", repr(size), "--duration", repr(SPEED_MS))
         for tree in (mine, base):  # compiled, meshed
@@ -303,8 +301,8 @@ def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> Table:
                   for r in (wall / base_wall, spent / base_spent)]  # fmt: skip
         # the least of each is free of other programs and of the processor's slower paces
         ratios.append(f"{min(spent) / min(base_spent):.3f}")
-        table.add_row(f"{size:g}", f"{statistics.median(wall):.2f}", f"{statistics.median(base_wall):.2f}", *ratios)
-    return table
+        rows.append((f"{size:g}", f"{statistics.median(wall):.2f}", f"{statistics.median(base_wall):.2f}", *ratios))
+    return f"Whole runs of {SPEED_MS:g} ms, {pairs} pairs in turns, one thread\n\n{markdown_table(headings, rows)}"
 
 
 def _cold(mine: Tree, base: Tree) -> str:
@@ -338,13 +336,13 @@ def main(
     every = set(JUDGED.split()) if numbers else {scene.name for scene in SCENES}
     wanted = set(scenes.split(",")) if scenes else every
     if unknown := wanted - {scene.name for scene in SCENES}:
-        console.print(f"unknown scenes: {', '.join(sorted(unknown))}; known: {', '.join(s.name for s in SCENES)}")
+        print(f"unknown scenes: {', '.join(sorted(unknown))}; known: {', '.join(s.name for s in SCENES)}")
         return 2
     with checked_out(base, unfused) as (mine, old):
         if speed:
-            console.print(_speed(mine, old, speed, pairs))
+            print(_speed(mine, old, speed, pairs))
         if cold:
-            console.print(_cold(mine, old))
+            print(_cold(mine, old))
         if speed or cold:
             return 0
         chosen = [scene for scene in SCENES if scene.name in wanted]
@@ -353,12 +351,12 @@ def main(
             compared = pool.map(lambda scene: compare(scene, mine, old, numbers), chosen)
             for scene, found in zip(chosen, compared, strict=True):
                 unlike += bool(found)
-                console.print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")
+                print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")
                 for what in found[:MOST_TOLD]:
-                    console.print(f"    {what[:LONGEST_TOLD]}")
+                    print(f"    {what[:LONGEST_TOLD]}")
                 if len(found) > MOST_TOLD:
-                    console.print(f"    and {len(found) - MOST_TOLD} more")
-    console.print(f"{len(chosen) - unlike} of {len(chosen)} scenes the same")
+                    print(f"    and {len(found) - MOST_TOLD} more")
+    print(f"{len(chosen) - unlike} of {len(chosen)} scenes the same")
     return 1 if unlike else 0
 
 

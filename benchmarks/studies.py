@@ -12,13 +12,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cyclopts import App
-from rich.console import Console
 
-from benchmarks import new_table
 from fem.study import solving
 from fem.study.folder import Folder, write_dataset
 from fem.study.solving import Points, Processes, Solved, Wanted, checked_points, solve, solve_all
 from fem.study.study_file import design_of, read_study
+from tests.measurements import markdown_table
 
 STUDY = """
 [fixed]
@@ -95,21 +94,20 @@ app = App(help=__doc__)
 @app.default
 def main(*, points: int = 300) -> None:
     """Measure and print, with so many short points, and a seventh of it long ones."""
-    console = Console(highlight=False)
     with TemporaryDirectory(prefix="studies-") as name:
         place = Path(name)
         spent = in_process(place, points)
         rows = [*spent.items(), ("what the study adds", sum(spent.values()) - spent["simulation"])]
         cells = [(name, f"{1e3 * seconds:.2f}") for name, seconds in rows]
-        console.print(new_table(f"{points} short points in this process", ("", "ms a point"), cells))
+        print(f"{points} short points in this process", markdown_table(("", "ms a point"), cells), sep="\n\n")
         each, taken = in_processes(points_of(place, *SHORT, points), 1, max(1, points // 5))
-        console.print(
+        print(
             f"one process: {1e3 * each:.1f} ms from point to point, of which {1e3 * taken:.1f} ms in its own call: "
             f"{1e3 * (each - taken):.1f} ms added"
         )
         long = points_of(place, *OF_A_SECOND, max(8, points // 7))
         (one, taken), (two, together) = (in_processes(long, count, 2 * count) for count in (1, 2))
-        console.print(
+        print(
             f"{len(long)} points of {taken:.2f} s (beside each other {together:.2f} s): {one:.3f} s a point with one "
             f"process, {two:.3f} s with two, {one / two:.2f} times as many"
         )

@@ -15,9 +15,8 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from rich.table import Table
 
-from benchmarks import in_turns, new_table, paper_plan, spread, timed
+from benchmarks import in_turns, paper_plan, spread, timed
 from fem.solver.elements.plan import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
@@ -76,26 +75,22 @@ SKIPS = (
 RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))  # keys of [bodies]
 
 
-def skip_table(size_mm: float, pairs: int) -> Table:
+def skip_table(size_mm: float, pairs: int) -> str:
     """Table of the time loop without a part over the one with it, in turns, and of how far their results differ."""
     headings = ("left out", "time over the same scene with it (median)", "lowest … highest", "largest difference")
-    table = new_table(
-        f"What a scene does not need: {size_mm:g} mm, {DURATION_MS:g} ms, {pairs} pairs in turns", headings
-    )
-    duration = f"numerics.duration_ms={DURATION_MS}"
+    rows, duration = [], f"numerics.duration_ms={DURATION_MS}"
     for skip in SKIPS:
         short = paper_plan(size_mm, duration, *skip.scene)
         whole = paper_plan(size_mm, duration, *skip.scene, *skip.whole)
-        table.add_row(skip.name, *_compared(short, whole, pairs, skip.forced))
-    table.add_section()
+        rows.append((skip.name, *_compared(short, whole, pairs, skip.forced)))
     elastic = paper_plan(size_mm, duration)
     for names in RIGID:  # steps may be longer, which the time counts in
         rigid = paper_plan(size_mm, duration, *(f'bodies.{name}="rigid"' for name in names))
         words = " and ".join(name.replace("_", " ") for name in names)
         steps = f"{rigid.time_step / elastic.time_step:.2f} times as long a step"
-        table.add_row(f"elasticity of {words}, an approximation; {steps}", *_compared(rigid, elastic, pairs))
-    table.add_row("elastic bodies: --model lagrange, an approximation", *_against_lagrange(elastic))
-    return table
+        rows.append((f"elasticity of {words}, an approximation; {steps}", *_compared(rigid, elastic, pairs)))
+    rows.append(("elastic bodies: --model lagrange, an approximation", *_against_lagrange(elastic)))
+    return markdown_table(headings, rows)
 
 
 def _compared(

@@ -20,9 +20,8 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
-from rich.table import Table
 
-from benchmarks import median_seconds, new_table, paper_plan, processor_seconds, timed
+from benchmarks import median_seconds, paper_plan, processor_seconds, timed
 from benchmarks.table_costs import skip_table
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import columns
@@ -32,7 +31,7 @@ from fem.kernels.elements.friction import friction_contacts, slips_after, slips_
 from fem.kernels.lanes import fma, load, splat, store
 from fem.solver.elements.arrays import Arrays
 from fem.solver.elements.plan import ElementPlan
-from tests.measurements import program
+from tests.measurements import markdown_table, program
 
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
 
@@ -368,49 +367,42 @@ def measure(size_mm: float) -> Mesh:
     )  # fmt: skip
 
 
-def ceilings(found: Machine) -> Table:
-    title = "Ceilings of this machine, one thread, medians"
-    table = new_table(title, ("", "size", "read, GB/s", "read and write, GB/s"))
-    table.add_row("multiply-adds in registers", "", f"{1e-9 * found.fma_rate:.1f} G/s", "")
+def ceilings(found: Machine) -> str:
+    rows = [("multiply-adds in registers", "", f"{1e-9 * found.fma_rate:.1f} G/s", "")]
     for level in found.read_rate:
         size = found.cache_bytes.get(level)
         room = f"{size >> 10} KiB" if size else ""
-        table.add_row(level, room, f"{1e-9 * found.read_rate[level]:.0f}", f"{1e-9 * found.update_rate[level]:.0f}")
-    return table
+        rows.append((level, room, *(f"{1e-9 * of[level]:.0f}" for of in (found.read_rate, found.update_rate))))
+    return markdown_table(("", "size", "read, GB/s", "read and write, GB/s"), rows)
 
 
-def phase_table(meshes: list[Mesh], found: Machine) -> Table:
-    title = "Time of a step, µs (ns per degree of freedom)"
-    table = new_table(title, ("phase", *(f"{mesh.size_mm:g} mm" for mesh in meshes)))
-
-    def row(name, values, digits=2, style=None):
-        cells = [f"{1e6 * v:.{digits}f} ({1e9 * v / m.freedom:.3f})" for v, m in zip(values, meshes, strict=True)]
-        table.add_row(name, *cells, style=style)
-
-    for name in meshes[0].phases:
-        row(name, [m.phases[name] for m in meshes])
-    table.add_section()
-    row("sum of the phases", [sum(m.phases.values()) for m in meshes])
-    row("whole step, measured", [m.step for m in meshes], style="bold")
+def phase_table(meshes: list[Mesh], found: Machine) -> str:
+    """Time of a step, µs (ns per degree of freedom)."""
     floors = [found.floor(sum(m.work[0].values()), *m.work[1:]) for m in meshes]
-    row("floor", [f[0] for f in floors])
-    table.add_row("ceiling that binds", *[f[1] for f in floors])
-    table.add_row("whole step over floor", *[f"{m.step / f[0]:.1f}" for m, f in zip(meshes, floors, strict=True)])
+    times = {name: [m.phases[name] for m in meshes] for name in meshes[0].phases}
+    times |= {"sum of the phases": [sum(m.phases.values()) for m in meshes]}
+    times |= {"whole step, measured": [m.step for m in meshes], "floor": [floor for floor, _ in floors]}
+    rows = [
+        [name, *(f"{1e6 * v:.2f} ({1e9 * v / m.freedom:.3f})" for v, m in zip(values, meshes, strict=True))]
+        for name, values in times.items()
+    ]
+    rows.append(["ceiling that binds", *(name for _, name in floors)])
+    rows.append(["whole step over floor", *(f"{m.step / f[0]:.1f}" for m, f in zip(meshes, floors, strict=True))])
     for name in KERNELS:
-        shares = [m.work[0][name] / m.phases[name] for m in meshes]
-        cells = [f"{100 * share / found.fma_rate:.0f} %" for share in shares]
-        table.add_row(f"{name}: share of the arithmetic ceiling", *cells)
-    return table
+        shares = (m.work[0][name] / m.phases[name] for m in meshes)
+        cells = (f"{100 * share / found.fma_rate:.0f} %" for share in shares)
+        rows.append([f"{name}: share of the arithmetic ceiling", *cells])
+    return markdown_table(("phase", *(f"{mesh.size_mm:g} mm" for mesh in meshes)), rows)
 
 
-def size_table(meshes: list[Mesh]) -> Table:
+def size_table(meshes: list[Mesh]) -> str:
     headings = ("mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF")
     rows = (
         (f"{m.size_mm:g}", f"{m.freedom}", f"{1e9 * m.plan.time_step:.1f}", f"{1e9 * m.step / m.freedom:.2f}",
          f"{m.full:.2f}", f"{m.setup:.1f}", f"{m.state_bytes / m.freedom:.0f}")
         for m in meshes
     )  # fmt: skip
-    return new_table("The paper's scene", headings, rows)
+    return markdown_table(headings, rows)
 
 
 def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True):
@@ -442,7 +434,7 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
     wall, processor = start_seconds()
     rows.append(("a whole run of one sample at 1 mm, caches warm, s", f"{wall:.2f}"))
     rows.append(("the same, processor time, s", f"{processor:.2f}"))
-    growth = new_table("Growth and memory", ("quantity", "found"), rows)
+    growth = markdown_table(("quantity", "found"), rows)
     yield "performance", "Growth with the mesh", size_table(meshes), growth
     if skips:
         yield "performance", "Cost of physics", skip_table(1.0, pairs)

@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import welch
 
-from benchmarks import new_table, timed
+from benchmarks import timed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from fem.statics.exact_statics import exact_statics
 from lagrange.scene.scene import parse_scene
-from tests.measurements import DOCS, program
+from tests.measurements import DOCS, markdown_table, program
 
 SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.25)
 RESOLVED_MM = (0.03, 0.024)
@@ -196,7 +196,7 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, resolved: tuple[float, ...] = R
         scenes[scene] = list(points(scene, sizes, resolved))
         finest[scene] = [p for p in scenes[scene] if p.kind == "subgrid"][-1]
         cells = rows(scenes[scene], finest[scene])
-        yield "work_precision", f"{scene[0].upper()}{scene[1:]}", new_table(scene, HEADINGS, cells)
+        yield "work_precision", f"{scene[0].upper()}{scene[1:]}", markdown_table(HEADINGS, cells)
     plot(scenes, finest, output / "work_precision.png")
 
 

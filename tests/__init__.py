@@ -6,7 +6,7 @@ measurements   tables of docs/measurements/, which commands write and pages quot
 reference      analytic and independent solutions, inputs sound and bad, bearings to try
 
 verification   the solver's pieces against analytic solutions, published values, conservation laws
-accuracy       observed orders of convergence; a spall beside resolved contacts
+convergence    observed orders in mesh size, time step and output interval
 paper          the paper's figures against ours, and the runs that explain the difference
 stability      random scenes from the whole range of bearings: none may end silently wrong
 fuzz           readers of text and of records against changed files

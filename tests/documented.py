@@ -9,7 +9,6 @@ is printed. Runs with Python alone: an installation can be tried that has nothin
 """
 
 import argparse
-import difflib
 import os
 import re
 import signal
@@ -20,6 +19,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from difflib import SequenceMatcher
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -171,19 +171,12 @@ def differences(text: str, printed: dict[str, str]) -> Iterator[str]:
             ahead = told[at:] if skips else told[at : at + 1]
             found = next((k for k, each in enumerate(ahead) if same(line, each)), None)
             if found is None:
-                near = nearest(line, ahead)
+                near = max(ahead, key=lambda each: SequenceMatcher(None, line, each).ratio(), default=None)
                 yield f"shown:   {line}\n  printed: {near}"
                 found = ahead.index(near) if near else 0
             at, skips = at + found + 1, False
         if not skips and at < len(told):
             yield f"printed and not shown: {told[at]}"
-
-
-def nearest(line: str, told: list[str]) -> str | None:
-    """The line that is most like another in its words; None where none is."""
-    if same_words := [each for each in told if alike(line, each)]:
-        return same_words[0]
-    return next(iter(difflib.get_close_matches(line, told, 1, 0.5)), None)
 
 
 def unfounded(text: str) -> Iterator[str]:

@@ -7,8 +7,8 @@ link whose title names its cell:
 
     [0.04 %](measurements/verification.md#contact-statics "`resolved-bearing` · hub displacement: error")
 
-`python -m tests.measurements` brings quoted numbers in line with the tables and marks tables that are older than the
-result format; `tests/test_measurements.py` fails where that would change a page.
+`python -m tests.measurements` brings quoted numbers in line with the tables; `tests/test_measurements.py` fails where
+that would change a page.
 """
 
 import platform
@@ -29,8 +29,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 HEAD = re.compile(
     r"^\*Measured by (?P<former>a former program \()?`(?P<command>[^`]+)`(?(former)\)) on (?P<date>\d{4}-\d\d-\d\d) "
-    r"with version (?P<version>\d+\.\d+\.\d+), result format (?P<format>\d+), (?P<processor>[^*]+?)\."
-    r"(?P<older> Older than result format \d+\.)?\*$",
+    r"with version (?P<version>\d+\.\d+\.\d+), result format (?P<format>\d+), (?P<processor>[^*]+?)\.\*$",
     re.M,
 )
 QUOTE = re.compile(
@@ -205,22 +204,9 @@ def refreshed(page: Path) -> str:
     return "".join(MEASURED.sub(lambda _, each=each: measured_by(page, each), each) for each in sections)
 
 
-def marked(page: Path) -> str:
-    """A page of measurements whose heads say which tables are older than the result format."""
-
-    def mark(found: re.Match) -> str:
-        line = found[0].removesuffix("*").removesuffix(found["older"] or "")
-        old = int(found["format"]) < FORMAT_VERSION
-        return f"{line}{f' Older than result format {FORMAT_VERSION}.' if old else ''}*"
-
-    return HEAD.sub(mark, page.read_text(encoding="utf-8"))
-
-
 READER_PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]  # they quote measurements
 MEASUREMENT_PAGES = sorted((DOCS / "measurements").glob("*.md"))  # commands write them
 
 if __name__ == "__main__":
-    for page in MEASUREMENT_PAGES:
-        page.write_text(marked(page), encoding="utf-8")
     for page in READER_PAGES:
         page.write_text(refreshed(page), encoding="utf-8")

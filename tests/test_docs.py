@@ -24,10 +24,6 @@ APPS = {
     "render-fem": render_fem.render_app, "run-live": run_fem.live_app, "run-study": run_study.study_app,
     "rate-bearing": rate_bearing.rate_app,
 }  # fmt: skip
-MAINS = {
-    "run-fem": run_fem.run_main, "check-residual": cli.main, "render-fem": render_fem.render_main,
-    "rate-bearing": rate_bearing.rate_main,
-}  # fmt: skip
 MOST_WORDS = 900
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
 
@@ -150,20 +146,6 @@ def test_a_changed_verdict_word_or_digit_is_found(old, new, found):
 def test_a_sentence_that_the_output_does_not_bear_is_found(old, new):
     assert list(documented.unfounded(SHOWN)) == []
     assert len(list(documented.unfounded(SHOWN.replace(old, new)))) == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("whole", [False, True])  # without the picture and the spall: as `.ci/run` types them as well
-def test_the_tutorials_commands_run_in_order(whole, tmp_path, monkeypatch, request):
-    if not whole:
-        request.getfixturevalue("plain_report")
-    monkeypatch.chdir(tmp_path)
-    lines = [line for block in blocks(DOCS / "first_bearing.md", "sh") for line in block.splitlines()]
-    for name, *arguments in map(shlex.split, lines):
-        if whole or (name != "render-fem" and "spall" not in " ".join(arguments)):
-            assert MAINS[name](arguments) == 0
-    assert {path.name for path in (tmp_path / "runs").iterdir()} >= {"NU206.nc", "NU206-clearance_um-30.nc"}
-    assert (tmp_path / "runs" / "NU206-residual" / "report.html").is_file()
 
 
 def test_the_handbook_knows_every_key_attribute_command_and_package(handbook, coarse_run):

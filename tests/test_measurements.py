@@ -63,7 +63,7 @@ def test_a_changed_digit_is_found_on_the_page_and_in_the_table(page):
 
 
 @pytest.mark.parametrize("page", MEASUREMENT_PAGES, ids=lambda path: path.name)
-def test_every_table_says_where_it_is_from_and_whether_it_is_old(page):
+def test_every_table_says_where_it_is_from(page):
     text = page.read_text(encoding="utf-8")
     sections = text.split("\n## ")[1:]
     for section in sections:
@@ -72,7 +72,6 @@ def test_every_table_says_where_it_is_from_and_whether_it_is_old(page):
         assert tuple(map(int, found["version"].split("."))) <= tuple(map(int, VERSION.split(".")))
         assert int(found["format"]) <= FORMAT_VERSION
     assert sections or page.stem == "index"
-    assert measurements.marked(page) == text, "older than the result format; python -m tests.measurements marks it"
 
 
 @pytest.mark.parametrize("page", MEASUREMENT_PAGES, ids=lambda path: path.name)
@@ -95,17 +94,6 @@ def test_the_commands_that_tables_are_from_are_there(page):
             assert section.isupper() or f"def {section.replace('-', '_')}(" in text or f'"{section}"' in text, found[0]
         else:  # a program of ours, a script of a page, or words
             assert python in PROGRAMS or python != "python" or words[0] == "spalls.py", found[0]
-
-
-def test_a_table_older_than_the_result_format_is_marked(tmp_path, monkeypatch):
-    monkeypatch.setattr(measurements, "DOCS", tmp_path)
-    path = tmp_path / "measurements" / "one.md"
-    path.parent.mkdir()
-    path.write_text("# One\n")
-    measurements.publish("one", "Runs", "python -m some.command", TABLE, write=True)
-    assert measurements.marked(path) == path.read_text(encoding="utf-8")
-    monkeypatch.setattr(measurements, "FORMAT_VERSION", FORMAT_VERSION + 1)
-    assert f"Older than result format {FORMAT_VERSION + 1}.*" in measurements.marked(path)
 
 
 def test_a_section_is_replaced_and_its_neighbours_stay(tmp_path):

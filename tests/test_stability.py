@@ -145,7 +145,7 @@ def test_what_a_run_has_not_said_itself_is_found(names, change, fault, coarse_ru
 
 
 def test_the_file_of_a_campaign_has_a_line_a_scene(tmp_path):
-    rows = [Row(number, "fem", FAILED, "a, b", 1e-3, 2e-3) for number in range(3)]
+    rows = [Row(number, "fem", FAILED, "a, b", 1e-3) for number in range(3)]
     for row in rows:
         Lines(tmp_path / "sub" / "out.csv").add(*row)
     lines = Lines(tmp_path / "sub" / "out.csv")

@@ -254,7 +254,7 @@ def test_every_fault_is_named(given, words):
     assert_refused(given, *words)
 
 
-# The resolved crossing of a spall, a yardstick of tests/accuracy, against theory: Hertz's contact, a disc's
+# The resolved crossing of a spall, the yardstick of tests/verification, against theory: Hertz's contact, a disc's
 
 COARSELY = replace(resolved.FINE, raceway=13e-6, roller=9e-6, far_roller=0.8e-3, far=1.5e-3, cutoff=1e5)
 

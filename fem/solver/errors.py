@@ -25,7 +25,7 @@ from meshes.bearing import bearing_shapes
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
 ORDER = 2.0  # of every quantity in the mesh size, the step with it: docs/convergence.md
-SAFETY = 1.25  # Roache's factor where the order is known: tests.accuracy.convergence observes it
+SAFETY = 1.25  # Roache's factor where the order is known: tests.convergence observes it
 NEEDED = ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
 
 

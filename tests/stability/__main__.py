@@ -23,21 +23,20 @@ import tomli_w
 from cyclopts import App
 
 from tests.stability.campaign import Lines, campaign, ended, report
-from tests.stability.machine import DURATION_MS, MODELS, machine_scene, of_set, random_scene
+from tests.stability.machine import DURATION_MS, machine_scene, random_scene
 
 app = App(help=__doc__, help_format="markdown")
 
 
-def drawn(seed: int, alone: bool, sets: int, axial: bool, number: int, folder: Path) -> dict[str, Any]:
+def drawn(seed: int, alone: bool, sets: int, number: int, folder: Path) -> dict[str, Any]:
     """Tables of a scene."""
-    return random_scene(seed, number, DURATION_MS) if alone else machine_scene(seed, number, folder, sets, axial)
+    return random_scene(seed, number, DURATION_MS) if alone else machine_scene(seed, number, folder, sets)
 
 
 @app.default
 def main(
-    *, count: int = 200, seed: int = 1, first: int = 0, alone: bool = False, sets: int = 48,
-    models: tuple[str, ...] = MODELS, axial: bool = False, only: int | None = None, output: Path | None = None,
-    seconds: float = 1e9,
+    *, count: int = 200, seed: int = 1, alone: bool = False, sets: int = 48, only: int | None = None,
+    output: Path | None = None, seconds: float = 1e9,
 ) -> None:  # fmt: skip
     """Run scenes and print how they ended.
 
@@ -45,23 +44,19 @@ def main(
     ----------
     count: how many
     seed: of the draw; scene `number` of a seed and a number of sets is always the same
-    first: number of the first scene
     alone: finite elements of bearings without what stands around them
     sets: of tables, each of which compiles a time loop of its own
-    models: only scenes of these; the others are passed over
-    axial: each scene has that table
     only: run this one scene, print it and its ending
     output: CSV, a line a scene; scenes that it holds are counted, and not run again
     seconds: of wall time, after which no further scene begins
     """
-    draw = partial(drawn, seed, alone, sets, axial)
+    draw = partial(drawn, seed, alone, sets)
     if only is not None:
         with TemporaryDirectory() as place:
             tables = draw(only, Path(place))
             print(ended(tables, Path(place), only), tomli_w.dumps(tables), sep="\n")
         return
-    numbers = (n for n in range(first, first + count) if alone or of_set(seed, n, sets)[1] in models)
-    rows = list(campaign(draw, numbers, Lines(output), time.monotonic() + seconds))
+    rows = list(campaign(draw, range(count), Lines(output), time.monotonic() + seconds))
     sys.exit(report(rows, f"random scenes, seed {seed}"))
 
 

@@ -48,11 +48,10 @@ class Row(NamedTuple):
     ending: str
     what: str
     imbalance: float = math.nan  # of the exchanged energy: elastic and contact, or the kinetic one's change
-    of_stored: float = math.nan  # the same, of the elastic and contact energy alone
 
     @classmethod
     def read(cls, cells: list[str]) -> "Row":
-        return cls(int(cells[0]), *cells[1:4], *map(float, cells[4:]))
+        return cls(int(cells[0]), *cells[1:4], float(cells[4]))
 
 
 class Lines:
@@ -85,14 +84,14 @@ def ended(tables: dict[str, Any], folder: Path, number: int = 0) -> Row:
         except Exception:
             code = None
             traceback.print_exc()
-    what, imbalance = said.getvalue(), (math.nan, math.nan)
+    what, imbalance = said.getvalue(), math.nan
     ending = BY_CODE.get(code, FAILED)
     if "Traceback" in what or ending == FAILED or (code and not what):  # or without a reason
         ending, what = FAILED, f"exit {code}: {what[-400:]}"
     elif ending == COMPLETE:
         found, imbalance = judged(folder / "run.nc")
         ending, what = (FAILED, "; ".join(found)) if found else (COMPLETE, what)
-    return Row(number, tables.get("model", "fem"), ending, " ".join(what.replace(f"{folder}/", "").split()), *imbalance)
+    return Row(number, tables.get("model", "fem"), ending, " ".join(what.replace(f"{folder}/", "").split()), imbalance)
 
 
 def _tried(draw: Callable[[int, Path], dict], number: int) -> Row:
@@ -130,10 +129,9 @@ def report(rows: list[Row], title: str) -> bool:
     models = sorted({row.model for row in rows})
     table = [[model, *(str(counts[model, ending]) for ending in ENDINGS)] for model in models]
     print(f"{len(rows)} {title}", markdown_table(["model", *ENDINGS], table), sep="\n")
-    for name, of in (("imbalance", "exchanged"), ("of_stored", "stored")):
-        if shares := [getattr(row, name) for row in rows if row.ending == COMPLETE]:
-            print(f"energy imbalance of the complete, of the {of} energy: median {np.median(shares):.1e}, "
-                  f"nine in ten below {np.quantile(shares, 0.9):.1e}, largest {max(shares):.1e}")  # fmt: skip
+    if shares := [row.imbalance for row in rows if row.ending == COMPLETE]:
+        print(f"energy imbalance of the complete, of the exchanged energy: median {np.median(shares):.1e}, "
+              f"nine in ten below {np.quantile(shares, 0.9):.1e}, largest {max(shares):.1e}")  # fmt: skip
     reasons = Counter(row.what[:90] for row in rows if row.ending == REFUSED)
     print(*(f"refused: {count} times {what}" for what, count in reasons.most_common(12)), sep="\n")
     return any(row.ending == FAILED for row in rows)
@@ -157,8 +155,8 @@ GROWTH = 0.01  # of what rings grow by as they spin
 NOTHING = 1e-10  # m, an atom's radius
 
 
-def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
-    """What is wrong with a run's result, or nothing; its energy imbalance over the exchanged and the stored energy."""
+def judged(path: Path) -> tuple[list[str], float]:
+    """What is wrong with a run's result, or nothing; its energy imbalance over the exchanged energy."""
     try:
         record = read_result(path)
         try:
@@ -168,7 +166,7 @@ def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
                 raise
             check = evaluate(record, start=0.0)  # the load is ramped up until, or nearly until, the end
     except InputError as error:  # values that are not finite, or nowhere near
-        return [f"the checker refuses it: {error}"], (math.nan, math.nan)
+        return [f"the checker refuses it: {error}"], math.nan
     notes, model = record.notes, record.scene.model
 
     def says(*phrases: str) -> bool:
@@ -182,10 +180,9 @@ def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
         found += [f"{name} is not finite" for name, values in arrays.items() if not np.all(np.isfinite(values))]
     if not says("beyond Hertz's theory", "is so wide that its law"):
         found += _misplaced(record)
-    imbalance, stored, exchanged, kinetic = _energy(record)
-    shares = [imbalance / max(of, ROUND_OFF * kinetic, 1e-30) for of in (exchanged, stored)]
-    if not shares[0] <= LARGEST_IMBALANCE and not says("energy balance is off"):
-        found.append(f"energy imbalance {100.0 * shares[0]:.2g} % unnoticed")
+    share = _imbalance(record)
+    if not share <= LARGEST_IMBALANCE and not says("energy balance is off"):
+        found.append(f"energy imbalance {100.0 * share:.2g} % unnoticed")
     load = max(float(np.max(check.force)), record.operation.inner_mass * float(np.max(np.abs(record.inner_ay))), 1.0)
     kicks = [ROUNDED * float(kick[1]) for note in notes if (kick := KICKS.search(note))]
     may_miss = max([BALANCE.get(model, math.inf) * load, *kicks])  # N, of momentum
@@ -199,7 +196,7 @@ def judged(path: Path) -> tuple[list[str], tuple[float, float]]:
         missed = float(np.max(np.abs(terms["ring_flexibility"])))
         if model in BALANCE and not missed <= may_miss:
             found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
-    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record), tuple(shares)
+    return found + _unlawful(check, load) + _unstatic(record) + _unlike(record), share
 
 
 def _roller_limits(bearing) -> tuple[float, float]:
@@ -221,8 +218,8 @@ def _misplaced(record: Record) -> list[str]:
     return [name for name, is_so in wrong.items() if is_so]
 
 
-def _energy(record: Record) -> tuple[float, ...]:
-    """Largest imbalance, largest stored energy, exchanged energy and largest kinetic one, J."""
+def _imbalance(record: Record) -> float:
+    """The largest, over the exchanged energy."""
     e = record.energies
     stored = e["energy_elastic"] + e["energy_contact"]
     moved = e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e)
@@ -230,8 +227,7 @@ def _energy(record: Record) -> tuple[float, ...]:
     exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))
     if record.scene.model == "lagrange":  # what its own verdict goes by
         exchanged = np.max(stored) + np.ptp(moved) + e["work_dissipated"][-1]
-    return tuple(map(float, (np.max(np.abs(left - left[0])), np.max(stored), exchanged,
-                             np.max(e["energy_kinetic"]))))  # fmt: skip
+    return float(np.max(np.abs(left - left[0])) / max(exchanged, ROUND_OFF * np.max(e["energy_kinetic"]), 1e-30))
 
 
 def _unlawful(check: Evaluation, load: float) -> list[str]:

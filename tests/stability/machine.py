@@ -152,18 +152,10 @@ def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUD
     }  # fmt: skip
 
 
-def of_set(seed: int, number: int, sets: int) -> tuple[Draw, str]:
-    """What is drawn for a scene's set, and its model."""
-    kinds = Draw(np.random.default_rng([seed, number % sets, 2]))
-    return kinds, str(kinds.rng.choice(MODELS, p=SHARES))
-
-
-def machine_scene(seed: int, number: int, folder: Path, sets: int, axial: bool = False) -> Tables:
-    """Tables of a scene of one of so many sets; the files that it names are written to the folder.
-
-    `axial`: with that table in any case.
-    """
-    (kinds, model), values = of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]), folder)
+def machine_scene(seed: int, number: int, folder: Path, sets: int) -> Tables:
+    """Tables of a scene of one of so many sets; the files that it names are written to the folder."""
+    kinds, values = (Draw(np.random.default_rng(key), folder) for key in ([seed, number % sets, 2], [seed, number, 1]))
+    model = str(kinds.rng.choice(MODELS, p=SHARES))
     tables = random_scene(seed, number, DURATION_MS, 2e8) | {"name": f"machine {number}", "model": model}
     bearing, operation = tables["bearing"], tables["operation"]
     if values.chance(0.5):  # of materials that there are
@@ -177,7 +169,7 @@ def machine_scene(seed: int, number: int, folder: Path, sets: int, axial: bool =
     if model == "lagrange":
         tables["lagrange"] = {"angles": kinds.one_of("kinematic", "free")}
     _around(tables, kinds, values)
-    _of_its_own_kind(tables, kinds, values, axial)
+    _of_its_own_kind(tables, kinds, values)
     start = "equilibrium" if values.chance(0.7) else "rest"
     interval = 10.0 if "axial" in tables else 2.0  # µs; the checker takes long for slices
     tables["numerics"] |= {"start": start, "output_interval_us": interval}
@@ -256,10 +248,10 @@ def _surfaces(d: float, n: int, kinds: Draw, values: Draw) -> Tables:
     return tables
 
 
-def _of_its_own_kind(tables: Tables, kinds: Draw, values: Draw, axial: bool) -> None:
+def _of_its_own_kind(tables: Tables, kinds: Draw, values: Draw) -> None:
     """Kinds of bearings, without the tables that they are refused with, so that most scenes run."""
     model, bearing, operation, uniform = tables["model"], tables["bearing"], tables["operation"], values.uniform
-    drawn = {kind for kind, share in KINDS.items() if kinds.chance(share) or (axial and kind == "axial")}
+    drawn = {kind for kind, share in KINDS.items() if kinds.chance(share)}
     drawn = {kind for kind in drawn if not REFUSED_WITH.get(kind, set()) & drawn}
 
     def without(*names: str) -> None:

@@ -10,9 +10,9 @@ import sys
 from itertools import groupby
 
 from tests.measurements import SUPERSCRIPT, markdown_table, program
-from tests.verification import Case, Check, Outcome, contact_statics, elastic_bodies, impact, rolling, run_case
+from tests.verification import Case, Check, Outcome, contact_statics, elastic_bodies, impact, rolling, run_case, spalls
 
-CASES = [*elastic_bodies.CASES, *contact_statics.CASES, *impact.CASES, *rolling.CASES]
+CASES = [*elastic_bodies.CASES, *contact_statics.CASES, *impact.CASES, *rolling.CASES, *spalls.CASES]
 HEADINGS = ("case", "quantity", "computed", "reference", "error", "tolerance", "the reference's origin")
 
 

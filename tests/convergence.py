@@ -1,4 +1,4 @@
-"""How results depend on mesh, step and interval: `python -m tests.accuracy.convergence`.
+"""How results depend on mesh, step and interval: `python -m tests.convergence`.
 
 Mesh and step are refined together, as users do; shares of the critical step make the halves exact. Statics are held
 against the exact series, too. Draws docs/convergence.png.
@@ -145,4 +145,4 @@ def orders():
 
 
 if __name__ == "__main__":
-    program(__doc__, "tests.accuracy.convergence", orders)
+    program(__doc__, "tests.convergence", orders)

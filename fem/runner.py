@@ -207,12 +207,12 @@ def result_megabytes(plan: Plan) -> float:
 def size_warning(plan: Plan) -> tuple[str, ...]:
     """A warning of a large result file, or none."""
     size, numerics = result_megabytes(plan), plan.scene.numerics
-    told = (
+    warning = (
         f"the result file takes {size:.3g} MB; to make it smaller, lower numerics.duration_ms = "
         f"{numerics.duration_ms:g}, or raise numerics.output_interval_us = {numerics.output_interval_us:g} if fast "
         "vibration does not matter"
     )
-    return (told,) if size > LARGE_RESULT else ()
+    return (warning,) if size > LARGE_RESULT else ()
 
 
 def show_plan(scene: Scene, name: str) -> Outcome:
